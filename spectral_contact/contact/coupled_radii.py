@@ -18,7 +18,7 @@ from spectral_contact.contact.resolution import DEEPEST, PROBE
 from spectral_contact.contact.zone_fields import positive
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_newton import ZoneState
+    from spectral_contact.contact.free_boundary import FieldSolution
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
 #: How far past the layers radii are looked at, as logits.
@@ -62,14 +62,14 @@ def stick_radii(
     from scipy.optimize import brentq
 
     def condition(logit: float) -> float:
-        return float(problem.rough(logit).mismatch[0])
+        return float(problem.rough(logit).boundary_residual[0])
 
     solved = ((one, problem.rough(one)) for one in logits)
     trials = takewhile(
-        lambda pair: not contacts or positive(pair[1].system.series(pair[1].solution)[0]), solved
+        lambda pair: not contacts or positive(pair[1].system.series(pair[1].values)[0]), solved
     )
     for (low, first), (high, second) in pairwise(trials):
-        if (first.mismatch[0] > 0.0) != (second.mismatch[0] > 0.0):
+        if (first.boundary_residual[0] > 0.0) != (second.boundary_residual[0] > 0.0):
             root = float(brentq(condition, low, high, xtol=_NEAR))
             yield _described(root, problem.rough(root))
 
@@ -81,9 +81,9 @@ def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
-def _described(logit: float, state: ZoneState) -> PossibleRadius:
+def _described(logit: float, state: FieldSolution) -> PossibleRadius:
     """Return what the fields at a radius are like."""
-    pressures, shears = state.system.series(state.solution)
+    pressures, shears = state.system.series(state.values)
     if not positive(pressures):
         return PossibleRadius(logit, False, inf)
     q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * shears[0](DISTANCES)

@@ -14,6 +14,7 @@ from math import atan2, exp, inf, log, pi, sqrt
 
 import numpy as np
 
+from spectral_contact.contact.error_estimate import ZoneSolution, relative_changes, sizes_of
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Attempt, Refinement
 from spectral_contact.contact.resolution import (
@@ -25,7 +26,6 @@ from spectral_contact.contact.resolution import (
     places,
     share_of_change,
 )
-from spectral_contact.contact.zone_assessment import ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of
@@ -93,7 +93,9 @@ def _with_fields(
         p, q = ended(zones.pressures[0], q, system.parameters, 1.0)
         pressure, opening = PressureField(None, p), _opening(p)
         ratios = opening is None and not p.oscillation
-        each = shares_of(system, zones.solution[:, 1], sizes_of(system, zones.solution[:, 0]))
+        each = relative_changes(
+            system, zones.solution[:, 1], sizes_of(system, zones.solution[:, 0])
+        )
         shares = [(panels, one) for one in each]
     else:
         pressure, shares = contact.pressure, [(panels, solved.indicators)]

@@ -31,13 +31,13 @@ class Layout(NamedTuple):
         ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
     states : tuple of int
         One more than boundaries; the first is 0.
-    slopes : ndarray, shape (boundaries, boundaries), optional
-        By what the conditions at the boundaries rise with the logits, if known.
+    jacobian : ndarray, shape (boundaries, boundaries), optional
+        Derivatives of the boundary residual by the logits, if known.
     """
 
     logits: tuple[float, ...]
     states: tuple[int, ...]
-    slopes: NDArray[np.float64] | None = None
+    jacobian: NDArray[np.float64] | None = None
 
     def with_stick(self, intervals: tuple[tuple[float, float], ...]) -> Layout:
         """Return the layout with further stick in intervals of slip.
@@ -61,7 +61,7 @@ class Layout(NamedTuple):
 
 
 def unmoved(logit: float) -> Layout:
-    """Return one stick disk whose boundary stays, so steep are the slopes of its condition."""
+    """Return one stick disk whose boundary stays, so steep is its residual said to be."""
     return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
 
 

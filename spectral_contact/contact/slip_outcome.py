@@ -36,7 +36,7 @@ from spectral_contact.records import Zone
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_assessment import ZoneSolution
+    from spectral_contact.contact.error_estimate import ZoneSolution
 
 #: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
 #: by 1, and zones that follow from less are made of noise.

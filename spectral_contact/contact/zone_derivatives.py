@@ -6,13 +6,13 @@ any difference of solutions. One more right-hand side for each parameter, with t
 is the derivative of the fields. It solves the equations on zones that stay where they are, and its
 traction has a jump at every boundary, as what a boundary moves by is of second order but for that.
 
-What the conditions of the boundaries change by, over their slopes, is by how far these move. The
-slopes are those of polynomials through conditions at boundaries near by.
+The boundaries move by the change of the boundary residual over its Jacobian, which is that of
+polynomials through residuals at boundaries near by.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -20,34 +20,39 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from spectral_contact.contact.error_estimate import JACOBIAN_CURVATURE, relative_size
+from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.resolution import ROUNDING, NormalContact
-from spectral_contact.contact.zone_assessment import BENT
 from spectral_contact.contact.zone_fields import stick_series
-from spectral_contact.contact.zone_newton import ZoneState
-from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+from spectral_contact.contact.zone_problem import narrowest
+from spectral_contact.contact.zone_spaces import first_spaces, known_pressure_spaces
 from spectral_contact.fields.series import (
     DiskSeries,
     EdgeWeight,
+    Radius,
     ZonalField,
     ZonePiece,
 )
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.spectral.parameters import Parameters
 
 Array = NDArray[np.float64]
 
-#: Places that the conditions are taken at, and how far they are, of the narrowest zone: so near
-#: that the factors serve, and polynomials are right to 1e-12.
+#: Nodes, and half the width of their interval over that of the narrowest zone: so near that the
+#: factors of the middle serve, and polynomials are right to 1e-12.
 _PLACES, _WIDTH = 8, 0.06
 _NODES, _FIT = chebyshev_interpolation(_PLACES)
-#: From values there to the slope in the middle.
+#: From values at the nodes to the derivative in the middle.
 _SLOPE = np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(_PLACES)])
 _SLOPE = _SLOPE @ _FIT / _WIDTH
-#: What corrections leave, and how many there are of derivatives and boundaries.
-_LEFT, _CORRECTIONS, _STEPS = 0.5 * float(np.finfo(float).eps), 4, 2
+#: Relative error that corrections of the fields leave; corrections of derivatives; Newton steps of
+#: the boundaries.
+_FIELD_TOLERANCE = 0.5 * float(np.finfo(float).eps)
+_CORRECTIONS, _STEPS = 4, 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +64,7 @@ class ZoneDerivatives:
     logits : ndarray, shape (boundaries, parameters)
         Of ``ln(b**2/(1 - b**2))`` of the boundaries.
     noise : ndarray, shape (boundaries, parameters)
-        What rounding of the conditions makes of them.
+        What rounding of the boundary residual makes of them.
     approach, shear : ndarray, shape (parameters,)
         Of ``delta*``, if the pressure is unknown, and of ``Q*``.
     pressure, traction : list of ZonalField
@@ -98,82 +103,120 @@ def differentiated(
     known : sequence of NormalContact
         With the pressure and with its derivative by alpha, if it is known.
     """
-    slopes = np.eye(len(layout.logits))  # they are not needed yet
-    zones = Layout(layout.logits, layout.states, slopes)
-    problem = FreeBoundaryProblem(parameters, zones, tolerance, known=known[0] if known else None)
-    problem.pressures = [one.pressure for one in known]
-    return _AtBoundaries(problem, tolerance, names).outcome()
+    logits = np.array(layout.logits)
+    radii = tuple(map(Radius.from_logit, layout.logits))
+    alpha, beta, _, _ = parameters
+    first = known_pressure_spaces if known else first_spaces
+    spaces = first(alpha, beta, radii, layout.states, tolerance)
+    pressures = [contact.pressure for contact in known]
+
+    def system_at(parameters: Parameters, logits: Array) -> ContactSystem:
+        radii = tuple(map(Radius.from_logit, logits.tolist()))
+        return ContactSystem(radii, layout.states, spaces, parameters, pressures)
+
+    return _AtBoundaries(parameters, logits, system_at, names).outcome()
+
+
+class _FunctionalDerivatives(NamedTuple):
+    """Partial derivatives by some parameters, at fields that stay as they are.
+
+    Attributes
+    ----------
+    jumps, shortfalls : ndarray, shape (boundaries, parameters)
+        Of the jumps of the traction and of E(b).
+    shear : ndarray, shape (parameters,)
+        Of the total shear.
+    """
+
+    jumps: Array
+    shortfalls: Array
+    shear: Array
 
 
 class _AtBoundaries:
-    """A problem at its boundaries, its state there, and the derivatives of that."""
+    """A solution on its boundaries, and its derivatives.
+
+    Parameters
+    ----------
+    parameters : Parameters
+    logits : ndarray
+        Of the boundaries.
+    system_at : callable
+        Returns the system with other parameters and boundaries.
+    names : sequence of str
+        Of the parameters.
+    """
 
     def __init__(
-        self, problem: FreeBoundaryProblem, tolerance: float, names: Sequence[str]
+        self,
+        parameters: Parameters,
+        logits: Array,
+        system_at: Callable[[Parameters, Array], ContactSystem],
+        names: Sequence[str],
     ) -> None:
-        self.problem, self.names = problem, names
-        self.spaces = problem.spaces(tolerance)
-        self._settle()
+        self.parameters, self.names = parameters, names
+        self.system_at = system_at
+        self.narrowest = narrowest(logits)
+        self.fields = self._solution(logits)
+        #: derivatives of boundary residual, approach and shear by the logits, as rows
+        self.moved = self._boundary_derivatives(logits)
+        for _ in range(_STEPS - 1 if len(logits) else 0):
+            residual = self.fields.boundary_residual
+            logits = logits - np.linalg.solve(self.moved[:, :-2].T, residual)
+            self.fields = self._solution(logits)
+        self.logits = logits
+        self.system = self.fields.system
 
-    def _settle(self) -> None:
-        """Find the state at the boundaries, how it changes with these, and the last digits."""
-        problem, steps = self.problem, _STEPS if len(self.problem.logits) else 1
-        for step in range(steps):
-            system = problem.system(self.spaces, problem.logits)
-            factors = factored(system)
-            self.state = problem.settled(ZoneState.begin(factors), _LEFT)
-            if step == 0:
-                self.moved = self._moved(factors)
-            if step + 1 < steps:
-                problem.logits = problem.logits - np.linalg.solve(
-                    self.moved[:, :-2].T, self.state.mismatch
-                )
-        self.system, self.factors = system, factors
+    def _solution(self, logits: Array) -> FieldSolution:
+        """Return the fields on boundaries, to rounding."""
+        factors = factored(self.system_at(self.parameters, logits))
+        return corrected(FieldSolution.first(factors), _FIELD_TOLERANCE, relative_size).fields
 
-    def _moved(self, factors: Factored) -> Array:
-        """Return by how much conditions, approach and shear rise with the boundaries, as rows."""
-        problem, begin = self.problem, self.problem.logits
-        rows, near = [], 2.0 * problem.far >= _WIDTH
-        for own in np.eye(len(begin)):
+    def _boundary_derivatives(self, logits: Array) -> Array:
+        compliances = self.parameters[int(self.fields.system.pressure_known) : 2]
+        factors_serve = min(1.0, *compliances) > SMALL_COMPLIANCE
+        rows = []
+        for direction in np.eye(len(logits)):
             values = []
             for node in _NODES:
-                logits = begin + _WIDTH * problem.narrowest * node * own
-                system = problem.system(self.spaces, logits)
-                own_factors = factors if near else factored(system)
-                state = replace(self.state, system=system, factored=own_factors)
-                state = problem.settled(state, _LEFT)
-                shear = state.approach * system.total_shear(state.solution)
-                values.append([*state.mismatch, state.approach, shear])
-            rows.append(_SLOPE @ np.array(values) / problem.narrowest)
-        return np.array(rows).reshape(len(begin), len(begin) + 2)
+                at = logits + _WIDTH * self.narrowest * node * direction
+                moved = replace(self.fields, system=self.system_at(self.parameters, at))
+                if not factors_serve:
+                    moved = moved.refactored()
+                moved = corrected(moved, _FIELD_TOLERANCE, relative_size).fields
+                shear = moved.approach * moved.system.total_shear(moved.values)
+                values.append([*moved.boundary_residual, moved.approach, shear])
+            rows.append(_SLOPE @ np.array(values) / self.narrowest)
+        return np.array(rows).reshape(len(logits), len(logits) + 2)
 
     def outcome(self) -> ZoneDerivatives:
         """Return the derivatives."""
-        system, state, count = self.system, self.state, len(self.names)
-        drive, balance = system.boundary_rows
-        solved, felt = self._solved()
+        system, fields, count = self.system, self.fields, len(self.names)
+        solved, partial = self._at_given_boundaries()
         values: Array = solved[:, :count]  # where boundaries stay the traction jumps
         responses: Array = solved[:, count:]
-        rigid, singular = system.parameters.beta == 0.0, np.zeros(count)
-        missed: Array = np.asarray(balance @ values + felt.balances)
+        rigid = system.parameters.beta == 0.0
+        singular = np.zeros(count)
+        shortfall = system.boundary_rows.shortfall
+        defects: Array = np.asarray(shortfall @ values + partial.shortfalls)
         if not rigid:  # it stays continuous where they move
             jumps = system.jump_rows
-            missed = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + felt.jumps))
-        missed_there: Array = missed / (drive @ state.solution)[:, None]
-        logits: Array = np.asarray(-np.linalg.solve(self.moved[:, :-2].T, missed_there))
-        scale = state.approach
-        raised = np.array([-state.bearing(one) / state.bearing(state.solution) for one in values.T])
-        shear = scale * (
-            system.shear_row @ values + felt.shear + raised * system.total_shear(state.solution)
-        )
+            defects = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + partial.jumps))
+        residual: Array = defects / fields.drive[:, None]
+        logits: Array = np.asarray(-np.linalg.solve(self.moved[:, :-2].T, residual))
+        scale = fields.approach
+        load = fields.load_integral(fields.values)
+        raised = np.array([-fields.load_integral(change) / load for change in values.T])
+        own_shear = system.total_shear(fields.values)
+        shear = scale * (system.shear_row @ values + partial.shear + raised * own_shear)
         approach = scale * raised
-        if rigid and self.exact:  # what the half-integral m of a disk is that of: a root below
-            singular = scale * missed[0]
+        if rigid and self._root_is_known:  # the traction of the defect has a root at the rim
+            singular = scale * defects[0]
             shear = shear + np.pi * system.radii[0].square * singular
         elif rigid:  # the jumps are infinite
             approach = approach + logits.T @ self.moved[:, -2]
             shear = shear + logits.T @ self.moved[:, -1]
-        vectors = scale * (values + state.solution[:, None] * raised)
+        vectors = scale * (values + fields.values[:, None] * raised)
         return ZoneDerivatives(
             logits,
             self._noise(logits),
@@ -183,63 +226,59 @@ class _AtBoundaries:
         )
 
     def _noise(self, logits: Array) -> Array:
-        """Return by how much rounding of the conditions, in slopes and boundaries, moves these."""
-        inverse, narrowest = np.abs(np.linalg.inv(self.moved[:, :-2])).T, self.problem.narrowest
-        rough = ROUNDING / narrowest * float(np.abs(_SLOPE).sum())
-        off = ROUNDING * inverse.sum(axis=1, keepdims=True)  # of the boundaries, and slopes bend
-        moved = np.abs(logits)
+        """Return what rounding of the boundary residual makes of the derivatives of the logits.
+
+        It enters their Jacobian, and the boundaries, over whose width the Jacobian changes.
+        """
+        inverse = np.abs(np.linalg.inv(self.moved[:, :-2])).T
+        in_jacobian = ROUNDING / self.narrowest * float(np.abs(_SLOPE).sum())
+        by_residual = inverse.sum(axis=1, keepdims=True)
+        size = np.abs(logits)
+        curvature = JACOBIAN_CURVATURE / self.narrowest
         return np.asarray(
-            rough * inverse.sum(axis=1, keepdims=True) * moved.sum(axis=0)
-            + (BENT / narrowest * off * moved)
+            in_jacobian * by_residual * size.sum(axis=0) + curvature * ROUNDING * by_residual * size
         )
 
     @property
-    def exact(self) -> bool:
-        """Whether the response to a lift without tangential compliance is known: that of a disk."""
+    def _root_is_known(self) -> bool:
+        """Whether the response to a defect without tangential compliance is known: on one disk."""
         return self.system.pressure_known and len(self.system.radii) == 1
 
-    def _solved(self) -> tuple[Array, _Felt]:
-        """Return the derivatives at given boundaries, and the responses to unit imbalances.
+    def _at_given_boundaries(self) -> tuple[Array, _FunctionalDerivatives]:
+        """Return the derivatives at given boundaries, and the responses to unit defects.
 
-        With them what functionals change by, of the same solution.
+        With them the partial derivatives of functionals.
         """
         system, count = self.system, len(self.names)
-        boundaries, given = len(system.radii), system.pressure_known
+        boundaries = len(system.radii)
         right = np.zeros((system.unknowns, count + boundaries))
-        values, units = np.zeros_like(right), np.zeros((boundaries, count + boundaries))
+        values = np.zeros_like(right)
+        units = np.zeros((boundaries, count + boundaries))
         units[:, count:] = np.eye(boundaries)
-        jumps, balances = np.zeros((2, boundaries, count))
-        felt = _Felt(jumps, balances, np.zeros(count))
-        before = self._seen(system)
+        jumps = np.zeros((boundaries, count))
+        partial = _FunctionalDerivatives(jumps, np.zeros_like(jumps), np.zeros(count))
+        before = self._evaluated(system)
         for i, name in enumerate(self.names):
-            if given and name == "alpha":
+            if system.pressure_known and name == "alpha":
                 values[1, i] = 1.0  # of the pressure's derivative
                 continue
             size = getattr(system.parameters, name)
-            after = self._seen(self._with(name, 2.0 * size))
+            doubled = self.parameters._replace(**{name: 2.0 * size})
+            after = self._evaluated(self.system_at(doubled, self.logits))
             rise = [(b - a) / size for a, b in zip(before, after, strict=True)]
-            right[:, i], felt.jumps[:, i], felt.balances[:, i], felt.shear[i] = rise
+            right[:, i], partial.jumps[:, i], partial.shortfalls[:, i], partial.shear[i] = rise
         nothing = np.zeros(values.shape[1])
         for _ in range(_CORRECTIONS):
-            missed = system.residual(values, nothing, units)
-            values += self.factors.step(missed + right)
-        return values, felt
+            residual = system.residual(values, nothing, units)
+            values += self.fields.factors.step(residual + right)
+        return values, partial
 
-    def _with(self, name: str, value: float) -> ContactSystem:
-        """Return the system with another value of a parameter."""
-        problem, own = self.problem, self.problem.parameters
-        problem.parameters = own._replace(**{name: value})
-        try:
-            return problem.system(self.spaces, problem.logits)
-        finally:
-            problem.parameters = own
-
-    def _seen(self, system: ContactSystem) -> list[Array]:
-        """Return what a system with like parameters makes of the solution."""
-        own, imbalance = self.state.solution, self.state.imbalance
-        missed = system.residual(own[:, None], np.ones(1), imbalance[:, None])
-        functionals = system.jump_rows, system.boundary_rows.shortfall, system.shear_row
-        return [missed[:, 0], *(one @ own for one in functionals)]
+    def _evaluated(self, system: ContactSystem) -> list[Array]:
+        """Return residual, jumps, shortfalls and shear of the solution in another system."""
+        values, defects = self.fields.values, self.fields.defects
+        residual = system.residual(values[:, None], np.ones(1), defects[:, None])
+        rows = system.jump_rows, system.boundary_rows.shortfall, system.shear_row
+        return [residual[:, 0], *(row @ values for row in rows)]
 
     def _fields(self, vectors: Array, singular: Array) -> tuple[list[ZonalField], list[ZonalField]]:
         """Return pressures, unless they are given, and tractions in stick."""
@@ -256,11 +295,3 @@ class _AtBoundaries:
             pieces = [ZonePiece(outer, sticks.get(k)) for k, outer in enumerate(bounds[1:])]
             tractions.append(ZonalField(tuple(pieces)))
         return pressures, tractions
-
-
-class _Felt(NamedTuple):
-    """Derivatives of functionals at the same solution: jumps, balances, and the shear."""
-
-    jumps: Array
-    balances: Array
-    shear: Array

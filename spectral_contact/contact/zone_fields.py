@@ -27,7 +27,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_assessment import ZoneSolution
+    from spectral_contact.contact.error_estimate import ZoneSolution
 
 #: Rounds of a fixed point whose error falls by 3 kappa f, a twentieth, in each.
 _ROUNDS = 14

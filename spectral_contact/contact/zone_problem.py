@@ -1,23 +1,26 @@
-"""Any zones of stick and slip: their boundaries are solved for.
+"""Any zones of stick and slip, with free boundaries, in spaces that are refined.
 
-With elastic coupling pressure and traction are unknown together, else the pressure is given. At
-given boundaries the system is linear in the imbalances, by which what the half-integral of the
-traction lacks there is off what the fields make it. Continuity gives them, and that there is none
-is the condition of each boundary.
+With elastic coupling pressure and traction are unknown together; without it the pressure is known,
+and everything tangential is for kappa = 1. Full stick has no boundary, one stick disk has one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from math import inf
 
 import numpy as np
 
+from spectral_contact.contact.error_estimate import ZoneEstimate, ZoneSolution, relative_size
+from spectral_contact.contact.free_boundary import (
+    FieldSolution,
+    FreeBoundary,
+    Iterate,
+    corrected,
+)
 from spectral_contact.contact.layout import Layout, NoBoundariesError
-from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.refine import Attempt, Refinement, refine
 from spectral_contact.contact.resolution import (
-    LEFT,
     PROBE,
     ROUGH,
     ROUNDING,
@@ -34,38 +37,24 @@ from spectral_contact.contact.stick_radius import (
     least_logit,
     root_near,
 )
-from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
-from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
-from spectral_contact.contact.zone_spaces import driven_spaces, first_spaces, parted
+from spectral_contact.contact.zone_spaces import first_spaces, known_pressure_spaces, parted
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.threads import cached_property
 
-#: At the edge nothing happens in less than this of the layer: 1e-12 misses annuli of 4e-12 that
-#: are guessed at a tenth of their width, with 1e-16 no digit of them is another one.
-_NARROWEST = 1e-14
-#: How far boundaries may move, of the narrowest zone, before slopes are found anew; where more of a
-#: step is left there are none. 25 scenes take 98 systems, 91 with 0.4 and 116 with 0.02.
-_STALE = 0.1
-#: Most corrections at given boundaries.
-_CORRECTIONS = 10
-#: How far the boundaries of factors may be, of a zone, in thick layers and in thin ones: 25 scenes
-#: take 98 systems, 78 with 0.01 for the second, and 212 corrections, 227 with 0.3 for the first.
-_FAR, _FAR_THIN = 0.03, 1e-4
-#: By how much tighter first spaces are tried, so often, where the estimate does not fall any more:
-#: what is added to a space here and there may not help, a better one does. And the least tolerance.
-_FINER, _TRIES, _TIGHTEST = 0.1, 3, 1e-12
-#: Error of the radius, as a logit, from which finer spaces start; 1e-3 and 1e-8 do not change them.
-_NEAR = ROUGH * PROBE
-#: Tolerance from which on no small space comes first: with three evaluations a radius is known to
-#: 1e-13. So much smaller is what counts for nothing, as rounding here, of what slips.
-_FEW_DIGITS = ROUGH**3
-#: What weights of solutions that tell another one come to at most: more makes their noise felt.
-_MOST_WEIGHT = 3
+#: A last zone that is narrower than this share of the layer at the edge is none: 1e-12 misses
+#: annuli of 4e-12, and with 1e-16 no digit of them is another one.
+_NARROWEST_AT_EDGE = 1e-14
+#: The Jacobian serves as long as boundaries move by less than this share of the narrowest zone.
+_JACOBIAN_RANGE = 0.1
+#: Where the estimate stalls the first space is that of this share of the tolerance, so many times,
+#: and never of less than a least tolerance.
+_TIGHTER, _MOST_TRIES, _TIGHTEST = 0.1, 3, 1e-12
+#: Slope of the condition of one stick radius in its logit to begin secants with.
+_FIRST_SLOPE = 0.5
 
 
 class FreeBoundaryProblem:
@@ -75,6 +64,8 @@ class FreeBoundaryProblem:
     ----------
     parameters : Parameters
     layout : Layout
+        States of the zones, and a guess of their boundaries. Where it has a Jacobian the boundaries
+        are near by.
     tolerance : float
         Bound on the relative errors of both fields, pointwise.
     pointwise : bool
@@ -96,106 +87,34 @@ class FreeBoundaryProblem:
         goal: float | None = None,
     ) -> None:
         self.parameters, self.pointwise = parameters, pointwise
-        #: the pressure, and its changes once they are wanted; none if it is unknown
-        self.pressures: list[PressureField] = []
-        self.pressures_truncated = False
-        self._known = known
-        if known is not None:
-            self.pressures = [known.pressure]
-        self.goal = tolerance if goal is None else goal
-        self.tolerance = tolerance if pointwise or self.pressures else float(np.sqrt(tolerance))
         self.states = layout.states
-        self.logits = np.array(layout.logits)
-        slopes = layout.slopes if layout.logits else np.zeros((0, 0))
-        if slopes is not None:
-            self.slopes = slopes
-        self.near = layout.slopes is not None
+        self.goal = tolerance if goal is None else goal
+        self.tolerance = tolerance if pointwise or known else float(np.sqrt(tolerance))
+        self.near = layout.jacobian is not None
+        self._layout = layout
+        self._known = known
+        self._counts: list[int] = []
 
-    @property
-    def layout(self) -> Layout:
-        """The boundaries as they are known, with the slopes of their conditions."""
-        slopes = self.slopes  # boundaries are found with them
-        return Layout(tuple(self.logits.tolist()), self.states, slopes)
+    # systems
 
-    @cached_property
-    def slopes(self) -> Array:
-        """By how much the conditions rise with the boundaries, as logits: finds these roughly."""
-        if len(self.logits) == 1:
-            guess = float(self.logits[0]), 0.5, ROUGH
-            least = LEAST_LOGIT if self.pressures else least_logit(self.parameters)
-            root = root_near(lambda x: float(self.rough(x).mismatch[0]), *guess, least=least)
-            self.logits = np.array(root[:1])
-            return np.array([root[1:]])
-        begin, (spaces, factors) = self.logits, self._sloped()
-        settle = min(ROUGH, 0.5 * _STALE * self.narrowest)
-        state = ZonesNewton(self, spaces, settle, factors).run(ROUGH)
-        left = float(np.abs(np.linalg.solve(self.slopes, state.mismatch)).max())
-        if not left < _STALE * self.narrowest:
-            raise NoBoundariesError("no such boundaries are found")
-        if self.drift(begin) > _STALE:
-            self._sloped()
-        return self.slopes
-
-    def rough(self, logit: float) -> ZoneState:
-        """Return the contact with one given boundary in a small space."""
-        at = np.array([logit])
-        system = self.system(self.spaces(PROBE, at), at)
-        return self.settled(ZoneState.begin(factored(system)), ROUGH)
-
-    def _sloped(self, aim: float = SLOPING) -> tuple[list[Resolution], Factored]:
-        """Find the slopes of the conditions in a small space; return it and its factors."""
-        spaces = self.spaces(ROUGH)
-        factors = factored(self.system(spaces, self.logits))
-        begin = self.settled(ZoneState.begin(factors), aim)
-        if self.tells(begin):
-            return spaces, factors
-
-        def conditions(logits: Array) -> Array:
-            system = self.system(spaces, logits)
-            own = factors if self.drift(logits) <= self.far else factored(system)
-            return self.settled(replace(begin, system=system, factored=own), aim).mismatch
-
-        self.slopes = differences(conditions, self.logits)
-        return spaces, factors
-
-    def tells(self, state: ZoneState) -> bool:
-        """Take the slopes from fields, if panels know these near to boundaries and q has digits."""
-        known = self.thinnest >= SMALL_COMPLIANCE and self.parameters.beta < 0.5 / ROUNDING
-        if known:
-            self.slopes = state.slopes(float(np.sqrt(max(self.tolerance, SLOPING))))
-        return known
-
-    # spaces
-
-    def spaces(self, tolerance: float, logits: Array | None = None) -> list[Resolution]:
-        """Return the first spaces, at boundaries as they are known or at others."""
+    def spaces(self, tolerance: float, logits: Array) -> list[Resolution]:
+        """Return the first spaces for a tolerance, with these boundaries."""
         alpha, beta, _, _ = self.parameters
-        at = self.logits if logits is None else logits
-        radii = tuple(map(Radius.from_logit, at.tolist()))
-        first = driven_spaces if self.pressures else first_spaces
+        radii = tuple(map(Radius.from_logit, logits.tolist()))
+        first = known_pressure_spaces if self._known else first_spaces
         return first(alpha, beta, radii, self.states, tolerance)
 
-    def start(self) -> Resolution:
-        """Return the first space, of all parts one after the other."""
-        # boundaries superconverge: a space for half the digits has nearly all of theirs
-        halfway = np.sqrt(self.tolerance)
-        known = self.pressures and self.near  # to digits that are as good
-        if len(self.slopes) and halfway < _FINER * ROUGH and not known:
-            settle = max(self.tolerance, NOISE)
-            state = self._newton(self.spaces(halfway), settle).run(halfway)
-            last = np.linalg.solve(self.slopes, state.mismatch)
-            if float(np.abs(last).max()) < settle:  # it saves a system in the first space
-                self.logits = self.logits - last
-        spaces = self.spaces(self.tolerance)
-        self._counts = [one.panels.panels for one in spaces]
-        return joined(spaces)
-
-    def parted(self, resolution: Resolution) -> list[Resolution]:
-        """Return the spaces of all parts, of one like that of `start`."""
-        return parted(resolution, self._counts, self.parameters.alpha)
-
-    def system(self, spaces: list[Resolution], logits: Array) -> ContactSystem:
+    def system(
+        self, spaces: Sequence[Resolution], logits: Array, *, changes: bool = False
+    ) -> ContactSystem:
         """Return the equations with given boundaries.
+
+        Parameters
+        ----------
+        spaces : sequence of Resolution
+        logits : ndarray
+        changes : bool
+            Whether it takes the changes of a known pressure, which tell of its error.
 
         Raises
         ------
@@ -203,107 +122,170 @@ class FreeBoundaryProblem:
             If a zone vanishes.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        if len(radii) > 1 and radii[-1].rest < _NARROWEST * self.parameters.alpha:
+        if len(radii) > 1 and radii[-1].rest < _NARROWEST_AT_EDGE * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
+        pressures: list[PressureField] = []
+        if self._known is not None:
+            pressures = [self._known.pressure]
+            if changes:
+                own = [change.pressure for change in self._known.changes]
+                nothing = PressureField(None, None)  # an exact pressure has no error of its own
+                pressures += own or [nothing, nothing]
         return ContactSystem(
             radii,
             self.states,
             spaces,
             self.parameters,
-            self.pressures,
-            truncated=self.pressures_truncated,
+            pressures,
+            truncated=changes and self._known is not None,
         )
 
-    # solutions
+    def _newton(self, spaces: Sequence[Resolution], *, changes: bool = False) -> FreeBoundary:
+        return FreeBoundary(
+            lambda logits: self.system(spaces, logits, changes=changes), relative_size
+        )
 
-    def _newton(self, spaces: list[Resolution], settle: float) -> ZonesNewton:
-        factors = factored(self.system(spaces, self.logits))
-        return ZonesNewton(self, spaces, settle, factors)
+    # where boundaries are looked for first, in small spaces
 
-    def settled(self, state: ZoneState, aim: float) -> ZoneState:
-        """Correct a solution at given boundaries, as far as is aimed."""
-        size = inf
-        for _ in range(_CORRECTIONS):
-            state, change = state.corrected()
-            before, size = size, self.size(state, change)
-            if size * max(LEFT, min(size / before, 1.0)) < aim or size > before:
-                break
-        return state
+    def rough(self, logit: float) -> FieldSolution:
+        """Return the contact with one given boundary in a small space."""
+        logits = np.array([logit])
+        system = self.system(self.spaces(PROBE, logits), logits)
+        return corrected(FieldSolution.first(factored(system)), ROUGH, relative_size).fields
 
-    def size(self, state: ZoneState, change: Array) -> float:
-        """Return the largest share of a change."""
-        shares = shares_of(state.system, change, sizes_of(state.system, state.solution))
-        return max(float(one.max()) for one in shares)
+    def located(self) -> Layout:
+        """Return the boundaries with their Jacobian: as they are given, or as found roughly.
 
-    def drift(self, begin: Array) -> float:
-        """Return how far boundaries are from others, of the narrowest zone."""
-        return float(np.abs(self.logits - begin).max(initial=0.0)) / self.narrowest
+        Raises
+        ------
+        NoBoundariesError, NoStickDiskError
+            If there are none.
+        """
+        layout = self._layout
+        if layout.jacobian is not None:
+            return layout
+        if not layout.logits:
+            return layout._replace(jacobian=np.zeros((0, 0)))
+        if len(layout.logits) == 1:
+            return self._located_disk(layout.logits[0])
+        logits = np.array(layout.logits)
+        spaces = self.spaces(ROUGH, logits)
+        newton = self._newton(spaces)
+        jacobian = self._jacobian(spaces, logits)
+        settle = min(ROUGH, 0.5 * _JACOBIAN_RANGE * narrowest(logits))
+        iterate = newton.solve(newton.start(logits, jacobian), settle, ROUGH)
+        left = float(np.abs(iterate.newton_step).max())
+        if not left < _JACOBIAN_RANGE * narrowest(iterate.logits):
+            raise NoBoundariesError("no such boundaries are found")
+        return self._layout_of(iterate.logits, iterate.jacobian)
 
-    @property
-    def far(self) -> float:
-        """How far boundaries may be from those of factors, of the narrowest zone."""
-        return _FAR if self.thinnest > SMALL_COMPLIANCE else _FAR_THIN
+    def _located_disk(self, guess: float) -> Layout:
+        """Return the boundary of one stick disk, and the slope of its residual."""
+        least = LEAST_LOGIT if self._known else least_logit(self.parameters)
 
-    @property
-    def thinnest(self) -> float:
-        """The least compliance in an equation, or 1."""
-        return min(1.0, *self.parameters[int(bool(self.pressures)) : 2])
+        def residual(logit: float) -> float:
+            return float(self.rough(logit).boundary_residual[0])
 
-    @property
-    def narrowest(self) -> float:
-        """The width of the narrowest zone between boundaries, as logits, or 1."""
-        return float(min([1.0, *np.diff(self.logits)]))
+        logit, slope = root_near(residual, guess, _FIRST_SLOPE, ROUGH, least=least)
+        return self._layout_of(np.array([logit]), np.array([[slope]]))
 
-    # outcome
+    def _jacobian(
+        self, spaces: Sequence[Resolution], logits: Array, tolerance: float = SLOPING
+    ) -> Array:
+        """Return the derivatives of the boundary residual by differences."""
+        factors = factored(self.system(spaces, logits))
+        begin = corrected(FieldSolution.first(factors), tolerance, relative_size).fields
+
+        def residual(at: Array) -> Array:
+            moved = replace(begin, system=self.system(spaces, at))
+            return corrected(moved, tolerance, relative_size).fields.boundary_residual
+
+        return differences(residual, logits)
+
+    def _layout_of(self, logits: Array, jacobian: Array) -> Layout:
+        return Layout(tuple(logits.tolist()), self.states, jacobian)
+
+    # what `refine` asks for
+
+    def start(self) -> Resolution:
+        """Return the first space, of all parts one after the other."""
+        self._layout = self.located()
+        logits = np.array(self._layout.logits)
+        # boundaries superconverge: in a space for half the digits they have nearly all of theirs
+        halfway = float(np.sqrt(self.tolerance))
+        if len(logits) and halfway < _TIGHTER * ROUGH and not (self._known and self.near):
+            newton = self._newton(self.spaces(halfway, logits))
+            assert self._layout.jacobian is not None
+            begin = newton.start(logits, self._layout.jacobian)
+            settle = max(self.tolerance, NOISE)
+            iterate = newton.solve(begin, settle, halfway, near=self.near)
+            logits = iterate.logits
+            if iterate.converged:
+                logits = logits + iterate.newton_step
+            self._layout = self._layout_of(logits, iterate.jacobian)
+        spaces = self.spaces(self.tolerance, logits)
+        self._counts = [space.panels.panels for space in spaces]
+        return joined(spaces)
+
+    def parted(self, resolution: Resolution) -> list[Resolution]:
+        """Return the spaces of all parts, of one like that of `start`."""
+        return parted(resolution, self._counts, self.parameters.alpha)
 
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""
         spaces = self.parted(resolution)
-        if self.pressures:
-            self._know_errors()
+        layout = self.located()
+        newton = self._newton(spaces, changes=True)
         least = TRIFLING * self.goal
-        newton = self._newton(spaces, max(least, NOISE))
-        state = newton.run(max(least, 2.0 * ROUNDING))
-        if not newton.settled and not self.tells(state):
-            self._sloped(ROUNDING)  # next to the onset of a zone steps say nothing of slopes
-        attempt = Assessment(self, spaces, state, newton.left).attempt()
-        if self.pressures and not self.pointwise:
+        assert layout.jacobian is not None
+        begin = newton.start(np.array(layout.logits), layout.jacobian)
+        iterate = newton.solve(begin, max(least, NOISE), max(least, 2.0 * ROUNDING), near=self.near)
+        if not iterate.converged:  # next to the onset of a zone steps say nothing of the Jacobian
+            jacobian = self._jacobian(self.spaces(ROUGH, iterate.logits), iterate.logits, ROUNDING)
+            iterate = replace(iterate, jacobian=jacobian)
+        self._layout = self._layout_of(iterate.logits, iterate.jacobian)
+        return self.estimated(iterate, spaces)
+
+    def estimated(self, iterate: Iterate, spaces: list[Resolution]) -> Attempt[ZoneSolution]:
+        """Return a solution with the estimates of its errors."""
+        attempt = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).attempt()
+        if self._known and not self.pointwise:
             return replace(attempt, error=attempt.value.shear_error)
         return attempt
 
-    def _know_errors(self) -> None:
-        """Solve from now on with what is known of the errors of the pressure."""
-        assert self._known is not None
-        changes = [one.pressure for one in self._known.changes]
-        # an exact pressure is truncated on the mesh of the zones alone
-        nothing = PressureField(None, None)
-        self.pressures = [self._known.pressure, *(changes or [nothing, nothing])]
-        self.pressures_truncated = True
+
+def narrowest(logits: Array) -> float:
+    """Return the width of the narrowest zone between boundaries, as logits, or 1."""
+    return float(min([1.0, *np.diff(logits)]))
 
 
 class _GivenRadius(FreeBoundaryProblem):
     """Spaces for a stick disk of a given radius, whose friction is found."""
 
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
-        """Solve in a space; the slope is that by the logarithm of the friction."""
+        """Solve in a space; the derivative is that by the logarithm of the friction."""
         spaces = self.parted(resolution)
-        self.pressures = self.pressures[:1]
-        self.pressures_truncated = False
-        factors: Factored | None = None
+        logits = np.array(self._layout.logits)
         residuals = []
+        factors: Factored | None = None
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
-            system = self.system(spaces, self.logits)
+            system = self.system(spaces, logits)
             factors = factors or factored(system)
-            state = self.settled(ZoneState.begin(factors, system), NOISE)
-            residuals.append(float(state.mismatch[0]))
+            begin = FieldSolution.first(factors, system)
+            fields = corrected(begin, NOISE, relative_size).fields
+            residuals.append(float(fields.boundary_residual[0]))
         none, full = residuals
         # the residual is linear in the friction
         if not (none > 0.0 and none > full):
             raise NoStickDiskError(at_centre=False)
         self.parameters = self.parameters._replace(friction=none / (none - full))
-        self.slopes = np.array([[none]])
-        return super().attempt(resolution)
+        assert factors is not None
+        system = self.system(spaces, logits, changes=True)
+        begin = FieldSolution.first(factors, system)
+        fields, remaining = corrected(begin, NOISE, relative_size)
+        iterate = Iterate(logits, np.array([[none]]), fields, remaining)
+        return self.estimated(iterate, spaces)
 
 
 def solve_stick(
@@ -352,8 +334,8 @@ def solve_zones(
     is for the caller to check; raises `NoBoundariesError` if there are no such boundaries.
     """
     found = list[Refinement[ZoneSolution]]()
-    for k in range(_TRIES):
-        aim = max(_FINER**k * tolerance, _TIGHTEST)
+    for k in range(_MOST_TRIES):
+        aim = max(_TIGHTER**k * tolerance, _TIGHTEST)
         problem = FreeBoundaryProblem(parameters, layout, aim, pointwise=pointwise)
         found.append(refine(problem, tolerance, max_unknowns // 2))
         best = min(found, key=lambda one: one.best.error)

@@ -38,7 +38,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_assessment import ZoneSolution
+    from spectral_contact.contact.error_estimate import ZoneSolution
 
 Record = Callable[[str, Any, float], Any]
 
@@ -179,7 +179,7 @@ class ZoneSearch(ABC):
 
 
 @dataclass(eq=False)
-class DrivenSearch(ZoneSearch):
+class UncoupledSearch(ZoneSearch):
     """The search under a pressure that is given, for kappa = 1.
 
     Guesses are zones of a like scene, one stick disk and the stick that it lacks, narrow slip where
@@ -229,7 +229,7 @@ class DrivenSearch(ZoneSearch):
         """Yield one disk, and what full stick and rings tell."""
         if not self._edge_sticks:
             near = self.near or _DISK
-            yield _DISK if near.slopes is None or near.states != _DISK.states else near
+            yield _DISK if near.jacobian is None or near.states != _DISK.states else near
         if self.parameters.beta == 0.0:
             return
         from spectral_contact.contact.onset import is_narrow
@@ -381,7 +381,7 @@ class CoupledSearch(ZoneSearch):
         begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)
         try:
             if layout is not self.near:
-                layout = self._narrowed(FreeBoundaryProblem(*problem).layout)
+                layout = self._narrowed(FreeBoundaryProblem(*problem).located())
         except NoStickDiskError as missing:
             if missing.at_centre:
                 return self._all_slip()
@@ -407,10 +407,10 @@ class CoupledSearch(ZoneSearch):
         near = self._exceeded
         if near.states != layout.states or near.logits[0] < layout.logits[0] + _ABOUT:
             return layout
-        assert layout.slopes is not None
+        assert layout.jacobian is not None
         # conditions rise as the distance from the edge does
         narrower = exp(layout.logits[0] - near.logits[0])
-        return layout._replace(logits=near.logits, slopes=narrower * layout.slopes)
+        return layout._replace(logits=near.logits, jacobian=narrower * layout.jacobian)
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere but in a disk too small to be felt."""

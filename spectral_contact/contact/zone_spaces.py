@@ -150,7 +150,7 @@ def first_spaces(
     return spaces
 
 
-def driven_spaces(
+def known_pressure_spaces(
     alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
 ) -> list[Resolution]:
     """Return first spaces under a pressure that is given, with the degrees that this has in slip.

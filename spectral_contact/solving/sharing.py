@@ -77,9 +77,9 @@ class ZonePath:
         guess = extrapolated(times, logits)
         if (np.diff(guess) <= 0.0).any():
             return layout
-        slopes = [one.slopes for _, one in self._known[-2:] if one.slopes is not None]
+        slopes = [one.jacobian for _, one in self._known[-2:] if one.jacobian is not None]
         if len(times) > 1 and len(slopes) == 2:
-            layout = layout._replace(slopes=extrapolated(times[:2], slopes[::-1]))
+            layout = layout._replace(jacobian=extrapolated(times[:2], slopes[::-1]))
         return layout._replace(logits=tuple(guess.tolist()))
 
     def _on_the_line(self, ahead: Place, along: float) -> tuple[list[float], list[Array]]:
@@ -131,7 +131,7 @@ class StickPath:
     def add(self, place: Place, layout: Layout | None) -> None:
         """Keep what is found."""
         along = self._along(place)
-        if along is not None and layout is not None and layout.slopes is not None:
+        if along is not None and layout is not None and layout.jacobian is not None:
             self._known[along] = layout
 
     def near(self, place: Place) -> Layout | None:

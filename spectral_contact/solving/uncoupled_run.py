@@ -63,11 +63,11 @@ class UncoupledRun(Run):
 
     def slipping(self, contact: NormalContact, stick: FullStick) -> None:
         """Find the zones."""
-        from spectral_contact.contact.zone_search import DrivenSearch
+        from spectral_contact.contact.zone_search import UncoupledSearch
 
         parameters = self.parameters
         path, place = self.shared.get(PARTIAL_SLIP, (), ZonePath), place_of(parameters)
-        solved = DrivenSearch(
+        solved = UncoupledSearch(
             parameters,
             stick,
             self.rtol,

@@ -10,13 +10,18 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
+from spectral_contact.contact.free_boundary import (
+    LEAST_CONTRACTION,
+    FieldSolution,
+    Iterate,
+    Perturbation,
+)
 from spectral_contact.contact.layout import Layout, NoBoundariesError, ZoneNumbers
 from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
     FIELD_ROUNDING,
     LEAST_RATE,
-    LEFT,
     MOST_ROUNDS,
     ROUNDING,
     SAFETY,
@@ -37,13 +42,18 @@ from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.zone_newton import Effect, ZoneState
-    from spectral_contact.contact.zone_problem import FreeBoundaryProblem
     from spectral_contact.spectral.factored import Symmetric
 
 
 class FieldErrors(NamedTuple):
-    """Estimates for p and for q/s; what every panel adds, and its fall with one more degree."""
+    """Estimates of the relative errors of p and of q/s, pointwise.
+
+    Attributes
+    ----------
+    pressure, traction : float
+    indicators, rates : ndarray
+        What every panel of every part contributes, and by what factor one more degree lowers it.
+    """
 
     pressure: float
     traction: float
@@ -52,62 +62,77 @@ class FieldErrors(NamedTuple):
 
 
 def _field_errors(
-    spaces: list[Resolution], system: ContactSystem, whole: Array, change: Array
+    spaces: list[Resolution], system: ContactSystem, values: Array, change: Array
 ) -> FieldErrors:
-    """Return what the change of a solution tells of the errors of its fields."""
-    (alpha, beta, _, _), last = system.parameters, len(system.parts) - 1
+    """Return the errors of the fields, from the change that a coarser space makes."""
+    alpha, beta, _, _ = system.parameters
+    last = len(system.parts) - 1
     # at an edge that sticks the field of the only compliance has a root
-    rooted = system.parts[last].state == 0 and (alpha > 0.0) != (beta > 0.0)
+    rooted = system.parts[last].sticks and (alpha > 0.0) != (beta > 0.0)
     largest = [0.0, 0.0]
-    indicators = [np.zeros(len(one.degrees)) for one in spaces]
-    slowest = [np.full(len(one.degrees), LEAST_RATE) for one in spaces]
-    shares = shares_of(system, change, sizes_of(system, whole))
-    for one, share in zip(system.fields, shares, strict=True):
-        k, shear = one.part, one.is_shear
-        if rooted and k == last and shear == (beta > 0.0):
-            at_end = abs(series_of(one.panels, one.coefficients(whole)).at_ends()[-1])
-            lost = np.abs(one.coefficients(change)[-one.panels.tail_terms :]).sum()
+    indicators = [np.zeros(len(space.degrees)) for space in spaces]
+    slowest = [np.full(len(space.degrees), LEAST_RATE) for space in spaces]
+    shares = relative_changes(system, change, sizes_of(system, values))
+    for field, share in zip(system.fields, shares, strict=True):
+        k, panels = field.part, field.panels
+        if rooted and k == last and field.is_shear == (beta > 0.0):
+            at_end = abs(series_of(panels, field.coefficients(values)).at_ends()[-1])
+            lost = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
             # no degree of a panel helps
-            largest[shear] = max(_ROOT * float(lost / at_end), largest[shear])
-        rates = decay_rates(spaces[k], one.coefficients(whole))
+            largest[field.is_shear] = max(_ROOT * float(lost / at_end), largest[field.is_shear])
+        rates = decay_rates(spaces[k], field.coefficients(values))
         if system.pressure_known and not system.radii:
             rates[-1] = max(rates[-1], _EDGE_RATE)
         errors = expected_error(share, rates)
-        largest[shear] = max(largest[shear], float(errors.max()))
+        largest[field.is_shear] = max(largest[field.is_shear], float(errors.max()))
         np.maximum(indicators[k], errors, out=indicators[k])
         np.maximum(slowest[k], rates, out=slowest[k])
     return FieldErrors(largest[0], largest[1], np.concatenate(indicators), np.concatenate(slowest))
 
 
 def sizes_of(system: ContactSystem, values: Array) -> list[Array]:
-    """Return what changes of the fields are relative to, at the ends of the panels.
+    """Return what changes of the unknown fields are relative to, at the ends of the panels.
 
     Where p or q/s changes sign in full stick it is the root of the sum of both squares.
     """
-    ends = [series_of(one.panels, one.coefficients(values)).at_ends() for one in system.fields]
-    if not (system.pressure_known or system.radii) and any(
-        (one * one[0] <= 0.0).any() for one in ends
-    ):
-        ends = [np.hypot(*ends), np.hypot(ends[1], system.parameters.kappa * ends[0])]
+    ends = [
+        series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
+    ]
+    full_stick = not (system.pressure_known or system.radii)
+    if full_stick and any((end * end[0] <= 0.0).any() for end in ends):
+        pressure, shear = ends
+        kappa = system.parameters.kappa
+        ends = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
     return ends
 
 
-def shares_of(system: ContactSystem, change: Array, sizes: list[Array]) -> list[Array]:
-    """Return a change of the fields on every panel, relative to their sizes there."""
+def relative_changes(system: ContactSystem, change: Array, sizes: list[Array]) -> list[Array]:
+    """Return a change of the unknown fields on every panel, relative to their sizes there."""
     alpha, beta, _, _ = system.parameters
-    singular = {one.part for one in system.fields if one.panels.power}
+    # in a part where one field is singular at the edge, both are their leading terms deep down
+    singular = {field.part for field in system.fields if field.panels.power}
     shares = []
-    for one, size in zip(system.fields, sizes, strict=True):
-        part = system.parts[one.part]
+    for field, size in zip(system.fields, sizes, strict=True):
+        part = system.parts[field.part]
         reach = part.family.reach
-        leading = leading_depth(alpha, beta, reach) if one.part in singular else inf
-        known = inf if part.boundary < 0 else rounding_depth(part.family.boundary, reach)
+        leading = inf
+        if field.part in singular:
+            leading = leading_depth(alpha, beta, reach)
+        known = inf
+        if part.boundary >= 0:
+            known = rounding_depth(part.family.boundary, reach)
+        coefficients = field.coefficients(change)
         shares.append(
-            share_of_change(
-                one.panels, one.coefficients(change), size, leading=leading, known=known
-            )
+            share_of_change(field.panels, coefficients, size, leading=leading, known=known)
         )
     return shares
+
+
+def relative_size(fields: FieldSolution, change: Array) -> float:
+    """Return the largest relative change of the fields on any panel."""
+    sizes = sizes_of(fields.system, fields.values)
+    shares = relative_changes(fields.system, change, sizes)
+    return max(float(share.max()) for share in shares)
 
 
 #: Error at an end with a root there, relative to the change of the tail: 1.9, measured.
@@ -115,12 +140,12 @@ _ROOT = 2.5
 #: At the edge q has terms ``y ln y``, which fall like a power of the degree in the last panel:
 #: rates seen are too fast. Errors are 0.75 of estimates at most, of 870 scenes and tolerances.
 _EDGE_RATE = 0.5
-#: What slopes change by over the width of a zone, of themselves.
-BENT = 8.0
+#: By how much of itself the Jacobian changes over the width of a zone.
+JACOBIAN_CURVATURE = 8.0
 #: What rounding leaves of approach and shear, with boundaries, under a pressure that is given, and
 #: without boundaries. Of 60 random scenes solved as one disk and as zones at 1e-12 the shears
 #: differ by 9.6 ROUNDING or less, half of them by 0.1.
-_NOISE, _GIVEN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
+_NOISE, _KNOWN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,8 +160,8 @@ class ZoneSolution(ZoneNumbers):
         By what share of a slip zone its ends may be off, at the most.
     stray : float
         Estimate of the largest error of E.
-    slopes : ndarray
-        By how much the conditions of the boundaries rise with their logits.
+    jacobian : ndarray
+        Derivatives of the boundary residual by the logits.
     pressures, shears : list of LogSeries, dict of LogSeries
         p on the disk and toward both ends of every zone around it, and q/s where they stick.
     system : ContactSystem
@@ -149,7 +174,7 @@ class ZoneSolution(ZoneNumbers):
     stuck: list[Stuck]
     loose: float
     stray: float
-    slopes: Array
+    jacobian: Array
     pressures: list[LogSeries]
     shears: dict[int, LogSeries]
     system: ContactSystem
@@ -160,7 +185,7 @@ class ZoneSolution(ZoneNumbers):
     def layout(self) -> Layout:
         """The zones, as a like scene may begin with them."""
         return Layout(
-            tuple(one.logit for one in self.system.radii), self.system.states, self.slopes
+            tuple(one.logit for one in self.system.radii), self.system.states, self.jacobian
         )
 
     @property
@@ -179,17 +204,16 @@ class ZoneSolution(ZoneNumbers):
         return found, lost
 
 
-class Assessment:
+class ZoneEstimate:
     """The errors of a solution.
 
     Parameters
     ----------
-    problem : FreeBoundaryProblem
-        Whose boundaries and slopes these are.
+    iterate : Iterate
+        Boundaries, fields and Jacobian.
     spaces : list of Resolution
-    state : ZoneState
-    left : float
-        What corrections leave of the fields.
+    pointwise : bool
+        Whether the fields are wanted, else approach and shear alone.
 
     Raises
     ------
@@ -197,71 +221,80 @@ class Assessment:
         If the solution is not finite.
     """
 
-    def __init__(
-        self, problem: FreeBoundaryProblem, spaces: list[Resolution], state: ZoneState, left: float
-    ) -> None:
-        if not np.isfinite(state.solution).all():
+    def __init__(self, iterate: Iterate, spaces: list[Resolution], *, pointwise: bool) -> None:
+        fields = iterate.fields
+        if not np.isfinite(fields.values).all():
             raise NoBoundariesError("the system has no solution that is finite")
-        self.problem, self.state, self.left = problem, state, left
-        self.system, self.effects = state.system, state.effects()
-        self.whole = state.solution * state.approach
-        self.moved = [state.approach * one.change for one in self.effects]
+        self.iterate, self.pointwise = iterate, pointwise
+        self.solution, self.remaining = fields, iterate.remaining
+        self.system, self.effects = fields.system, fields.coarse_differences()
+        self.whole = fields.values * fields.approach
+        self.moved = [fields.approach * effect.change for effect in self.effects]
         self.fields = _field_errors(spaces, self.system, self.whole, self.moved[0])
         self.noise = _STUCK_NOISE
         if self.system.radii:
-            self.noise = _GIVEN_NOISE if self.system.pressure_known else _NOISE
-        self.noise += LEFT * left
+            self.noise = _KNOWN_NOISE if self.system.pressure_known else _NOISE
+        self.noise += LEAST_CONTRACTION * self.remaining
 
     @cached_property
-    def loose(self) -> Effect:
-        """What would meet the conditions of the boundaries, twice; none does without a layer."""
-        return self.state.unbalanced(2.0 if self.system.parameters.beta > 0.0 else 0.0)
+    def end_perturbation(self) -> Perturbation:
+        """Twice the first-order change of the fields by the boundary residual.
+
+        Zero without tangential compliance, where E(b) is zero whatever the boundaries.
+        """
+        share = 2.0 if self.system.parameters.beta > 0.0 else 0.0
+        return self.solution.boundary_perturbation(share)
 
     @cached_property
     def inverse(self) -> Array:
-        """How far what a condition misses moves the boundaries."""
-        return np.asarray(np.abs(np.linalg.inv(self.problem.slopes)))
+        """Moduli of the inverse Jacobian: how far a residual moves the boundaries."""
+        return np.asarray(np.abs(np.linalg.inv(self.iterate.jacobian)))
 
     @cached_property
-    def off(self) -> float:
-        """What the fields are off as the boundaries still are."""
-        step = float((self.inverse @ np.abs(self.state.mismatch)).max(initial=0.0))
+    def boundary_error(self) -> float:
+        """The relative error of the fields by where the boundaries are."""
+        residual = np.abs(self.solution.boundary_residual)
+        step = float((self.inverse @ residual).max(initial=0.0))
         if step > ROUNDING and self.system.parameters.beta > 0.0:
-            return min(self.problem.size(self.state, self.loose.change), 2.0 * step)
-        # q/s of one disk changes by half of that, or, measured in 120 scenes, by 16 times what is
-        # missed: at a small disk the first is twice what counts, else both are rounding
-        return step * (1.0 if self.system.pressure_known and len(self.system.radii) == 1 else 2.0)
+            return min(relative_size(self.solution, self.end_perturbation.change), 2.0 * step)
+        # q/s of one disk changes by half of that or, of 120 scenes, by 16 times the residual: at a
+        # small disk the first is twice the error, else both are rounding
+        one_disk = self.system.pressure_known and len(self.system.radii) == 1
+        return step * (1.0 if one_disk else 2.0)
 
     @cached_property
-    def squared(self) -> float:
-        """The square of the error: what superconverges may change less by accident, but hardly."""
-        error = float(self.fields.indicators.max()) + self.left + self.off + TRACTION_ROUNDING
-        return error**2
+    def second_order(self) -> float:
+        """The square of the error: quantities of second order are hardly better than that."""
+        error = float(self.fields.indicators.max()) + self.remaining
+        return (error + self.boundary_error + TRACTION_ROUNDING) ** 2
 
     @cached_property
-    def missed(self) -> Array:
-        """What the conditions of the boundaries may miss."""
-        kept, mismatch = 2.0 * SAFETY * LEAST_RATE, self.state.mismatch
-        missed = kept * np.max([np.abs(one.mismatch) for one in self.effects], axis=0)
-        missed += self.squared + self.noise + self.left + 2.0 * np.abs(mismatch)
-        return np.asarray(missed)
+    def residual_bound(self) -> Array:
+        """Bounds of the errors of the boundary residual."""
+        changes = np.max([np.abs(effect.boundary_residual) for effect in self.effects], axis=0)
+        bound = 2.0 * SAFETY * LEAST_RATE * changes
+        bound += self.second_order + self.noise + self.remaining
+        return np.asarray(bound + 2.0 * np.abs(self.solution.boundary_residual))
 
     @cached_property
     def shifts(self) -> Array:
         """How far the boundaries may be off, as logits."""
-        logits = self.problem.logits
+        logits = self.iterate.logits
         if not len(logits):
             return np.zeros(0)
-        shifts = self.inverse @ self.missed + float(np.finfo(float).eps) * np.abs(logits)
-        # slopes change within the width of a zone, that of a narrow one next to the onset of slip
-        gaps = np.concatenate([[inf], np.diff(logits), [inf]])
-        return np.asarray(shifts * (1.0 + BENT * shifts / np.minimum(gaps[1:], gaps[:-1])))
+        shifts = self.inverse @ self.residual_bound + float(np.finfo(float).eps) * np.abs(logits)
+        # the Jacobian changes within the width of a zone, that of a narrow one next to the onset
+        widths = np.concatenate([[inf], np.diff(logits), [inf]])
+        narrower = np.minimum(widths[1:], widths[:-1])
+        return np.asarray(shifts * (1.0 + JACOBIAN_CURVATURE * shifts / narrower))
 
     def attempt(self) -> Attempt[ZoneSolution]:
         """Return the solution with its errors."""
-        state, system, fields = self.state, self.system, self.fields
-        known = self.squared + self.noise + (0.0 if system.pressure_known else self.off)
-        left = self.left + self.off
+        system, fields = self.system, self.fields
+        known = self.second_order + self.noise
+        if not system.pressure_known:
+            known += self.boundary_error
+        left = self.remaining + self.boundary_error
         rounding = TRACTION_ROUNDING * self._rounds
         errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
         boundary_errors = tuple(
@@ -270,7 +303,7 @@ class Assessment:
         stuck, stray = self._displacements()
         pressures, shears = system.series(self.whole)
         value = ZoneSolution(
-            approach=state.approach,
+            approach=self.solution.approach,
             total_shear=system.total_shear(self.whole),
             stuck=stuck,
             approach_error=max(abs(one.approach) for one in self.effects) + known,
@@ -281,7 +314,7 @@ class Assessment:
             zones_error=zones_error(system.radii, boundary_errors),
             loose=_loosest(system, boundary_errors),
             stray=stray,
-            slopes=self.problem.slopes,
+            jacobian=self.iterate.jacobian,
             pressures=pressures,
             shears=shears,
             system=system,
@@ -289,7 +322,7 @@ class Assessment:
             shifts=self.shifts,
         )
         # no degree lowers what rounding leaves
-        fields.indicators[fields.indicators <= self.left] = 0.0
+        fields.indicators[fields.indicators <= self.remaining] = 0.0
         attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
         return (
             self._by_energies(attempt)
@@ -309,18 +342,17 @@ class Assessment:
 
     def _sheared(self) -> float:
         """Return the relative error of the shear by changes, and by how far boundaries are off."""
-        shear, state = self.system.total_shear, self.state
+        shear, solution = self.system.total_shear, self.solution
         changes = max(abs(shear(one)) for one in self.moved)
         if self.system.pressure_known:
-            missed, felt = self.missed, self.system.shear_row @ state.factored.responses
+            bound = self.residual_bound
+            response = self.system.shear_row @ solution.factors.responses
             if self.system.parameters.beta == 0.0:  # nothing responds: what all inside would bear
-                missed = np.max([np.abs(one.mismatch) for one in self.effects], axis=0)
-                missed += 2.0 * np.abs(state.mismatch)
-                felt = pi * np.array([one.square for one in self.system.radii])
-            imbalance = (
-                state.approach * np.abs(self.system.boundary_rows.drive @ state.solution) * missed
-            )
-            return (changes + float(np.abs(felt) @ imbalance)) / abs(shear(self.whole))
+                changed = [np.abs(effect.boundary_residual) for effect in self.effects]
+                bound = np.max(changed, axis=0) + 2.0 * np.abs(solution.boundary_residual)
+                response = pi * np.array([radius.square for radius in self.system.radii])
+            defects = solution.approach * np.abs(solution.drive) * bound
+            return (changes + float(np.abs(response) @ defects)) / abs(shear(self.whole))
         rest = np.array([one.rest for one in self.system.radii])
         bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
         return changes / abs(shear(self.whole)) + bend
@@ -330,36 +362,36 @@ class Assessment:
 
         That of the shear is a product with its dual: no accident makes either small.
         """
-        state, system, rates = self.state, self.system, attempt.rates**2
-        factors = cast("Symmetric", state.factored)
-        own = factors.energies(state.solution)
+        solution, system, rates = self.solution, self.system, attempt.rates**2
+        factors = cast("Symmetric", solution.factors)
+        energies = factors.energies(solution.values)
         dual = factors.energies(factors.step(system.shear_row))
-        raised = own.sum(axis=0) / state.bearing(state.solution)
-        products = np.sqrt(own * dual).sum(axis=0)
-        sheared = products / abs(system.total_shear(state.solution))
+        raised = energies.sum(axis=0) / solution.load_integral(solution.values)
+        products = np.sqrt(energies * dual).sum(axis=0)
+        sheared = products / abs(system.total_shear(solution.values))
         errors = [float(one[:-1] @ rates + one[-1]) + self.noise for one in (raised, sheared)]
         value = replace(
             attempt.value, approach_error=errors[0], shear_error=sum(errors) + _STUCK_NOISE
         )
         attempt = replace(attempt, value=value)
-        if self.problem.pointwise:
+        if self.pointwise:
             return attempt
         error, indicators = max(value.approach_error, value.shear_error), raised + sheared
         return replace(attempt, error=error, indicators=indicators[:-1], rates=rates)
 
     def _displacements(self) -> tuple[list[Stuck], float]:
         """Return what the slip zones see of E in stick, and the most that errors make there."""
-        system, state = self.system, self.state
+        system, solution = self.system, self.solution
         if not any(system.states):
             return [], 0.0
-        scale = state.approach
-        imbalance = scale * np.column_stack([state.imbalance, self.effects[0].imbalance])
+        scale = solution.approach
+        defects = scale * np.column_stack([solution.defects, self.effects[0].defects])
         values, approach = np.column_stack([self.whole, self.moved[0]]), np.array([scale, 0.0])
-        misfit = system.pointwise_residual(values, approach, imbalance).tangential
-        whole, lost = (_stuck(system, [one[:, k] for one in misfit]) for k in (0, 1))
+        residual = system.pointwise_residual(values, approach, defects).tangential
+        whole, lost = (_stuck(system, [values[:, k] for values in residual]) for k in (0, 1))
         # at the boundaries E and q have steps
-        jumps = np.abs(system.jump_rows @ self.loose.change)
-        steps = np.abs(self.loose.imbalance) + system.parameters.beta * jumps
+        jumps = np.abs(system.jump_rows @ self.end_perturbation.change)
+        steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jumps
         largest = max(
             largest_displacement(lost, *ends)
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
