@@ -39,7 +39,7 @@ _INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
 #: more at the centre, 32 of 820 scenes and tolerances need a second space, with these one. And
 #: under a pressure that is given, in full stick, which decides on slip, and where it begins: with 1
 #: that is not known; or with a root at the rim.
-_BEFORE, _STUCK_SPARE, _DRIVEN_SPARE = 3.0, 1.1, 3
+_BEFORE, _STUCK_SPARE, _KNOWN_SPARE = 3.0, 1.1, 3
 #: How far in ``-ln y`` a layer of the pressure is felt at the edge.
 _FELT = 4.0
 #: Accuracy of a pressure that is given, of the tolerance and at least; where boundaries are only
@@ -100,12 +100,17 @@ def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolutio
 def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
     """Return the spaces of all parts, with their numbers of panels, from what `joined` returns.
 
-    The pressure under a smooth edge has its singularity.
+    The pressure under a smooth edge has its singularity. A tail of roots is that of the disk.
     """
     spaces, bounds = [], list(accumulate(counts, initial=0))
     for a, b in pairwise(bounds):
         power = -0.5 if alpha == 0.0 and b == bounds[-1] else 0.0
-        panels = replace(resolution.panels, panels=b - a, power=power)
+        panels = replace(
+            resolution.panels,
+            panels=b - a,
+            power=power,
+            root_tail=resolution.panels.root_tail and a == 0,
+        )
         spaces.append(Resolution(panels, resolution.degrees[a:b]))
     return spaces
 
@@ -155,11 +160,13 @@ def known_pressure_spaces(
 ) -> list[Resolution]:
     """Return first spaces under a pressure that is given, with the degrees that this has in slip.
 
-    Parameters are those of `first_spaces`. With one stick disk nothing else has a space.
+    Parameters are those of `first_spaces`.
     """
     if not radii:
-        return [_all_sticks(alpha, beta, tolerance, alpha == 0.0, _DRIVEN_SPARE)]
+        return [_all_sticks(alpha, beta, tolerance, alpha == 0.0, _KNOWN_SPARE)]
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
+    if beta == 0.0 and states == (0, 1):
+        spaces[0] = _rigid_disk(alpha, radii[0], tolerance)
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < ROUGH else tolerance
     degree = slip_degree(accuracy)
     return [
@@ -168,6 +175,18 @@ def known_pressure_spaces(
         else one
         for k, one in enumerate(spaces)
     ]
+
+
+def _rigid_disk(alpha: float, rim: Radius, tolerance: float) -> Resolution:
+    """Return the space of a stick disk without tangential compliance under a known pressure.
+
+    The traction has a root at the rim, and bends where the annulus around it ends and where the
+    pressure ceases to rise.
+    """
+    annulus = -log(min(rim.rest / rim.square, 1.0))
+    risen = -log(min(max(alpha, rim.rest) / rim.square, 1.0))
+    bends = [(annulus, _TURN), (risen, _TURN)]
+    return _space(annulus, bends, tolerance, 0.0, spare=_KNOWN_SPARE)
 
 
 def _to_a_boundary(

@@ -48,7 +48,6 @@ from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
 from spectral_contact.spectral.jacobi import (
-    TAIL_TERMS,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_values,
@@ -69,8 +68,6 @@ _EXTRA_DEGREES = 4
 #: Degrees that the displacement in slip is given beyond those of the pressure: the far end of a
 #: part is a singularity at a distance of ln 2 in ``x`` from the first panel.
 _DISPLACEMENT_DEGREES = 8
-#: Values of the functions of a tail at the boundary.
-_TAIL_AT_BOUNDARY = 1.0 - 2.0 * (np.arange(TAIL_TERMS) % 2)
 
 
 class MeshPart(NamedTuple):
@@ -230,9 +227,10 @@ class ContactSystem:
                 # without compliance the traction is singular at an edge that sticks
                 singular = self.parameters.beta == 0.0 and boundary < 0
                 power = -0.5 if singular else 0.0
-            family = Family(*end, panels)
+            # a tail of roots is that of a traction at the rim of a disk
+            family = Family(*end, replace(panels, root_tail=False))
             shear = family
-            if power != panels.power:
+            if power != panels.power or panels.root_tail:
                 shear = family._replace(panels=replace(panels, power=power))
             pressure_degrees = degrees
             if self.pressure_known:
@@ -526,17 +524,19 @@ class ContactSystem:
             if j < 0:
                 continue
             row = rows[j : j + 1]
-            row[:, self._tail_of(k)] = part.family.boundary.value * _TAIL_AT_BOUNDARY
+            at_tail = _tail_at_boundary(part.shear.panels)
+            row[:, self._tail_of(k)] = part.family.boundary.value * at_tail
             friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
             at_boundary = np.zeros((1, len(self._loads[k])))
-            at_boundary[:, -TAIL_TERMS:] = -friction * _TAIL_AT_BOUNDARY
+            at_tail = _tail_at_boundary(part.family.panels)
+            at_boundary[:, -len(at_tail) :] = -friction * at_tail
             self._add_pressure(row, at_boundary, k)
         return rows
 
     def _tail_of(self, k: int) -> slice:
         """Return where the tail of u on a part is in a vector."""
         stop = self.shear_places[k].stop
-        return slice(stop - TAIL_TERMS, stop)
+        return slice(stop - self.parts[k].shear.panels.tail_terms, stop)
 
     @cached_property
     def boundary_rows(self) -> BoundaryRows:
@@ -841,9 +841,14 @@ def _expansion(part: MeshPart, values: Array, *, truncated: bool) -> Array:
     coefficients = part.family.expand(values)[:, panels.functions(degrees)].T
     if truncated:
         for column, count in ((1, 2), (2, 1)):
-            top = panels.top(degrees, count)
+            top = panels.top(degrees, count)[:-1]  # without the tail's
             coefficients[top, column] -= coefficients[top, 0]
     return coefficients
+
+
+def _tail_at_boundary(panels: LogPanels) -> Array:
+    """Return the values of the functions of the tail at the boundary: Legendre's at -1."""
+    return np.asarray(1.0 - 2.0 * (np.arange(panels.tail_terms) % 2))
 
 
 def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
