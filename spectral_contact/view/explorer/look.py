@@ -22,7 +22,7 @@ _RADII = 240
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Look:
-    """A state as it is shown; one that is refused has its complaint and nothing else.
+    """A state as it is shown; one that is refused has its complaint, and perhaps its code.
 
     Attributes
     ----------
@@ -34,35 +34,23 @@ class Look:
     limits : dict
         Of the axes: ``d``, and each of ``p``, ``q`` and ``slip`` over s and, as ``log p`` and so
         on, over d.
+    zones : tuple of (float, float)
+        Inner and outer radius of each zone that slips.
+    tables : str
+        Quantities with the estimates of their errors, zones and plan, in HTML.
     cost : str
     code : str
+        Python lines that solve the scene; of a refused one if they would work elsewhere.
     """
 
     complaint: str = ""
     solution: Solution | None = None
     columns: Mapping[str, Array] | None = None
     limits: Mapping[str, tuple[float, float]] | None = None
+    zones: tuple[tuple[float, float], ...] = ()
+    tables: str = ""
     cost: str = ""
     code: str = ""
-
-    @property
-    def zones(self) -> tuple[tuple[float, float], ...]:
-        """Inner and outer radius of each zone that slips."""
-        zones = () if self.solution is None else known_zones(self.solution)
-        return tuple((one.inner, one.outer) for one in zones if one.kind == "slip")
-
-    @property
-    def tables(self) -> str:
-        """Quantities with the estimates of their errors, zones and plan, in HTML."""
-        if self.solution is None:
-            return ""
-        zones = known_zones(self.solution)
-        steps = self.solution.plan.steps
-        plan = [("plan", "", ""), *((one.name, one.state.value, one.reason) for one in steps)]
-        parts = [zones_svg(zones)] if zones else []
-        if not self.solution.converged:
-            parts.append(table_html([("not converged",), (self.solution.ending.value,)]))
-        return "".join([*parts, table_html(quantity_cells(self.solution)), table_html(plan)])
 
 
 def look_at(texts: Texts, solve: Callable[..., Solution]) -> Look:
@@ -78,7 +66,19 @@ def look_at(texts: Texts, solve: Callable[..., Solution]) -> Look:
     unknowns = sum(step.unknowns for step in solution.work.steps)
     columns, limits = _drawn(solution)
     cost = f"solved in {1e3 * seconds:.3g} ms, {unknowns:,} unknowns, rtol = {rtol:g}"
-    return Look("", solution, columns, limits, cost, code_of(texts))
+    zones = tuple((one.inner, one.outer) for one in known_zones(solution) if one.kind == "slip")
+    return Look("", solution, columns, limits, zones, tables_of(solution), cost, code_of(texts))
+
+
+def tables_of(solution: Solution) -> str:
+    """Return quantities with the estimates of their errors, zones and plan, in HTML."""
+    zones = known_zones(solution)
+    steps = solution.plan.steps
+    plan = [("plan", "", ""), *((one.name, one.state.value, one.reason) for one in steps)]
+    parts = [zones_svg(zones)] if zones else []
+    if not solution.converged:
+        parts.append(table_html([("not converged",), (solution.ending.value,)]))
+    return "".join([*parts, table_html(quantity_cells(solution)), table_html(plan)])
 
 
 def _drawn(solution: Solution) -> tuple[dict[str, Array], dict[str, tuple[float, float]]]:
