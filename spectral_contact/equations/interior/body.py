@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,8 @@ _LOOKS = 513
 _FARTHEST = 1e30
 #: What is closer to the edge, or to the surface, is at it.
 _NEAREST = 1e-100
+#: The most points of one call, which takes some 1 kB of memory for each.
+_MOST_POINTS = 10**8
 
 
 class Inside:
@@ -116,13 +119,16 @@ class Inside:
         else:
             distance = _length("from_edge", from_edge, length, high=1.0)
             radius = 1.0 - distance
+        name = "r, z" if from_edge is None else "from_edge, z"
         try:
-            radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
+            shape = np.broadcast_shapes(radius.shape, depth.shape)
         except ValueError:
             shapes = f"{np.shape(radius)} and {np.shape(depth)}"
-            name = "r, z" if from_edge is None else "from_edge, z"
             raise SceneError(name, shapes, "of shapes that broadcast") from None
-        shape = radius.shape
+        count = math.prod(shape)
+        if count > _MOST_POINTS:
+            raise SceneError(f"number of points {name}", count, f"at most {_MOST_POINTS}")
+        radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
         # squares of what is nearer to the edge or the surface would underflow
         distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
@@ -163,7 +169,7 @@ class Inside:
         ------
         SceneError
             For both or neither of `r` and `from_edge`, a point above the surface or at no finite
-            place, or shapes that do not broadcast.
+            place, shapes that do not broadcast, or more than 1e8 points.
         """
         points, shape = self._points(r, z, from_edge)
         sums = self._sampler.displacement(points, _tolerance(rtol))

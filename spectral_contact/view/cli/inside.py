@@ -82,7 +82,7 @@ def _content(
     r, z = (default if one is None else np.array(one) for one in (arguments.r, arguments.z))
     if suffix == ".nc":
         return netcdf(body.to_xarray(r, z, rtol=arguments.rtol))
-    places = np.meshgrid(r, z) if given is None else given
+    places = np.meshgrid(r, z, sparse=True) if given is None else given
     found = body.to_table(*places, rtol=arguments.rtol)
     return as_npz(found) if suffix == ".npz" else as_csv(found, body.unit_names)
 

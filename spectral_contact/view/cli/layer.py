@@ -58,7 +58,8 @@ def add_layer(
     group = command.add_argument_group(
         "nonlinear layer",
         "Under a profile, in place of --normal-compliance and without friction. Pressures are in "
-        "E' and lengths in L; with --youngs-modulus in Pa and m.",
+        "E' and lengths in L"
+        + ("; with --youngs-modulus in Pa and m." if control is None else "."),
     )
     group.add_argument(
         "--layer", choices=_NAMED, default=argparse.SUPPRESS, help="the law (default: linear)"

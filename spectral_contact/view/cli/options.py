@@ -21,10 +21,16 @@ from spectral_contact.io.units import has_unit
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+#: The most values that a range stands for.
+_MOST_VALUES: Final = 10**7
 
 
 class UsageError(SpectralContactError):
     """The options do not make a request."""
+
+
+class NothingSolved(SpectralContactError):
+    """The request was done, and not one scene of it was solved."""
 
 
 def add_option(
@@ -95,6 +101,9 @@ def values(text: str) -> list[float]:
     start, high, count = number(low), number(rest[0]), whole(rest[1])
     if count < 1 or not math.isfinite(high - start):
         raise refusal
+    if count > _MOST_VALUES:
+        told = f"{text!r}: COUNT must be at most {_MOST_VALUES}"
+        raise argparse.ArgumentTypeError(told)
     if rest[2:] != ["log"]:
         return list(map(float, np.linspace(start, high, count)))
     if min(start, high) <= 0.0:

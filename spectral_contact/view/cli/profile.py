@@ -57,12 +57,17 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
 
     What tells how far it is pressed in is read by `control`.
     """
+    si = control is number  # several values of an option have no units
+    units = (
+        "With --youngs-modulus in SI units, lengths in m. Else all lengths" if si else "All lengths"
+    )
+    numbers = ": --radius, --load and --approach are numbers then" if si else ""
+    required = " (in SI units it is required)" if si else ""
     group = command.add_argument_group(
         "scene with a profile",
-        "With --youngs-modulus in SI units, lengths in m. Else all lengths are in one length L, "
-        "loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances in L / E': --radius, --load and "
-        "--approach are numbers then. Poisson's ratio defaults to 0.3 (in SI units it is "
-        "required) and the compliances to 0; there is no friction unless it is given.",
+        f"{units} are in one length L, loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances "
+        f"in L / E'{numbers}. Poisson's ratio defaults to 0.3{required} and the compliances to 0; "
+        "there is no friction unless it is given.",
     )
     group.add_argument(
         "--profile",
@@ -70,7 +75,7 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         default=argparse.SUPPRESS,
         help="what the punch looks like (default: flat; flat itself is for a nonlinear layer)",
     )
-    add_layer(command, None if control is number else control)
+    add_layer(command, None if si else control)
     for name, meaning in _OWN.items():
         add_option(group, name, control if name in ALL_CONTROLS else number, meaning)
 

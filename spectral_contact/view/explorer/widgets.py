@@ -173,6 +173,7 @@ class Figures:
             x_range=Range1d(0.0, 1.0),
             y_range=Range1d(0.0, 1.0),
             x_axis_label="radius s" if over == "s" else "distance from the edge 1 − s",
+            visible=False,  # before there is anything to show
             tools="box_zoom,reset,save",
             toolbar_location="right",
         )
