@@ -29,7 +29,7 @@ import browser
 from spectral_contact import solve
 from spectral_contact.view.explorer.look import look_at
 from spectral_contact.view.explorer.page import Page
-from spectral_contact.view.explorer.solvers import Request, Solvers
+from spectral_contact.view.explorer.solvers import LookRequest, Solvers
 from spectral_contact.view.explorer.state import KNOBS, texts_from
 
 ROOT = Path(__file__).parents[2]
@@ -135,7 +135,7 @@ def budget() -> None:
                     texts = {**texts_from(query), "coupling": coupling, "rtol": rtol}
                     start = perf_counter()
                     # past the refusal that this is measured for
-                    solvers.serve(Request(texts))
+                    solvers.serve(LookRequest(texts))
                     seconds.append(perf_counter() - start)
                 print(
                     f"{kind}, coupling={coupling}, rtol={rtol}: {median(seconds):.2f}", flush=True

@@ -1,10 +1,9 @@
-"""What the explorer shows of a scene: its fields, tables and what it cost. No browser here."""
+"""Solve a scene, and make of it what the explorer shows. No browser here."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
@@ -12,45 +11,13 @@ import numpy as np
 from spectral_contact.errors import SpectralContactError
 from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
+from spectral_contact.view.explorer.shown import Look
 from spectral_contact.view.explorer.state import Texts, code_of, rtol_of, scene_of
 from spectral_contact.view.html import table_html, zones_svg
 from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, layer_depth
 from spectral_contact.view.report import quantity_cells
 
 _RADII = 240
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Look:
-    """A state as it is shown; one that is refused has its complaint, and perhaps its code.
-
-    Attributes
-    ----------
-    complaint : str
-        Why the scene is refused, in the words of the library.
-    solution : Solution or None
-    columns : dict of ndarray
-        Over the radii ``s``: ``d`` = 1 − s, ``p``, ``q``, ``fp``, ``slip``; NaN where infinite.
-    limits : dict
-        Of the axes: ``d``, and each of ``p``, ``q`` and ``slip`` over s and, as ``log p`` and so
-        on, over d.
-    zones : tuple of (float, float)
-        Inner and outer radius of each zone that slips.
-    tables : str
-        Quantities with the estimates of their errors, zones and plan, in HTML.
-    cost : str
-    code : str
-        Python lines that solve the scene; of a refused one if they would work elsewhere.
-    """
-
-    complaint: str = ""
-    solution: Solution | None = None
-    columns: Mapping[str, Array] | None = None
-    limits: Mapping[str, tuple[float, float]] | None = None
-    zones: tuple[tuple[float, float], ...] = ()
-    tables: str = ""
-    cost: str = ""
-    code: str = ""
 
 
 def look_at(texts: Texts, solve: Callable[..., Solution]) -> Look:

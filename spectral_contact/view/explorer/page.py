@@ -9,8 +9,8 @@ from typing import Any, Final
 
 from spectral_contact.errors import optional
 from spectral_contact.scene import Scene
-from spectral_contact.view.explorer.look import Look
-from spectral_contact.view.explorer.solvers import Request, Solvers
+from spectral_contact.view.explorer.shown import Look
+from spectral_contact.view.explorer.solvers import LookRequest, Solvers
 from spectral_contact.view.explorer.state import query_of, texts_of
 from spectral_contact.view.explorer.widgets import Controls, Figures, grid
 
@@ -100,7 +100,7 @@ class Page:
         self._solvers = solvers
         self._follow = follow
         self._wanted: dict[str, str] | None = None
-        self._request: Request | None = None
+        self._request: LookRequest | None = None
         self._superseded = False
         self._busy = False
         self._shown = texts

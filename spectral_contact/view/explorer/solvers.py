@@ -21,7 +21,7 @@ from typing import Any, Final
 from spectral_contact.errors import SpectralContactError
 from spectral_contact.solving.planning import plan
 from spectral_contact.view.explorer.budget import TIME_LIMIT, overtime, refusal
-from spectral_contact.view.explorer.look import Look
+from spectral_contact.view.explorer.shown import Look
 from spectral_contact.view.explorer.state import Texts, code_of, rtol_of, scene_of
 
 _WORKER: Final = "spectral_contact.view.explorer.worker"
@@ -31,7 +31,7 @@ _START_LIMIT: Final = 120.0
 _LOST: Final = "the process that solved this scene has ended before its time. To try it alone, run:"
 
 
-class Request:
+class LookRequest:
     """One state to be looked at, in its turn.
 
     Attributes
@@ -95,9 +95,9 @@ class Solvers:
         # also when the interpreter ends, or when nobody has these solvers any more
         self._finalizer = weakref.finalize(self, _end_all, self._processes)
 
-    def request(self, texts: Texts) -> Request:
+    def request(self, texts: Texts) -> LookRequest:
         """Begin to look at a state; what is refused needs no process."""
-        request = Request(texts)
+        request = LookRequest(texts)
         refused = self._refused(texts)
         if refused is None:
             # a daemon, so that the interpreter does not wait for a solve at its end
@@ -126,7 +126,7 @@ class Solvers:
         except SpectralContactError as error:
             return Look(complaint=str(error))
 
-    def serve(self, request: Request) -> None:
+    def serve(self, request: LookRequest) -> None:
         """Look at a state, whatever it may cost, as soon as a process is free; wait for it."""
         with self._slots:
             look = None
@@ -135,7 +135,7 @@ class Solvers:
             finally:
                 request.finish(look)
 
-    def _look(self, request: Request) -> Look | None:
+    def _look(self, request: LookRequest) -> Look | None:
         while not request.cancelled:
             with self._lock:
                 if self._closed:

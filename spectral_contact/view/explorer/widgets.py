@@ -12,7 +12,7 @@ from spectral_contact.view.explorer.state import FLAT, KNOBS, RTOL
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, SLIP_GREY, VERMILION
 
 if TYPE_CHECKING:
-    from spectral_contact.view.explorer.look import Look
+    from spectral_contact.view.explorer.shown import Look
 
 _HINT: Final = (
     "Type what the sliders do not reach: a compliance of 0 is a smooth surface, friction "

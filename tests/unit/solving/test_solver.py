@@ -14,17 +14,15 @@ from spectral_contact import (
     Ending,
     ErrorEstimates,
     NotComputedError,
-    RefinementStep,
     Scene,
     SceneError,
     Solution,
-    Zone,
     clear_caches,
     profiles,
     solve,
 )
 from spectral_contact.contact import slip_outcome
-from spectral_contact.records import PROFILE_QUANTITIES
+from spectral_contact.records import PROFILE_QUANTITIES, RefinementStep, Zone
 from spectral_contact.solving.solver import Continuation
 
 ROUGH = Scene(0.1, 0.5, 0.5, 0.1)
