@@ -37,6 +37,7 @@ _NUMBER: Final = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 # micro, and both of the ångström, are in use.
 _SYMBOL: Final = r"(?:[A-Za-zµμÅ\u212b]+|%|°)"
 _TERM: Final = rf"{_SYMBOL}(?:(?:\*\*|\^)-?[0-9]|⁻?[⁰¹²³⁴⁵⁶⁷⁸⁹])?"
+_PLAIN: Final = re.compile(rf"\s*{_NUMBER}\s*")
 _TEXT: Final = re.compile(rf"\s*({_NUMBER})\s*({_TERM}(?:\s*[*/·⋅\s]\s*{_TERM})*)\s*")
 
 
@@ -47,8 +48,9 @@ def has_unit(value: object) -> bool:
 
 def is_quantity(value: object) -> bool:
     """Return whether this is a number or an array with a unit, of pint, astropy or unyt."""
-    kind = type(value)
-    return hasattr(kind, "to") and (hasattr(kind, "units") or hasattr(kind, "unit"))
+    if not hasattr(type(value), "to"):
+        return False
+    return hasattr(value, "units") or hasattr(value, "unit")
 
 
 def in_si(parameter: str, value: Any, unit: str) -> Any:
@@ -71,10 +73,10 @@ def in_si(parameter: str, value: Any, unit: str) -> Any:
     MissingDependencyError
         If text has a unit and pint is not installed.
     """
-    if isinstance(value, str) and not has_unit(value):
+    if isinstance(value, str) and not has_unit(value) and not _PLAIN.fullmatch(value):
         told = f"a number in {unit}, or text of a number and a unit, as '1 {unit}'"
         raise SceneError(parameter, value, told)
-    if not isinstance(value, str) and not is_quantity(value):
+    if not has_unit(value) and not is_quantity(value):
         return value
     try:
         return _converted(value, unit)
@@ -122,8 +124,8 @@ def plain_numbers(parameter: str, values: Any, unit: str = "") -> Any:
     try:
         return _converted(wrapped, unit)
     except Exception as error:  # as many as there are packages
-        told = "without a unit, or dimensionless as a percentage is; this parameter is a plain "
-        told += "number, in SI units where the scene is: pass the magnitude"
+        told = "without a unit, or dimensionless as a percentage is: pass the magnitude, in SI "
+        told += "units for Scene.from_physical"
         raise SceneError(parameter, values, told) from error
 
 
