@@ -13,6 +13,18 @@ from typing import Any, Final
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import exactly_one, positive, real, within
 
+#: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
+#: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
+_SOFTEST: Final = 1e3
+_SMALL_PUNCH: Final = 1e-3
+_SMALL_LOAD: Final = 1e-3
+#: A punch of this radius [m] is a building's, on ground between these moduli [Pa]: outside, numbers
+#: in mm with a modulus in Pa, or in MPa, are likelier.
+_BUILDING: Final = 1.0
+_GROUND: Final = 1e6, 1e9
+#: Of a dimensionless compliance: outside, another unit is likelier than such a surface.
+_LEAST_LIKELY: Final = 1e-9
+_MOST_LIKELY: Final = 1e3
 #: What a dimensionless compliance may be, besides 0.
 SMALLEST_COMPLIANCE: Final = 1e-14
 LARGEST_COMPLIANCE: Final = 1e14
@@ -193,6 +205,62 @@ class PhysicalData:
         load = positive("load", load)
         scale = _four_one_minus_square(nu) * Fraction(load) / self._stiffness()
         return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
+
+    def remarks(self, nu: float, contact_radius: float | None = None) -> tuple[str, ...]:
+        """Return a question about every value that is likely to be in another unit.
+
+        Parameters
+        ----------
+        nu : float
+            Poisson's ratio ν of the half-space, in (−1, 0.5].
+        contact_radius : float, optional
+            That of the contact [m] under a profile, if it is known; by default the one given.
+
+        Returns
+        -------
+        tuple of str
+            A sentence each: about the modulus, the radius and the compliances.
+
+        Raises
+        ------
+        SceneError
+            If an argument is out of range.
+        """
+        if contact_radius is not None:
+            contact_radius = positive("contact_radius", contact_radius, "m")
+        radius = self.radius or contact_radius or self.contact_radius
+        large = radius is not None and radius >= _BUILDING
+        pressed = radius is not None and radius >= _SMALL_PUNCH
+        pressed |= self.load is not None and self.load >= _SMALL_LOAD
+        low, high = _GROUND
+        modulus = self.youngs_modulus
+        reduced = self._reduced(nu)
+        meant = ""
+        found: list[str] = []
+        if modulus < _SOFTEST and pressed:
+            meant = "GPa"
+        elif modulus < low and large:
+            meant = "MPa"
+        if meant:
+            found.append(f"E = {modulus:.6g} is in Pa: did you mean {modulus:.6g} {meant}?")
+        if large and (meant or modulus >= high):
+            found.append(f"a = {radius:.6g} is in m: did you mean {radius:.6g} mm?")
+        if radius is None:
+            return tuple(found)
+        for symbol, value in (
+            ("alpha", self.normal_compliance),
+            ("beta", self.tangential_compliance),
+        ):
+            exact = Fraction(value) * reduced / Fraction(radius)
+            star = float(min(exact, Fraction(sys.float_info.max)))
+            if value == 0.0 or _LEAST_LIKELY <= star <= _MOST_LIKELY:
+                continue
+            limit = f"> {_MOST_LIKELY:g}" if star > _MOST_LIKELY else f"< {_LEAST_LIKELY:g}"
+            found.append(
+                f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
+                f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
+            )
+        return tuple(found)
 
     @property
     def _length(self) -> Fraction:
