@@ -295,7 +295,7 @@ def test_a_picture_of_the_body_has_a_width_with_a_unit(unit, solution):
 
 
 def test_a_reference_takes_what_a_solution_takes(unit):
-    exact = reference(Scene(0.3, 100.0), digits=15)
+    exact = reference(Scene(0.3), digits=15)
     assert exact.pressure(50 * unit.percent) == exact.pressure(0.5)
     with pytest.raises(SceneError, match=r"^s = .* without a unit"):
         exact.pressure([0.1, 0.2] * unit.mm)
