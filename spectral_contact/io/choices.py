@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Mapping, Sized
 from typing import Any, TypeVar
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.units import is_quantity, plain_numbers
 
 _T = TypeVar("_T")
 
@@ -31,11 +30,8 @@ def function(parameter: str, value: object, of: str) -> Callable[..., Any]:
 def listed(parameter: str, values: object, of: str) -> list[Any]:
     """Return what has several values as a list: no text and no mapping, nor what has no length.
 
-    That may have no end. ``of`` says of what the list must be, for the error. An array with a unit
-    must be dimensionless.
+    That may have no end. ``of`` says of what the list must be, for the error.
     """
-    if is_quantity(values):
-        values = plain_numbers(parameter, values)
     try:
         if isinstance(values, Sized) and not isinstance(values, (str, bytes, bytearray, Mapping)):
             return list(values)  # type: ignore[call-overload, no-any-return]

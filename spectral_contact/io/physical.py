@@ -229,38 +229,30 @@ class PhysicalData:
         if contact_radius is not None:
             contact_radius = positive("contact_radius", contact_radius, "m")
         radius = self.radius or contact_radius or self.contact_radius
-        large = radius is not None and radius >= _BUILDING
-        pressed = radius is not None and radius >= _SMALL_PUNCH
-        pressed |= self.load is not None and self.load >= _SMALL_LOAD
-        low, high = _GROUND
-        modulus = self.youngs_modulus
         reduced = self._reduced(nu)
-        meant = ""
-        found: list[str] = []
-        if modulus < _SOFTEST and pressed:
+        found = self._remarks_on_modulus_and_radius(radius)
+        if radius is not None:
+            compliances = {"alpha": self.normal_compliance, "beta": self.tangential_compliance}
+            for symbol, value in compliances.items():
+                found += _remarks_on_compliance(symbol, value, reduced / Fraction(radius))
+        return tuple(found)
+
+    def _remarks_on_modulus_and_radius(self, radius: float | None) -> list[str]:
+        modulus, meant = self.youngs_modulus, ""
+        softest_ground, hardest_ground = _GROUND
+        large = radius is not None and radius >= _BUILDING
+        firmly = radius is not None and radius >= _SMALL_PUNCH
+        firmly |= self.load is not None and self.load >= _SMALL_LOAD
+        if modulus < _SOFTEST and firmly:
             meant = "GPa"
-        elif modulus < low and large:
+        elif modulus < softest_ground and large:
             meant = "MPa"
+        found = []
         if meant:
             found.append(f"E = {modulus:.6g} is in Pa: did you mean {modulus:.6g} {meant}?")
-        if large and (meant or modulus >= high):
+        if large and (meant or modulus >= hardest_ground):
             found.append(f"a = {radius:.6g} is in m: did you mean {radius:.6g} mm?")
-        if radius is None:
-            return tuple(found)
-        for symbol, value in (
-            ("alpha", self.normal_compliance),
-            ("beta", self.tangential_compliance),
-        ):
-            exact = Fraction(value) * reduced / Fraction(radius)
-            star = float(min(exact, Fraction(sys.float_info.max)))
-            if value == 0.0 or _LEAST_LIKELY <= star <= _MOST_LIKELY:
-                continue
-            limit = f"> {_MOST_LIKELY:g}" if star > _MOST_LIKELY else f"< {_LEAST_LIKELY:g}"
-            found.append(
-                f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
-                f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
-            )
-        return tuple(found)
+        return found
 
     @property
     def _length(self) -> Fraction:
@@ -287,6 +279,18 @@ def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
 
 def _four_one_minus_square(nu: object) -> Fraction:
     return 4 * (1 - Fraction(checked_poisson_ratio(nu, "nu")) ** 2)
+
+
+def _remarks_on_compliance(symbol: str, value: float, unit: Fraction) -> list[str]:
+    """Return a remark if a compliance [m/Pa] times the unit is unlikely, else nothing."""
+    star = float(min(Fraction(value) * unit, Fraction(sys.float_info.max)))
+    if value == 0.0 or _LEAST_LIKELY <= star <= _MOST_LIKELY:
+        return []
+    limit = f"> {_MOST_LIKELY:g}" if star > _MOST_LIKELY else f"< {_LEAST_LIKELY:g}"
+    return [
+        f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
+        f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
+    ]
 
 
 def _dimensionless(name: str, compliance: float, formula: str, unit: Fraction) -> float:

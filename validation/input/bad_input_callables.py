@@ -189,6 +189,10 @@ class Astropys(np.ndarray[Any, Any]):
 
     unit = "K"
 
+    def __iter__(self) -> Iterator[Any]:
+        """Return the elements with their unit."""
+        return (np.array(number).view(Astropys) for number in np.asarray(self))
+
     @property
     def value(self) -> Any:
         """The numbers."""

@@ -307,7 +307,8 @@ class Inside:
         SceneError
             As `displacement`.
         """
-        r, z = self._coordinate("r", r), self._coordinate("z", z)
+        r = _checked_lengths("r", r, self._units)
+        z = _checked_lengths("z", z, self._units)
         self._points(r, z, None)
         radius, depth = np.broadcast_arrays(r, z)
         return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
@@ -334,7 +335,8 @@ class Inside:
         MissingDependencyError
             If xarray is not installed.
         """
-        radii, depths = np.ravel(self._coordinate("r", r)), np.ravel(self._coordinate("z", z))
+        radii = np.ravel(_checked_lengths("r", r, self._units))
+        depths = np.ravel(_checked_lengths("z", z, self._units))
         self._points(radii, depths[:, None], None)
         return dataset(self, radii, depths, rtol)
 
@@ -400,10 +402,6 @@ class Inside:
                 unit,
                 tell,
             )
-
-    def _coordinate(self, name: str, values: Any) -> Array:
-        """Return coordinates as doubles in the units of the body."""
-        return _checked_lengths(name, values, self._units)
 
     @cached_property
     def _unscaled(self) -> Inside:

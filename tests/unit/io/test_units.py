@@ -141,6 +141,9 @@ class Length(np.ndarray):
 
     unit = "mm"
 
+    def __iter__(self):
+        return (np.array(number).view(Length) for number in np.asarray(self))
+
     def to(self, unit):
         """Return the lengths in m, the only unit that they know."""
         if unit != "m":
