@@ -307,8 +307,7 @@ class Inside:
         SceneError
             As `displacement`.
         """
-        r = _checked_lengths("r", r, self._units)
-        z = _checked_lengths("z", z, self._units)
+        r, z = (_checked_lengths(name, x, self._units) for name, x in (("r", r), ("z", z)))
         self._points(r, z, None)
         radius, depth = np.broadcast_arrays(r, z)
         return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
@@ -435,8 +434,7 @@ def _checked_lengths(name: str, values: Any, units: Units, high: float = _FARTHE
     largest = high * units.length
     smallest = -_FARTHEST * units.length if name == "from_edge" else 0.0
     allowed = f"in [{smallest:.17g}, {largest:.17g}]"
-    numbers = checks.reals(name, values, allowed, unit=units.names.si_length)
-    given = np.asarray(numbers, dtype=np.float64)
+    given = checks.reals(name, values, allowed, unit=units.names.si_length).astype(np.float64)
     bad = ~((given >= smallest) & (given <= largest))
     if bad.any():
         raise SceneError(name, given[bad].flat[0], allowed)
