@@ -53,7 +53,15 @@ def flag(name: str) -> str:
 
 def measured(text: str) -> float | str:
     """Return a number, or text with a unit as it is."""
-    return text if has_unit(text) else number(text)
+    if has_unit(text):
+        return text
+    try:
+        return number(text)
+    except argparse.ArgumentTypeError as error:
+        if text.strip()[:1] not in tuple("0123456789.+-"):
+            raise
+        told = f"{error}, nor a number and a unit, as '5 mm' or '50 nm/MPa'"
+        raise argparse.ArgumentTypeError(told) from error
 
 
 def number(text: str) -> float:

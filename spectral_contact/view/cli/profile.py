@@ -10,7 +10,7 @@ from spectral_contact.io.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.layer import add_layer, law, layer_given
-from spectral_contact.view.cli.options import UsageError, add_option, flag, number
+from spectral_contact.view.cli.options import UsageError, add_option, flag, measured, number
 from spectral_contact.view.cli.scene import add_physical, add_scene, scene, si_given
 
 #: Profiles that numbers describe, by the name on the command line.
@@ -32,7 +32,15 @@ _OWN: Final = {
     "coefficient": "of a power law",
     "exponent": "of a power law",
 }
-_SHARED: Final = {"radius": "m", "load": "N", "approach": "m"}
+#: Numbers that may have a unit where the scene is in SI units. An angle may have one in any scene.
+_UNITS: Final = {
+    "radius": "m",
+    "load": "N",
+    "approach": "m",
+    "contact_radius": "m",
+    "separation": "m",
+    "flat_radius": "m",
+}
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_ONLY: Final = ("youngs_modulus", *(f"{name}_si" for name in _COMPLIANCES))
 
@@ -77,7 +85,10 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
     )
     add_layer(command, None if si else control)
     for name, meaning in _OWN.items():
-        add_option(group, name, control if name in ALL_CONTROLS else number, meaning)
+        kind: Callable[[str], Any] = measured if name in (*_UNITS, "half_angle") else number
+        if name in ALL_CONTROLS and control is not number:
+            kind = control
+        add_option(group, name, kind, meaning)
 
 
 def profile_given(arguments: argparse.Namespace) -> bool:
@@ -135,10 +146,13 @@ def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:
     """Return what is given of profile and contact; a unit is understood in SI units alone."""
     values = {
         name: in_si(name, given[name], unit) if si else _plain(name, given[name])
-        for name, unit in _SHARED.items()
+        for name, unit in _UNITS.items()
         if name in given
     }
-    return {**values, **{name: given[name] for name in _OWN if name in given}}
+    return {
+        **values,
+        **{name: given[name] for name in _OWN if name in given and name not in values},
+    }
 
 
 def _check_complete(profile: str, needed: tuple[str, ...], values: dict[str, float]) -> None:
