@@ -376,7 +376,7 @@ def _plain(heading: str) -> str:
 
 
 def column_count(width: int) -> str:
-    """Return "1 column", "2 columns" …"""
+    """Return a number of columns in words."""
     return f"{width} column{'' if width == 1 else 's'}"
 
 
