@@ -1,4 +1,4 @@
-"""Columns of numbers from text files as other programs write them: the one reader of them.
+"""NumberTable of numbers from text files as other programs write them: the one reader of them.
 
 A caller says which quantities it expects; which column holds each of them is found by the headings,
 or said by the user. Nothing is guessed where two readings make sense, and no row is left out
@@ -21,8 +21,8 @@ from spectral_contact.errors import MissingDependencyError, SceneError, Solution
 from spectral_contact.io.checks import whole
 from spectral_contact.io.choices import listed, one_of
 from spectral_contact.io.delimited import (
-    Row,
     Sheet,
+    TextRow,
     decimal_sign,
     is_missing,
     looks_like_a_number,
@@ -39,7 +39,7 @@ from spectral_contact.io.headings import (
     name_all,
 )
 
-__all__ = ["Columns", "Expected", "Source", "read_columns"]
+__all__ = ["Expected", "NumberTable", "Source", "read_columns"]
 
 # A comma, but for one in brackets.
 _ITEM: Final = re.compile(r",(?![^\[(]*[\])])")
@@ -48,8 +48,8 @@ _LONGEST_CELL: Final = 48
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Columns:
-    """Columns of numbers.
+class NumberTable:
+    """NumberTable of numbers.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def read_columns(
     decimal: str | None = None,
     invalid: str = "raise",
     option: str = "columns",
-) -> Columns:
+) -> NumberTable:
     """Read columns of numbers from a text file.
 
     Cells may be parted by tabs, semicolons, commas or white space, with decimal points or commas;
@@ -113,13 +113,13 @@ def read_columns(
         ``"."`` or ``","``; by default the one that the numbers have.
     invalid : str
         ``"raise"``, or ``"skip"`` for rows that cannot be read, or have no value where one is
-        expected, to be left out and named in `Columns.unread`.
+        expected, to be left out and named in `NumberTable.unread`.
     option : str
         What `columns` is called where the user gave it, for errors.
 
     Returns
     -------
-    Columns
+    NumberTable
 
     Raises
     ------
@@ -165,14 +165,16 @@ def _values(
     decimal: str | None,
     *,
     skip: bool,
-) -> Columns:
+) -> NumberTable:
     """Return the numbers of the columns, converted."""
     width = len(sheet.rows[0].cells)
     used = [source.index for source in sources.values()]
-    if decimal is None:
-        decimal = decimal_sign(_cells(sheet, used))
-    numeric = [k for k, cell in enumerate(sheet.rows[0].cells) if looks_like_a_number(cell)]
-    spare = [k for k in numeric if k not in used]
+    sign = decimal or decimal_sign(_cells(sheet, used))
+    spare = [
+        index
+        for index, cell in enumerate(sheet.rows[0].cells)
+        if index not in used and looks_like_a_number(cell)
+    ]
     asked = [(one, sources[one.name]) for one in expected if one.name in sources]
     kept: list[list[float]] = []
     lines: list[int] = []
@@ -180,7 +182,7 @@ def _values(
     for row in sheet.rows:
         try:
             _check_shape(row, width, spare)
-            values = [_value(row, one, source, decimal) for one, source in asked]
+            values = [_value(row, one, source, sign) for one, source in asked]
         except Refused as error:
             if not skip:
                 raise
@@ -191,7 +193,7 @@ def _values(
     if not kept:
         raise Refused(f"no row can be read: {unread[0]}")
     table = np.array(kept, dtype=np.float64)
-    return Columns(
+    return NumberTable(
         path,
         {one.name: table[:, k].copy() for k, (one, _) in enumerate(asked)},
         np.array(lines, dtype=np.int64),
@@ -207,7 +209,7 @@ def _cells(sheet: Sheet, used: Sequence[int]) -> Iterator[tuple[int, str]]:
                 yield row.line, row.cells[index]
 
 
-def _check_shape(row: Row, width: int, spare: Iterable[int]) -> None:
+def _check_shape(row: TextRow, width: int, spare: Iterable[int]) -> None:
     """Refuse a row that is not like the first one: a sum below the table, say."""
     if len(row.cells) != width:
         raise Refused(
@@ -220,7 +222,7 @@ def _check_shape(row: Row, width: int, spare: Iterable[int]) -> None:
             raise Refused(f"line {row.line}, column {index + 1}: {cell[:_LONGEST_CELL]} is {told}")
 
 
-def _value(row: Row, one: Expected, source: Source, decimal: str) -> float:
+def _value(row: TextRow, one: Expected, source: Source, decimal: str) -> float:
     cell = row.cells[source.index]
     where = f"line {row.line}, column {source.index + 1} ({one.name})"
     if is_missing(cell):

@@ -45,7 +45,7 @@ _MISSING: Final = frozenset(("", "-", "na", "n/a", "nan", "null", "none", "nv", 
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class TextRow:
     """The cells of a line.
 
     Attributes
@@ -70,18 +70,18 @@ class Sheet:
     ----------
     delimiter : str
         A tab, a semicolon, a comma, or a blank for any white space.
-    comments : tuple of Row
+    comments : tuple of TextRow
         Comments above the first row of numbers, without their mark.
-    texts : tuple of Row
+    texts : tuple of TextRow
         Lines of text above the first row of numbers.
-    rows : tuple of Row
+    rows : tuple of TextRow
         Every line from the first row of numbers on, but for blank ones, comments and rules.
     """
 
     delimiter: str
-    comments: tuple[Row, ...]
-    texts: tuple[Row, ...]
-    rows: tuple[Row, ...]
+    comments: tuple[TextRow, ...]
+    texts: tuple[TextRow, ...]
+    rows: tuple[TextRow, ...]
 
 
 def decoded(content: bytes) -> str:
@@ -147,7 +147,7 @@ def read_sheet(
         else:
             texts.append((number, _TRAILING_COMMENT.sub("", text)))
     delimiter = separator[1] if separator else _delimiter([text for _, text in texts])
-    every = [Row(line, text, split(text, delimiter)) for line, text in texts]
+    every = [TextRow(line, text, split(text, delimiter)) for line, text in texts]
     first = _first_row(every, delimiter, are_headings, header)
     rows = _without_empty_ends(every[first:], every[:first])
     if not rows:
@@ -155,7 +155,7 @@ def read_sheet(
     above = [one for one in comments if one[0] < rows[0].line]
     return Sheet(
         delimiter,
-        tuple(Row(line, text, split(text, delimiter)) for line, text in above),
+        tuple(TextRow(line, text, split(text, delimiter)) for line, text in above),
         tuple(every[:first]),
         tuple(rows),
     )
@@ -275,7 +275,7 @@ def _delimiter(texts: Sequence[str]) -> str:
 
 
 def _first_row(
-    every: Sequence[Row],
+    every: Sequence[TextRow],
     delimiter: str,
     are_headings: Callable[[tuple[str, ...]], bool],
     header: int | None,
@@ -300,7 +300,7 @@ def _first_row(
     return next((place for place in below if have_numbers[place]), len(every))
 
 
-def _without_empty_ends(rows: Sequence[Row], above: Sequence[Row]) -> list[Row]:
+def _without_empty_ends(rows: Sequence[TextRow], above: Sequence[TextRow]) -> list[TextRow]:
     """Return the rows without the empty cells that a delimiter at the end of each makes.
 
     Headings of as many cells have them, too, if it is no value that is missing.

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.delimited import Row, Sheet, split_headings
+from spectral_contact.io.delimited import Sheet, TextRow, split_headings
 from spectral_contact.io.documents import Refused
 from spectral_contact.io.units import has_unit, in_si
 
@@ -188,7 +188,7 @@ def _headings(
 
 
 def _named(
-    row: Row, delimiter: str, expected: Sequence[Expected], width: int
+    row: TextRow, delimiter: str, expected: Sequence[Expected], width: int
 ) -> list[_Heading] | None:
     if row.text.lstrip().startswith("*"):  # a keyword of Abaqus' input files
         return None
@@ -218,12 +218,13 @@ def _is_prose(headings: Iterable[_Heading]) -> bool:
     return any(heading.name.lower() in _PROSE for heading in headings)
 
 
-def _with_units(headings: list[_Heading], below: Sequence[Row], delimiter: str) -> list[_Heading]:
+def _with_units(
+    headings: list[_Heading], below: Sequence[TextRow], delimiter: str
+) -> list[_Heading]:
     """Return headings with the units of the line below them."""
     cells = split_headings(below[0].text, delimiter, len(headings))
     if len(below) > 1 or cells is None:
-        lines = ", ".join(str(row.line) for row in below)
-        raise Refused(f"line {lines}: text between the headings and the numbers")
+        raise Refused(f"{_lines(below)}: text between the headings and the numbers")
     units = [cell.strip("[]()").strip() for cell in cells]
     return [
         heading
@@ -254,8 +255,8 @@ def _in_order(
     """Return the columns of a file without headings: the required ones in order."""
     required = [one.name for one in expected if one.required]
     if sheet.texts:
-        lines = ", ".join(str(row.line) for row in sheet.texts[:_MOST_SHOWN])
-        told = f"line {lines}: text that names no column, above numbers in {column_count(width)}"
+        above = f"above numbers in {column_count(width)}"
+        told = f"{_lines(sheet.texts)}: text that names no column, {above}"
         raise Refused(f"{told}; {_remedy(expected, option)}")
     if width != len(required):
         told = f"line {sheet.rows[0].line}: {column_count(width)} without headings, where "
@@ -274,18 +275,28 @@ def _by_headings(
         if len(named) > 1:
             several = " and ".join(f"column {k + 1} ({headings[k].text})" for k in named)
             raise Refused(f"{several} are both {one.name}; {_remedy(expected, option)}")
-        ratios = [heading.text for heading in headings if one.is_ratio(heading.name)]
-        if not named and ratios and one.required:
-            told = f"{ratios[0]} is over the contact radius"
-            raise Refused(f"{told}, where {one.name} in {one.unit} is expected")
         if named:
             places[one.name] = named[0]
-    claimed = [index for index in places.values() if list(places.values()).count(index) > 1]
-    if claimed:
-        names = " and ".join(name for name, index in places.items() if index == claimed[0])
-        told = f"column {claimed[0] + 1} ({headings[claimed[0]].text}) may be {names}"
+        elif one.required:
+            _refuse_ratio(one, headings)
+    twice = _first_repeated(list(places.values()))
+    if twice is not None:
+        names = " and ".join(name for name, index in places.items() if index == twice)
+        told = f"column {twice + 1} ({headings[twice].text}) may be {names}"
         raise Refused(f"{told}; {_remedy(expected, option)}")
     return places
+
+
+def _refuse_ratio(one: Expected, headings: Iterable[_Heading]) -> None:
+    """Refuse a column of lengths over the contact radius where one in SI units is expected."""
+    for heading in headings:
+        if one.is_ratio(heading.name):
+            told = f"{heading.text} is over the contact radius"
+            raise Refused(f"{told}, where {one.name} in {one.unit} is expected")
+
+
+def _first_repeated(places: Sequence[int]) -> int | None:
+    return next((place for place in places if places.count(place) > 1), None)
 
 
 def _as_asked(
@@ -298,41 +309,50 @@ def _as_asked(
     """Return the columns that the user says, and their units if they are said, too."""
     places: dict[str, int] = {}
     units: dict[str, str | None] = {}
+    if headings is None and not any("=" in item for item in asked) and len(asked) != width:
+        told = f"{option}: {len(asked)} names for {column_count(width)} without headings"
+        raise Refused(f"{told}; {_remedy(expected, option)}")
     for order, item in enumerate(asked):
         name, is_pair, column = (part.strip() for part in item.partition("="))
         said = _Heading.read(column if is_pair else name, expected)
-        quantity = _quantity(name if is_pair else said.name, expected)
-        if is_pair and quantity is None:
-            known = ", ".join(one.name for one in expected)
-            raise Refused(f"{option} {item}: {name} is none of {known}")
-        if is_pair and column.isascii() and said.name.isdigit():
-            index = int(said.name) - 1
-        elif headings is None and not is_pair:
-            if len(asked) != width:
-                told = f"{option}: {len(asked)} names for {column_count(width)} without headings"
-                raise Refused(f"{told}; {_remedy(expected, option)}")
-            index = order
+        if is_pair:
+            quantity = _quantity(name, expected, f"{option} {item}")
         else:
-            index = _place_of(said, headings, width, option)
-        if not 0 <= index < width:
-            raise Refused(f"{option} {item}: there are {column_count(width)}")
-        if quantity is None:
-            continue
+            quantity = _quantity(said.name, expected)
         if quantity in places:
             raise Refused(f"{option}: {quantity} is given twice")
-        places[quantity], units[quantity] = index, said.unit
+        if is_pair or headings is not None:
+            index = _place_of(said, headings, width, option, by_number=bool(is_pair))
+        else:
+            index = order
+        if quantity is not None:
+            places[quantity], units[quantity] = index, said.unit
+    twice = _first_repeated(list(places.values()))
+    if twice is not None:
+        raise Refused(f"{option}: column {twice + 1} is given twice")
     return places, units
 
 
-def _quantity(name: str, expected: Sequence[Expected]) -> str | None:
+def _quantity(name: str, expected: Sequence[Expected], item: str = "") -> str | None:
+    """Return which quantity is called so; if none is, None, or an error about an item."""
     for one in expected:
         if one.name == name or one.is_called(name):
             return one.name
+    if item:
+        known = ", ".join(one.name for one in expected)
+        raise Refused(f"{item}: {name} is none of {known}")
     return None
 
 
-def _place_of(said: _Heading, headings: list[_Heading] | None, width: int, option: str) -> int:
-    """Return the place of the column of this heading, with or without its unit."""
+def _place_of(
+    said: _Heading, headings: list[_Heading] | None, width: int, option: str, *, by_number: bool
+) -> int:
+    """Return the place of the column of this number or heading, with or without its unit."""
+    if by_number and said.name.isascii() and said.name.isdigit():
+        place = int(said.name) - 1
+        if not 0 <= place < width:
+            raise Refused(f"{option} {said.text}: there are {column_count(width)}")
+        return place
     there = headings or []
     places = [k for k, heading in enumerate(there) if heading.text == said.text]
     places = places or [k for k, one in enumerate(there) if _plain(one.name) == _plain(said.name)]
@@ -344,28 +364,33 @@ def _place_of(said: _Heading, headings: list[_Heading] | None, width: int, optio
 
 def _source(one: Expected, index: int, heading: _Heading | None, said: str | None) -> Source:
     """Return a column with the factor of its unit, said by the user or by the heading."""
-    text = "" if heading is None else heading.text
+    text, written = ("", None) if heading is None else (heading.text, heading.unit)
     where = f"column {index + 1}{f' ({text})' if text else ''}"
-    written = None if heading is None else heading.unit
     if said is not None and written and said != written:
         raise Refused(f"{where} is in {written}, not in {said}")
-    unit = said if said is not None else written
-    if not one.unit:
-        if unit is not None and unit not in _DIMENSIONLESS:
-            told = f"the scene has no units, and {one.name} none of its own"
-            raise Refused(f"{where} is in {unit}: {told}")
-        return Source(index, text, unit or "", Fraction(1))
-    ratio = one.is_ratio(text if heading is None else heading.name)
-    if ratio or (unit is not None and unit in _DIMENSIONLESS - {""}):
-        told = f"is dimensionless, where {one.name} in {one.unit} is expected"
-        raise Refused(f"{where} {told}")
-    if not unit or unit == one.unit:
-        return Source(index, text, one.unit, Fraction(1))
-    if has_unit(f"1 {unit}"):
-        try:
-            return Source(index, text, unit, Fraction(in_si(one.name, f"1 {unit}", one.unit)))
-        except SceneError:
-            pass
+    unit = (said if said is not None else written) or ""
+    if one.unit:
+        ratio = heading is not None and one.is_ratio(heading.name)
+        if ratio or unit in _DIMENSIONLESS - {""}:
+            told = f"is dimensionless, where {one.name} in {one.unit} is expected"
+            raise Refused(f"{where} {told}")
+        return Source(index, text, unit or one.unit, _factor(one, unit or one.unit, where))
+    if unit not in _DIMENSIONLESS:
+        told = f"the scene has no units, and {one.name} none of its own"
+        raise Refused(f"{where} is in {unit}: {told}")
+    return Source(index, text, unit, Fraction(1))
+
+
+def _factor(one: Expected, unit: str, where: str) -> Fraction:
+    """Return a unit over the SI unit of a quantity."""
+    if unit == one.unit:
+        return Fraction(1)
+    measure = f"1 {unit}"
+    try:
+        if has_unit(measure):
+            return Fraction(in_si(one.name, measure, one.unit))
+    except SceneError:  # of another dimension, or no unit
+        pass
     raise Refused(f"{where}: {unit} is no unit of {one.name}, which is in {one.unit}")
 
 
@@ -378,6 +403,11 @@ def _plain(heading: str) -> str:
 def column_count(width: int) -> str:
     """Return a number of columns in words."""
     return f"{width} column{'' if width == 1 else 's'}"
+
+
+def _lines(rows: Sequence[TextRow]) -> str:
+    numbers = abridged([str(row.line) for row in rows], ", ")
+    return f"line{'' if len(rows) == 1 else 's'} {numbers}"
 
 
 def _shown(headings: list[_Heading] | None, width: int) -> str:

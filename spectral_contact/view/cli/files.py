@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from spectral_contact.io.columns import Columns, Expected, read_columns
+from spectral_contact.io.columns import Expected, NumberTable, read_columns
 from spectral_contact.view.cli.options import whole
 
 
@@ -15,7 +15,7 @@ def add_reading(group: argparse._ArgumentGroup, example: str) -> None:
         "--columns",
         metavar="NAMES",
         help=f'which column of the file is which: "{example}" by number or heading, or the names '
-        "of all columns in order (default: by the headings)",
+        "of all columns in order (default: by the headings; see docs/files.md)",
     )
     group.add_argument(
         "--header", type=whole, metavar="LINE", help="line of the file's headings (default: found)"
@@ -23,7 +23,8 @@ def add_reading(group: argparse._ArgumentGroup, example: str) -> None:
     group.add_argument(
         "--decimal",
         choices=(".", ","),
-        help="decimal sign of the file (default: that of its numbers)",
+        metavar="SIGN",
+        help="point or comma, the decimal sign of the file (default: that of its numbers)",
     )
     group.add_argument(
         "--skip-invalid",
@@ -39,7 +40,7 @@ def reading_given(arguments: argparse.Namespace) -> list[str]:
     return [f"--{name.replace('_', '-')}" for name in names if given[name]]
 
 
-def read(path: str, expected: Sequence[Expected], arguments: argparse.Namespace) -> Columns:
+def read(path: str, expected: Sequence[Expected], arguments: argparse.Namespace) -> NumberTable:
     """Return the columns of a file, read as the options say."""
     return read_columns(
         path,

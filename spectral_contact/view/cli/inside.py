@@ -11,7 +11,7 @@ import numpy as np
 from spectral_contact.equations.interior import Extreme, Inside
 from spectral_contact.equations.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.errors import NotComputedError
-from spectral_contact.io.columns import Columns, Expected
+from spectral_contact.io.columns import Expected, NumberTable
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> str:
 
 
 def _content(
-    body: Inside, arguments: argparse.Namespace, given: Columns | None, suffix: str
+    body: Inside, arguments: argparse.Namespace, given: NumberTable | None, suffix: str
 ) -> bytes:
     default = np.linspace(0.0, 2.0 * body.radius, 81)
     r, z = (default if one is None else np.array(one) for one in (arguments.r, arguments.z))

@@ -72,7 +72,8 @@ def add_layer(
         help="of asperities: how their heights are distributed (default: gaussian)",
     )
     of_table = (
-        "of a table: a text file with columns overclosure and pressure, in this order or named"
+        "of a table: a text file with columns overclosure and pressure, in this order or named "
+        "(see docs/files.md)"
     )
     add_option(group, "layer_table", str, of_table, "FILE")
     of_columns = "of the table: which column is which, overclosure=2,pressure=1 say"
