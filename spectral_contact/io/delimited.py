@@ -10,6 +10,7 @@ import csv
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -26,6 +27,8 @@ _MARKS: Final = (
 )
 #: How many bytes tell UTF-16 without a mark from other files.
 _SAMPLE: Final = 1000
+#: How many lines tell the delimiter; a later line with another one is refused.
+_LINES_SAMPLED: Final = 1000
 #: Delimiters in the order in which they are preferred; a blank stands for any white space.
 _DELIMITERS: Final = ("\t", ";", ",", " ")
 _LINE_END: Final = re.compile(r"\r\n|\r|\n")
@@ -92,9 +95,23 @@ def decoded(content: bytes) -> str:
     Refused
         If the file is an archive (as spreadsheets are) or no text.
     """
+    encoding = _encoding(content)
+    try:
+        return content.decode(encoding)
+    except UnicodeDecodeError:
+        pass
+    if encoding == "utf-8":
+        with suppress(UnicodeDecodeError):
+            # Only names and units have letters beyond ASCII: "µm" as Excel writes it.
+            return content.decode("cp1252")
+    raise Refused("is no text, or damaged")
+
+
+def _encoding(content: bytes) -> str:
+    """Return the encoding of a file by its mark, or by the zeros of UTF-16."""
     for mark, encoding in _MARKS:
         if content.startswith(mark):
-            return content.decode(encoding)
+            return encoding
     if content.startswith(b"PK\x03\x04"):
         raise Refused("is an archive or a spreadsheet, no text: save the table as CSV")
     sample = content[:_SAMPLE]
@@ -102,15 +119,11 @@ def decoded(content: bytes) -> str:
     if any(zeros):
         wide = len(sample) // 4
         if zeros[0] == 0 and zeros[1] >= wide:
-            return content.decode("utf-16-le")
+            return "utf-16-le"
         if zeros[1] == 0 and zeros[0] >= wide:
-            return content.decode("utf-16-be")
+            return "utf-16-be"
         raise Refused("is binary, no text")
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        # Only names and units have letters beyond ASCII: "µm" as Excel writes it.
-        return content.decode("cp1252")
+    return "utf-8"
 
 
 def read_sheet(
@@ -264,7 +277,7 @@ def _is_number(text: str) -> bool:
 def _delimiter(texts: Sequence[str]) -> str:
     """Return the delimiter by which most lines have several cells, and a number among them."""
     counts = dict.fromkeys(_DELIMITERS, 0)
-    for text in texts:
+    for text in texts[:_LINES_SAMPLED]:
         for delimiter in _DELIMITERS:
             if delimiter != " " and delimiter not in text:
                 continue
@@ -281,12 +294,15 @@ def _first_row(
     header: int | None,
 ) -> int:
     """Return the place of the first row of numbers."""
-    have_numbers = [any(map(_is_number, row.cells)) for row in every]
+
+    def has_number(place: int) -> bool:
+        return any(map(_is_number, every[place].cells))
+
     above = -1
     for place, row in enumerate(every):
         if header is not None:
             above = place if row.line <= header else above
-        elif not have_numbers[place] and any(map(are_headings, heading_cells(row.text, delimiter))):
+        elif not has_number(place) and any(map(are_headings, heading_cells(row.text, delimiter))):
             above = place
             break
     if header is None:
@@ -297,7 +313,7 @@ def _first_row(
                 )
     # What is below the line of headings may be a line of units.
     below = range(above + 1, len(every))
-    return next((place for place in below if have_numbers[place]), len(every))
+    return next((place for place in below if has_number(place)), len(every))
 
 
 def _without_empty_ends(rows: Sequence[TextRow], above: Sequence[TextRow]) -> list[TextRow]:

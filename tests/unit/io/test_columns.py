@@ -202,6 +202,8 @@ REFUSED = [
     ("r,z\n", {}, "has no row of numbers"),
     ("", {}, "has no row of numbers"),
     (b"PK\x03\x04\x00\x00", {}, "is an archive or a spreadsheet"),
+    (b"\x9d\x81\xff", {}, "is no text, or damaged"),
+    (codecs.BOM_UTF16_LE + b"1 2", {}, "is no text, or damaged"),
     (b"\x93NUMPY\x01\x00v\x00{'d", {}, "is binary"),
     ("r [mm],z [mm]\n0.5,0.25\n", {}, r"column 1 \(r \[mm\]\) is in mm: the scene has no units"),
     ("r [s],z\n1,2\n", {"expected": IN_METRES}, r"column 1 \(r \[s\]\): s is no unit of r"),
