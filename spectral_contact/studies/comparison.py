@@ -14,6 +14,7 @@ from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
 from spectral_contact.io.choices import instance
+from spectral_contact.layers.control import endless
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.solution import Solution
@@ -244,10 +245,8 @@ class _ComparedScene:
         if data is not None:
             nu = scene.poisson_ratio
             if data.radius is None:  # a profile
-                radius = data.contact_radius or getattr(truth, "domain_radius", None)
-                self.length = checks.scalar(
-                    "truth.contact_radius", radius or getattr(truth, "contact_radius", None)
-                )
+                radius = data.contact_radius or getattr(truth, "contact_radius", None)
+                self.length = checks.scalar("truth.contact_radius", radius)
                 load = stress = data.reduced_modulus(nu)
                 moved = 1.0
             else:
@@ -369,6 +368,8 @@ class _ComparedScene:
         try:
             load, a = (checks.scalar(f"truth.{of}", getattr(self.truth, of)) for of in _OF_MEAN)
         except NotComputedError:
+            if endless(self.scene):  # there is no edge, within which a mean could be taken
+                raise
             return self._mean_size("pressure")
         return load / (np.pi * a**2)
 
