@@ -11,9 +11,10 @@ A number with a unit (`io.units`) is converted where the check has a unit, and s
 
 import math
 import numbers
+import re
 from collections.abc import Callable
 from functools import cache
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +24,9 @@ from spectral_contact.io.units import is_quantity, plain_numbers
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
+# Narrower than float(), which takes 1_000 and the digits of every script.
+_DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
+_NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
 
 
 def real(
@@ -83,6 +87,32 @@ def _bounds(interval: str) -> dict[str, Any]:
     low, high = map(float, interval[4:-1].split(", "))
     opened = {"low_open": interval[3] == "(", "high_open": interval[-1] == ")"}
     return {"low": low, "high": high, **opened}
+
+
+def is_decimal(text: str) -> bool:
+    """Return whether a text has the form of a number, be it beyond the doubles."""
+    return bool(_DECIMAL.fullmatch(text) or _NO_DECIMAL.fullmatch(text))
+
+
+def decimal_number(text: str) -> float:
+    """Return the number that a text writes in decimals; it may be infinite or NaN by name.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or a double would be infinite or zero instead; its text is to follow
+        that of the number.
+    """
+    if _NO_DECIMAL.fullmatch(text):
+        return float(text)
+    if not _DECIMAL.fullmatch(text):
+        raise ValueError("is not a number")
+    value = float(text)
+    # exact, whatever the exponent: a decimal is zero if all digits before it are
+    is_zero = not set("123456789") & set(text.lower().partition("e")[0])
+    if math.isinf(value) or (value == 0.0) != is_zero:
+        raise ValueError("is not within the range of a double")
+    return value
 
 
 def positive(parameter: str, value: object, unit: str = "") -> float:

@@ -15,11 +15,10 @@ from typing import Any, Final
 import numpy as np
 
 from spectral_contact.errors import SpectralContactError
+from spectral_contact.io.checks import decimal_number, is_decimal
 from spectral_contact.io.units import has_unit
 
-# Narrower than float() and int(), which take 1_000 and the digits of every script.
-_DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
-_NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
+# Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
@@ -66,17 +65,10 @@ def measured(text: str) -> float | str:
 
 def number(text: str) -> float:
     """Return a number; decimals beyond the doubles are refused, as in Python's interface."""
-    stripped = text.strip(" ")
-    if _NO_DECIMAL.fullmatch(stripped):
-        return float(stripped)
-    if not _DECIMAL.fullmatch(stripped):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
-    value = float(stripped)
-    # exact, whatever the exponent: a decimal is zero if all digits before it are
-    is_zero = not set("123456789") & set(stripped.lower().partition("e")[0])
-    if math.isinf(value) or (value == 0.0) != is_zero:
-        raise argparse.ArgumentTypeError(f"{text!r} is not within the range of a double")
-    return value
+    try:
+        return decimal_number(text.strip(" "))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} {error}") from None
 
 
 def whole(text: str) -> int:
@@ -142,5 +134,4 @@ def joined(argv: Sequence[str]) -> list[str]:
 
 def _negative(text: str) -> bool:
     stripped = text.strip(" ")
-    is_number = _DECIMAL.fullmatch(stripped) or _NO_DECIMAL.fullmatch(stripped)
-    return text.startswith("-") and bool(is_number)
+    return text.startswith("-") and is_decimal(stripped)
