@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from importlib import import_module
+from typing import Any
+
+import numpy as np
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
@@ -54,6 +57,17 @@ GROWTH = "growing contact"
 PARTIAL_SLIP = "partial slip"
 ZONE_SEARCH = "zone search"
 SLIP_FIELD = "slip displacement"
+
+
+def _make_plain(record: Any) -> None:
+    """Turn NumPy's numbers in a new record into Python's, whatever has computed them.
+
+    Both compare equal and print differently, which is no difference that a reader can explain.
+    """
+    for one in fields(record):
+        value = getattr(record, one.name)
+        if isinstance(value, np.generic):
+            object.__setattr__(record, one.name, value.item())
 
 
 class Ending(Enum):
@@ -143,6 +157,9 @@ class Zone:
     inner_from_edge: float
     outer_from_edge: float
 
+    def __post_init__(self) -> None:
+        _make_plain(self)
+
     @classmethod
     def between(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
         """Return the zone between two radii.
@@ -190,6 +207,9 @@ class ErrorEstimates:
     stiffness: float | None = None
     indentation_work: float | None = None
 
+    def __post_init__(self) -> None:
+        _make_plain(self)
+
 
 @dataclass(frozen=True, slots=True)
 class RefinementStep:
@@ -199,6 +219,9 @@ class RefinementStep:
     highest_degree: int
     error: float
     seconds: float = field(compare=False)
+
+    def __post_init__(self) -> None:
+        _make_plain(self)
 
 
 @dataclass(frozen=True, slots=True)

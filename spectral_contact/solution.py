@@ -358,6 +358,14 @@ class Solution(Output):
         estimates = {name: getattr(self.error, name) for name in self.plan.quantities}
         return {k: one for k, one in estimates.items() if one is not None and not one <= self.rtol}
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Questions about SI data that are likely to be in another unit, as `Scene.remarks`."""
+        data = self.scene.physical
+        if data is None:
+            return ()
+        return data.remarks(self.scene.poisson_ratio, self.values.get("contact_radius"))
+
     def __repr__(self) -> str:
         known = ", ".join(
             f"{name}={self.values[name]:.16g}"
@@ -367,4 +375,5 @@ class Solution(Output):
         opening, unsure = self.values.get("opening"), self.less_certain.items()
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
         less = " but for" * bool(unsure) + ",".join(f" {k} to {error:.1e}" for k, error in unsure)
-        return f"<Solution {known}{opens} converged={self.converged}{less}>"
+        asked = "".join(f"; {remark}" for remark in self.remarks)
+        return f"<Solution {known}{opens} converged={self.converged}{less}{asked}>"

@@ -76,12 +76,13 @@ class IndentationData:
     sigma: tuple[float, ...]
 
     def __init__(self, depth: ArrayLike, load: ArrayLike, sigma: ArrayLike) -> None:
-        depths, loads = finite("depth", depth), finite("load", load)
+        depths = finite("depth", depth, unit="m")
+        loads = finite("load", load, unit="N")
         if not depths.size:
             raise SceneError("depth", depth, "at least one number")
         if len(loads) != len(depths):
             raise SceneError("load", load, f"{len(depths)} numbers, one for each depth")
-        sizes = np.ravel(reals("sigma", sigma, "finite and > 0", low=0.0))
+        sizes = np.ravel(reals("sigma", sigma, "finite and > 0", low=0.0, unit="N"))
         if len(sizes) not in (1, len(depths)) or not ((sizes > 0) & np.isfinite(sizes)).all():
             raise SceneError("sigma", sigma, f"finite and > 0, one number or {len(depths)}")
         for name, values in (

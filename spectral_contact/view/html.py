@@ -67,6 +67,7 @@ def of_solution(solution: Solution) -> str:
     unsure = (f"{name} to {error:.1e}" for name, error in solution.less_certain.items())
     if solution.less_certain:
         parts.append(f"<p>less certain than rtol: {escape(', '.join(unsure))}</p>")
+    parts += [f"<p>{escape(remark)}</p>" for remark in solution.remarks]
     return _block([of_scene(solution.scene), *parts])
 
 

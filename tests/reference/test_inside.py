@@ -253,8 +253,35 @@ def test_what_was_not_computed_is_refused():
         _ = solve(Scene(0.3, 0.5), quantities=["approach"]).inside
 
 
-def test_no_points_are_no_error():
-    assert solve(Scene(0.3)).inside.stress([], 0.1).rr.shape == (0,)
+@pytest.mark.parametrize("rtol", [None, 1e-9, 1e-3])
+@pytest.mark.parametrize("shape", [(0,), (0, 3), (2, 0)])
+def test_no_points_are_no_error(solutions, rtol, shape):
+    none = np.zeros(shape)
+    for solution in solutions.values():
+        body = solution.inside
+        for found in (
+            body.stress(none, 0.1, rtol=rtol).rr,
+            body.stress(none, 0.0, rtol=rtol).error,
+            body.stress(from_edge=none, z=none, rtol=rtol).von_mises,
+            body.stress(0.5, none, rtol=rtol).principal[0],
+            body.displacement(none, 0.1, rtol=rtol).z,
+            body.displacement(0.5, none, rtol=rtol).modulus,
+            body.surface(none, rtol=rtol).gap,
+            body.surface(from_edge=none, rtol=rtol).error,
+            *body.to_table(none, 0.1, rtol=rtol).values(),
+        ):
+            assert found.shape == shape
+        assert body.to_xarray(none, [0.1, 0.2], rtol=rtol).sigma_zz.shape == (2, 0)
+        assert body.to_xarray([0.1], none, rtol=rtol).u_r.shape == (0, 1)
+
+
+def test_points_beyond_memory_are_refused_before_they_are_made():
+    body, axis = solve(Scene(0.3)).inside, np.linspace(0.0, 2.0, 10**6)
+    for evaluate in (body.to_xarray, lambda r, z: body.to_table(r, z[:, None])):
+        with pytest.raises(SceneError, match=r"number of points r, z = 1000000000000: must be"):
+            evaluate(axis, axis)
+    with pytest.raises(SceneError, match=r"number of points from_edge, z = 1000000000000"):
+        body.stress(from_edge=axis / 2.0, z=axis[:, None])
 
 
 @pytest.mark.parametrize("name", SCENES)

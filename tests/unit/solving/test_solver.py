@@ -12,15 +12,17 @@ from spectral_contact import (
     QUANTITIES,
     ConvergenceError,
     Ending,
+    ErrorEstimates,
     NotComputedError,
     Scene,
     SceneError,
     Solution,
     clear_caches,
+    profiles,
     solve,
 )
 from spectral_contact.contact import slip_outcome
-from spectral_contact.records import PROFILE_QUANTITIES
+from spectral_contact.records import PROFILE_QUANTITIES, RefinementStep, Zone
 from spectral_contact.solving.solver import Continuation
 
 ROUGH = Scene(0.1, 0.5, 0.5, 0.1)
@@ -726,3 +728,40 @@ def test_noise_at_the_onset_of_slip_is_no_endless_search():
     solution = solve(scene, 1e-12)
     assert 3e-10 < solution.error.zones < 1e-8
     assert solution.less_certain.keys() >= {"slip", "zones"}
+
+
+@pytest.mark.parametrize("name", [one.name for one in fields(ErrorEstimates)])
+def test_estimates_are_plain_floats_whatever_has_computed_them(name):
+    error = getattr(ErrorEstimates(**{name: np.float64(0.125)}), name)
+    assert type(error) is float
+    assert error == 0.125
+
+
+def test_records_have_plain_numbers():
+    zone = Zone("slip", *(np.float64(one) for one in (0.25, 0.5, 0.75, 0.5)))
+    step = RefinementStep(np.int64(3), np.int64(2), np.float64(0.5), np.float32(0.25))
+    for record in (zone, step):
+        kinds = {type(getattr(record, one.name)) for one in fields(record)}
+        assert kinds <= {str, int, float}
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-8])
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(0.3),
+        Scene(0.3, 0.5, 0.5, 0.1),
+        Scene(0.3, 0.0, 0.0, 0.1),
+        Scene(0.3, 0.05, 1.0, 0.23 / 7),
+        Scene(0.3, 0.5, 0.5, math.inf),
+        Scene(0.3, 0.5, 0.5, 0.0),
+        Scene(0.3, 0.5, 0.5, 0.1, coupling=True),
+        Scene(0.3, 0.0, 0.0, 0.1, coupling=True),
+        Scene(0.3, 0.5, profile=profiles.Sphere(2.0), load=0.7),
+        Scene(0.3, 0.5, 0.5, math.inf, profile=profiles.Cone(1.2), approach=0.5),
+    ],
+    ids=repr,
+)
+def test_estimates_of_every_kind_of_scene_are_plain_floats(scene, rtol):
+    error = solve(scene, rtol, strict=False).error
+    assert {type(getattr(error, one.name)) for one in fields(error)} <= {float, type(None)}
