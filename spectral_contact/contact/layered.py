@@ -17,7 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.layered_bends import NO_MISPLACEMENT, misplacement
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
+from spectral_contact.contact.layered_spaces import PanelForm
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import ROUNDING
@@ -58,6 +60,10 @@ class Layered(ABC):
 
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
+        return self._judged(*self._solved(resolution))
+
+    def _solved(self, resolution: Resolution) -> tuple[LayeredNewton, LayeredFields]:
+        """Return the solution in a space, after the last one there was."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
         if self._last is None:
@@ -67,7 +73,7 @@ class Layered(ABC):
             begin = form.carried(last.overclosure, old), last.shift
         fields = solver.solved(*begin)
         self._last = form, fields
-        return self._judged(solver, fields)
+        return solver, fields
 
     def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:
         """Return the contact with its errors."""
@@ -94,33 +100,40 @@ class Layered(ABC):
         # it superconverges, but signs may have made it small
         sides = _DIFFERENCE * worst
 
+        misplaced = NO_MISPLACEMENT
+        if setting.layer.knots and isinstance(form, PanelForm):
+            misplaced = misplacement(setting, form, fields)
+
         shifted, data = 0.0, size - min(setting.origin, 0.0)
         if setting.approach is None:
             lost = form.lost_at_edge(fields.overclosure - coarse.overclosure)
             shifted = lost / form.at_edge(fields.rate)
             shifted = a * (shifted + sides * abs(whole.shift - less.shift))
+            shifted += misplaced.load / whole.stiffness
         shifted += _ROUNDINGS * ROUNDING * data
         moved = whole.stiffness * shifted
         load_error = (
             (moved + a**2 * own + sides * abs(whole.load - less.load)) / whole.load
+            + misplaced.load / whole.load
             + fields.left
             + ROUNDING
         )
         work_error = (
             (whole.load * shifted + a**3 * both + sides * abs(whole.work - less.work)) / whole.work
+            + misplaced.load / whole.load
             + fields.left
             + ROUNDING
         )
         stiff_error = (
             (2.0 * a * flat + _STIFFNESS * sides * abs(whole.stiffness - less.stiffness))
             / whole.stiffness
-            + solver.missed(fields) / whole.stiffness
+            + (solver.missed(fields) + misplaced.stiffness) / whole.stiffness
             + fields.left
             + 2.0 * ROUNDING
         )
         rounding = solver.sharpest(fields, mean) * ROUNDING * data
         pressure_error = float(indicators.max()) + fields.left
-        pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding
+        pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding + misplaced.pressure / mean
         normal = None
         if setting.drives:
             normal = form.driving(fields.pressure, change, solver.thinnest(fields), worst)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +29,31 @@ from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
 from spectral_contact.spectral.spaces import disk_space
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]
+
+
+class PartSamples(NamedTuple):
+    """The sampling points of a part.
+
+    Attributes
+    ----------
+    samples : slice
+        Which they are, of all.
+    sign : int
+        +1 if the part lies above its boundary, -1 if below, as in `Parts`.
+    distances : ndarray
+        Their distances in ``s**2`` to the boundary, falling.
+    widths : ndarray
+        Extents in ``s**2`` of the panels on which they are.
+    """
+
+    samples: slice
+    sign: int
+    distances: Array
+    widths: Array
 
 
 class PanelForm:
@@ -60,11 +82,34 @@ class PanelForm:
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
-        self.z: Array = np.concatenate(
-            [Family(*end, panels).sampling().z for end, (panels, _) in ends]
-        )
+        points = [Family(*end, panels).sampling() for end, (panels, _) in ends]
+        self.z: Array = np.concatenate([part.z for part in points])
         self.tail_extent = parts.ends[-1][2] * used[-1][0].end
         self.central = len(used[0][1])
+
+    @cached_property
+    def y(self) -> Array:
+        """``1 - s**2`` at the sampling points."""
+        ends = zip(self._parts.ends, self._used, strict=True)
+        return np.concatenate([Family(*end, panels).sampling().y for end, (panels, _) in ends])
+
+    def part_samples(self) -> list[PartSamples]:
+        """Return where the sampling points of every part are."""
+        found, start = [], 0
+        for (_, sign, extent), (panels, _) in zip(self._parts.ends, self._used, strict=True):
+            distances = panels.distances
+            ends = np.exp(-panels.width * np.arange(panels.panels + 1))
+            on_panels = np.repeat(-np.diff(ends), panels.samples)
+            widths = np.concatenate([on_panels, np.full(panels.tail_points, panels.end)])
+            samples = slice(start, start + len(distances))
+            found.append(PartSamples(samples, sign, extent * distances, extent * widths))
+            start = samples.stop
+        return found
+
+    def at_boundaries(self, coefficients: Array) -> list[float]:
+        """Return the value at the boundary of every part, as the part has it."""
+        each = zip(self._used, split_parts(self._used, coefficients), strict=True)
+        return [edge_value(panels, own) for (panels, _), own in each]
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -77,6 +122,9 @@ class PanelForm:
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
         assert isinstance(old, PanelForm)
+        counts = [[panels.panels for panels, _ in form._used] for form in (old, self)]
+        if old._parts != self._parts or counts[0] != counts[1]:
+            return self.sampling.coefficients(old.field(before).at(self.y))
         rows, parts = [], split_parts(old._used, before)
         for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
             table = np.zeros((new.panels, new.degree + 1))

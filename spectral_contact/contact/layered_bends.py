@@ -1,0 +1,186 @@
+r"""Where the law of a layer bends inside a contact, and what is wrong if parts do not end there.
+
+A law bends at its knots, at overclosures ``w_k`` where a derivative of F jumps. Inside the contact
+that is at radii with ``w(r) = w_k``, which the solution decides: none, one, or several for a knot.
+At them pressure and overclosure are no polynomials, so parts end there. What is misplaced is known
+by the overclosure: on every part w is to stay between two neighbouring knots, and where it goes
+beyond one by ``e`` the pressure is that of a law whose slope is off by its jump, times ``e``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, pi, sqrt
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.contact.resolution import crossing
+from spectral_contact.fields.radius import Radius
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.layered_newton import LayeredFields, LayeredSetting
+    from spectral_contact.contact.layered_spaces import PanelForm
+
+Array = NDArray[np.float64]
+
+#: Rounding of an overclosure, of the largest one.
+_ROUNDING = 1e-14
+#: Least distance in ``s**2`` of a bend to the centre, the edge, a break or another bend: closer
+#: ones are left out, and what that makes is part of the estimate.
+_LEAST_GAP = 1e-12
+#: Largest error of a polynomial through values with a kink, over that of the values.
+_INTERPOLATED = 3.0
+
+
+class Bend(NamedTuple):
+    """A radius at which the law bends.
+
+    Attributes
+    ----------
+    radius : Radius
+    knot : float
+        The overclosure there.
+    """
+
+    radius: Radius
+    knot: float
+
+
+class Misplacement(NamedTuple):
+    """Bounds of what overclosures beyond the knots of their parts make.
+
+    Attributes
+    ----------
+    pressure : float
+        Of the pressure anywhere, in E'.
+    load : float
+        Of the load, in E' L**2.
+    stiffness : float
+        Of the stiffness, in E' L.
+    """
+
+    pressure: float
+    load: float
+    stiffness: float
+
+
+#: Of a law that bends nowhere.
+NO_MISPLACEMENT = Misplacement(0.0, 0.0, 0.0)
+
+
+class BendsChangedError(Exception):
+    """Other knots lie in the contact than the parts of a space know of.
+
+    Parameters
+    ----------
+    bends : tuple of Bend
+        Those of the solution.
+    last : tuple of (PanelForm, LayeredFields)
+        The space and the solution.
+    """
+
+    def __init__(self, bends: tuple[Bend, ...], last: tuple[PanelForm, LayeredFields]) -> None:
+        super().__init__("other knots of the law lie in the contact")
+        self.bends, self.last = bends, last
+
+
+def same_knots(first: Sequence[Bend], second: Sequence[Bend]) -> bool:
+    """Return whether two sets of bends are of the same knots in the same order."""
+    return [bend.knot for bend in first] == [bend.knot for bend in second]
+
+
+def bends_of(
+    setting: LayeredSetting, form: PanelForm, overclosure: Array, uncertain: Array
+) -> tuple[Bend, ...]:
+    """Return where an overclosure meets the knots of the law, from the centre outward.
+
+    Parameters
+    ----------
+    setting : LayeredSetting
+    form : PanelForm
+    overclosure : ndarray
+        Coefficients.
+    uncertain : ndarray
+        By how much it is not known at the sampling points: closer to a knot it does not count as
+        being on either side.
+    """
+    outward = np.concatenate(
+        [np.arange(part.samples.start, part.samples.stop)[:: -part.sign] for part in
+         form.part_samples()]
+    )
+    a, origin = setting.radius, setting.origin
+    w, y = origin + a * form.sampling.values(overclosure)[outward], form.y[outward]
+    margin = a * uncertain[outward] + _ROUNDING * float(np.abs(w).max())
+    field = form.field(overclosure)
+    found = []
+    for knot in setting.layer.knots:
+        beyond = w - knot
+        decided = np.flatnonzero(np.abs(beyond) > margin)
+        above = beyond[decided] > 0.0
+        for change in np.flatnonzero(above[1:] != above[:-1]):
+            first, last = decided[change], decided[change + 1]
+
+            def excess(y: Array, knot: float = knot) -> Array:
+                return origin + a * field.at(y) - knot
+
+            found.append((crossing(excess, float(y[last]), float(y[first])), knot))
+    return _apart(setting, sorted(found, reverse=True))
+
+
+def _apart(setting: LayeredSetting, found: list[tuple[float, float]]) -> tuple[Bend, ...]:
+    """Return the bends that are apart from each other, from breaks, the centre and the edge."""
+    radii = [bend.radius for bend in setting.bends]
+    fixed = [radius.rest for radius in setting.parts.breaks if radius not in radii]
+    kept: list[Bend] = []
+    taken = [1.0, 0.0, *fixed]
+    for y, knot in found:
+        if min(abs(y - other) for other in taken) > _LEAST_GAP:
+            s = sqrt(1.0 - y)
+            kept.append(Bend(Radius(s, y / (1.0 + s)), knot))
+            taken.append(y)
+    return tuple(kept)
+
+
+def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields) -> Misplacement:
+    """Return what a solution has where its parts do not end at the bends of the law."""
+    a, origin = setting.radius, setting.origin
+    w = origin + a * form.sampling.values(fields.overclosure)
+    rate = np.abs(form.sampling.values(fields.rate))
+    boundaries = form.at_boundaries(fields.overclosure)
+    pressure = load = stiffness = 0.0
+    for part, at_boundary in zip(form.part_samples(), boundaries, strict=True):
+        inside, moved = w[part.samples], rate[part.samples]
+        end = origin + a * at_boundary
+        low, high = _piece(setting, inside)
+        excess = np.maximum(np.maximum(low - inside, inside - high), 0.0)
+        end_excess = max(low - end, end - high, 0.0)
+        largest = max(float(excess.max()), end_excess)
+        if largest == 0.0:
+            continue
+        knot = low if max(low - end, low - float(inside.min())) == largest else high
+        step = max(largest, float(np.spacing(abs(knot))))
+        slopes = setting.layer._slope(np.array([knot - step, knot + step]))
+        jump = abs(float(slopes[1] - slopes[0]))
+        # panels with samples beyond a knot count as a whole
+        beyond = excess > 0.0
+        widths = np.unique(part.widths[beyond])
+        width = _INTERPOLATED * float(widths.sum())
+        if end_excess > 0.0:
+            nearest = float(part.distances[-1])
+            step = abs(float(inside[-1]) - end)
+            width += nearest * min(end_excess / step, 1.0) if step > 0.0 else nearest
+        largest_rate = float(moved[beyond].max()) if beyond.any() else float(moved[-1])
+        pressure = max(pressure, _INTERPOLATED * jump * largest)
+        load += pi * a**2 * width * jump * largest * largest_rate
+        stiffness += pi * a**2 * width * jump * largest_rate**2
+    return Misplacement(pressure, load, stiffness)
+
+
+def _piece(setting: LayeredSetting, w: Array) -> tuple[float, float]:
+    """Return the neighbouring knots between which overclosures are, but for the least excess."""
+    knots = np.array([-inf, *setting.layer.knots, inf])
+    own = np.unique(np.searchsorted(knots, [w.min(), w.max(), w[0], np.median(w)]))
+    pieces = [(float(knots[k - 1]), float(knots[k])) for k in range(own.min(), own.max() + 1)]
+    return min(pieces, key=lambda piece: max(piece[0] - w.min(), w.max() - piece[1]))
