@@ -153,6 +153,7 @@ class Layered(ABC):
             pressure_error,
             deepest,
             normal,
+            setting.bends,
         )
         if setting.load is not None:
             indentation = _under(indentation, setting.load)

@@ -91,6 +91,60 @@ def same_knots(first: Sequence[Bend], second: Sequence[Bend]) -> bool:
     return [bend.knot for bend in first] == [bend.knot for bend in second]
 
 
+class _Looks(NamedTuple):
+    """Places from the centre outward at which an overclosure is looked at.
+
+    They are the sampling points, the centre, and about where it is largest or least in between.
+
+    Attributes
+    ----------
+    y : ndarray
+        ``1 - s**2``.
+    w : ndarray
+        The overclosure, in lengths of the profile's unit.
+    sample : ndarray
+        The sampling point that is next to it.
+    width : ndarray
+        Extent in ``s**2`` of what it stands for: of the panel, or to its neighbours.
+    """
+
+    y: Array
+    w: Array
+    sample: NDArray[np.int_]
+    width: Array
+
+    def among(self, chosen: NDArray[np.bool_]) -> _Looks:
+        """Return some of them."""
+        return _Looks(self.y[chosen], self.w[chosen], self.sample[chosen], self.width[chosen])
+
+
+def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Looks:
+    field, parts = form.field(overclosure), form.part_samples()
+    outward = [np.arange(part.samples.start, part.samples.stop)[:: -part.sign] for part in parts]
+    widths = np.concatenate([part.widths for part in parts])
+    sample = np.concatenate([outward[0][:1], *outward])
+    y = np.append(1.0, form.y[sample[1:]])
+    values = form.sampling.values(overclosure)
+    w = np.append(field.at(y[:1]), values[sample[1:]])
+    width = np.append(1.0 - y[1], widths[sample[1:]])
+
+    # the vertices of parabolas through three neighbours
+    rise, step = np.diff(w), np.diff(y)
+    turning = 1 + np.flatnonzero((rise[1:] * rise[:-1] < 0.0) & (step[1:] * step[:-1] > 0.0))
+    slope = rise / np.where(step == 0.0, 1.0, step)
+    before, after = slope[turning - 1], slope[turning]
+    reach = (y[turning + 1] - y[turning - 1]) / 2.0
+    vertex = (y[turning] + y[turning - 1]) / 2.0 - before * reach / (after - before)
+    vertex = np.clip(vertex, y[turning + 1], y[turning - 1])
+
+    y = np.concatenate([y, vertex])
+    order = np.argsort(-y, kind="stable")
+    w = np.concatenate([w, field.at(vertex)])
+    sample = np.concatenate([sample, sample[turning]])
+    width = np.concatenate([width, 2.0 * np.abs(reach)])
+    return _Looks(y[order], setting.origin + setting.radius * w[order], sample[order], width[order])
+
+
 def bends_of(
     setting: LayeredSetting, form: PanelForm, overclosure: Array, uncertain: Array
 ) -> tuple[Bend, ...]:
@@ -106,17 +160,13 @@ def bends_of(
         By how much it is not known at the sampling points: closer to a knot it does not count as
         being on either side.
     """
-    outward = np.concatenate(
-        [np.arange(part.samples.start, part.samples.stop)[:: -part.sign] for part in
-         form.part_samples()]
-    )
-    a, origin = setting.radius, setting.origin
-    w, y = origin + a * form.sampling.values(overclosure)[outward], form.y[outward]
-    margin = a * uncertain[outward] + _ROUNDING * float(np.abs(w).max())
-    field = form.field(overclosure)
+    a, origin, field = setting.radius, setting.origin, form.field(overclosure)
+    looks = _looks(setting, form, overclosure)
+    uncertain = np.maximum(uncertain, form.jumps(overclosure))
+    margin = a * uncertain[looks.sample] + _ROUNDING * float(np.abs(looks.w).max())
     found = []
     for knot in setting.layer.knots:
-        beyond = w - knot
+        beyond = looks.w - knot
         decided = np.flatnonzero(np.abs(beyond) > margin)
         above = beyond[decided] > 0.0
         for change in np.flatnonzero(above[1:] != above[:-1]):
@@ -125,7 +175,8 @@ def bends_of(
             def excess(y: Array, knot: float = knot) -> Array:
                 return origin + a * field.at(y) - knot
 
-            found.append((crossing(excess, float(y[last]), float(y[first])), knot))
+            ends = float(looks.y[last]), float(looks.y[first])
+            found.append((crossing(excess, *ends), knot))
     return _apart(setting, sorted(found, reverse=True))
 
 
@@ -146,41 +197,42 @@ def _apart(setting: LayeredSetting, found: list[tuple[float, float]]) -> tuple[B
 def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields) -> Misplacement:
     """Return what a solution has where its parts do not end at the bends of the law."""
     a, origin = setting.radius, setting.origin
-    w = origin + a * form.sampling.values(fields.overclosure)
+    everywhere = _looks(setting, form, fields.overclosure)
     rate = np.abs(form.sampling.values(fields.rate))
     boundaries = form.at_boundaries(fields.overclosure)
     pressure = load = stiffness = 0.0
     for part, at_boundary in zip(form.part_samples(), boundaries, strict=True):
-        inside, moved = w[part.samples], rate[part.samples]
-        end = origin + a * at_boundary
-        low, high = _piece(setting, inside)
-        excess = np.maximum(np.maximum(low - inside, inside - high), 0.0)
+        inside = (everywhere.sample >= part.samples.start) & (everywhere.sample < part.samples.stop)
+        looks, end = everywhere.among(inside), origin + a * at_boundary
+        low, high = _piece(setting, looks.w)
+        excess = np.maximum(np.maximum(low - looks.w, looks.w - high), 0.0)
         end_excess = max(low - end, end - high, 0.0)
         largest = max(float(excess.max()), end_excess)
         if largest == 0.0:
             continue
-        knot = low if max(low - end, low - float(inside.min())) == largest else high
+        below = max(low - float(looks.w.min()), low - end) == largest
+        knot = low if below else high
         step = max(largest, float(np.spacing(abs(knot))))
         slopes = setting.layer._slope(np.array([knot - step, knot + step]))
         jump = abs(float(slopes[1] - slopes[0]))
-        # panels with samples beyond a knot count as a whole
+        # panels with samples beyond a knot count as a whole, each once
         beyond = excess > 0.0
-        widths = np.unique(part.widths[beyond])
-        width = _INTERPOLATED * float(widths.sum())
+        width = _INTERPOLATED * float(np.unique(looks.width[beyond]).sum())
+        rates = rate[looks.sample[beyond]] if beyond.any() else rate[part.samples][-1:]
         if end_excess > 0.0:
             nearest = float(part.distances[-1])
-            step = abs(float(inside[-1]) - end)
-            width += nearest * min(end_excess / step, 1.0) if step > 0.0 else nearest
-        largest_rate = float(moved[beyond].max()) if beyond.any() else float(moved[-1])
+            last = origin + a * float(form.sampling.values(fields.overclosure)[part.samples][-1])
+            width += nearest * min(end_excess / max(abs(last - end), end_excess), 1.0)
+        most = float(rates.max())
         pressure = max(pressure, _INTERPOLATED * jump * largest)
-        load += pi * a**2 * width * jump * largest * largest_rate
-        stiffness += pi * a**2 * width * jump * largest_rate**2
+        load += pi * a**2 * width * jump * largest * most
+        stiffness += pi * a**2 * width * jump * most**2
     return Misplacement(pressure, load, stiffness)
 
 
 def _piece(setting: LayeredSetting, w: Array) -> tuple[float, float]:
     """Return the neighbouring knots between which overclosures are, but for the least excess."""
     knots = np.array([-inf, *setting.layer.knots, inf])
-    own = np.unique(np.searchsorted(knots, [w.min(), w.max(), w[0], np.median(w)]))
-    pieces = [(float(knots[k - 1]), float(knots[k])) for k in range(own.min(), own.max() + 1)]
+    first, last = np.searchsorted(knots, [w.min(), w.max()])
+    pieces = [(float(knots[k - 1]), float(knots[k])) for k in range(first, last + 1)]
     return min(pieces, key=lambda piece: max(piece[0] - w.min(), w.max() - piece[1]))

@@ -185,7 +185,7 @@ def _solve_bent(
 ) -> Contact:
     """Solve with a law that bends: first to a few digits, which show what knots it meets."""
     last = None
-    rough = max(tolerance, _ROUGH)
+    rough = tolerance if setting.bends else max(tolerance, _ROUGH)
     for change in range(_CHANGES):
         problem = BentProblem(setting, rough, pointwise=pointwise, last=last)
         try:

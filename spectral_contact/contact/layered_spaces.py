@@ -20,7 +20,7 @@ from spectral_contact.contact.resolution import (
     expected_error,
     table_rates,
 )
-from spectral_contact.fields.series import PressureField, ZonalField
+from spectral_contact.fields.series import PressureField, Radius, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
 from spectral_contact.spectral.panels import Resolution
@@ -110,6 +110,16 @@ class PanelForm:
         """Return the value at the boundary of every part, as the part has it."""
         each = zip(self._used, split_parts(self._used, coefficients), strict=True)
         return [edge_value(panels, own) for (panels, _), own in each]
+
+    def jumps(self, coefficients: Array) -> Array:
+        """Return at the sampling points by how much a function jumps at the boundary of a part."""
+        values: dict[Radius, list[float]] = {}
+        each = list(zip(self._parts.ends, self.at_boundaries(coefficients), strict=True))
+        for (boundary, _, _), value in each:
+            values.setdefault(boundary, []).append(value)
+        jumps = [max(values[boundary]) - min(values[boundary]) for (boundary, _, _), _ in each]
+        counts = [len(panels.distances) for panels, _ in self._used]
+        return np.repeat(jumps, counts)
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
