@@ -173,7 +173,7 @@ class Layered(ABC):
             shares = _STIFFNESS * rates * np.abs(solver.carried(flat_change.coefficients))
             indicators = np.maximum(indicators**2, shares / whole.stiffness)
             rates = rates**2
-        if setting.centre is not None or not self.pointwise:
+        if setting.centre is not None or not self.pointwise or setting.layer.knots:
             # what of the error they do not show is where they are worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
         return Attempt(indentation, error, indicators, rates, form.space.unknowns)

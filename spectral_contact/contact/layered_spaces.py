@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import ceil, log
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -20,10 +21,10 @@ from spectral_contact.contact.resolution import (
     expected_error,
     table_rates,
 )
-from spectral_contact.fields.series import PressureField, Radius, ZonalField
+from spectral_contact.fields.series import EDGE, PressureField, Radius, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
@@ -33,6 +34,10 @@ from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]
+
+
+#: Degree in which a pressure with bends drives a traction.
+_DRIVING_DEGREE = 32
 
 
 class PartSamples(NamedTuple):
@@ -145,7 +150,9 @@ class PanelForm:
         return np.concatenate(rows)
 
     def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
-        """Return the pressure as it drives a traction, where it is on one part.
+        """Return the pressure as it drives a traction, which takes panels to the edge alone.
+
+        Where the law bends it is what these make of it, and what that lacks is its error.
 
         Parameters
         ----------
@@ -157,15 +164,35 @@ class PanelForm:
         rate : float
             By what factor one more degree lowers the change.
         """
-        [(panels, _)] = self._used
         functions = self.space
         last = np.zeros_like(pressure)
         last[functions.index[functions.kept_but_one :]] = 1.0
+        driving = pressure, change.coefficients, last * pressure
+        panels = self._used[0][0]
+        if len(self._used) > 1:
+            panels = self._panels_to_edge()
+            driving = tuple(self._to_edge(panels, coefficients) for coefficients in driving)
         whole, moved, lesser = (
             NormalContact(thin, 0.0, PressureField(None, series_of(panels, one)), panels, one)
-            for one in (pressure, change.coefficients, last * pressure)
+            for one in driving
         )
-        return replace(whole, changes=(moved, lesser), rate=rate)
+        lost = 0.0
+        if len(self._used) > 1:
+            exact = self.sampling.values(pressure)
+            off = whole.pressure.at(self.y) - exact
+            lost = float(np.abs(off).max()) / float(exact.min())
+        return replace(whole, changes=(moved, lesser), rate=rate, pressure_error=lost)
+
+    def _panels_to_edge(self) -> LogPanels:
+        """Return panels of one part that are as deep as those next to the edge."""
+        panels, extent = self._used[-1][0], self._parts.ends[-1][2]
+        more = ceil(-log(extent) / panels.width)
+        return replace(panels, panels=panels.panels + more, degree=_DRIVING_DEGREE)
+
+    def _to_edge(self, panels: LogPanels, coefficients: Array) -> Array:
+        """Return a function on panels of one part, through its values there."""
+        family = Family(EDGE, -1, 1.0, panels)
+        return family.expand(self.field(coefficients).at(family.sampling().y))
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""

@@ -25,14 +25,14 @@ Function = Callable[[Array], Array]
 RATIO = 0.25
 #: Points on a panel, and panels to a singular radius: first, and then. To the edge there are more.
 MESHES, EDGE_LEVELS = ((11, 7), (15, 10)), 4
-#: The rule for a logarithmic singularity: points on an interval, intervals, and their ratio.
-FINE, INTERVALS, INTERVAL_RATIO = 20, 20, 0.15
+#: The rule for a logarithmic singularity: Gauss points in a root of the distance, and which root.
+FINE, ROOT = 64, 6
 #: Panels closer than this in their lengths get that rule; pairs of points and panels at once.
-NEAR, CHUNK = 2.0, 400
+NEAR, CHUNK = 0.5, 2000
 #: Least width of a panel, over the radius: a radius has no more digits.
 THINNEST = 1e-13
-#: How far bends may move on, over the radius of the disk, and how often they are looked for.
-STILL, ROUNDS = 1e-13, 30
+#: How far w at bends may be off a knot, over the largest, and how often they are looked for.
+STILL, ROUNDS = 1e-14, 12
 
 
 @dataclass(frozen=True)
@@ -86,12 +86,9 @@ def solved(
         for _ in range(ROUNDS):
             state = problem.state(bends, order, levels)
             found = state.bends()
-            moved = np.inf
-            if len(found) == len(bends):
-                moved = max((abs(a - b) for a, b in zip(found, bends, strict=True)), default=0.0)
-            bends = found
-            if moved <= STILL * radius:
+            if len(found) == len(bends) and state.misfit(bends) <= STILL:
                 break
+            bends = found
         else:
             raise AssertionError("the bends did not come to rest")
         contacts.append(state)
@@ -199,6 +196,13 @@ class _State:
                     found.append(float(r[k] if abs(low) < abs(high) else r[k + 1]))
         return tuple(sorted(found))
 
+    def misfit(self, bends: tuple[float, ...]) -> float:
+        """Return by how much w at these radii is off any knot, over the largest."""
+        if not bends:
+            return 0.0
+        w, knots = self.overclosure_at(np.array(bends)), np.array(self.problem.law.knots)
+        return float(np.abs(w[:, None] - knots).min(axis=1).max() / np.abs(self.w).max())
+
     def _extreme(self, low: float, high: float, sign: float) -> float:
         """Return where w is largest, or least with the sign -1."""
         found = minimize_scalar(
@@ -280,6 +284,5 @@ def _kernel(s: Array, eta: Array, apart: Array) -> Array:
 def _graded() -> tuple[Array, Array]:
     """Return offsets in (0, 1) and weights of a rule for a logarithm at 0."""
     g, w = leggauss(FINE)
-    ends = np.append(INTERVAL_RATIO ** np.arange(INTERVALS), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
-    return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
+    root = (1.0 + g) / 2.0
+    return root**ROOT, ROOT * root ** (ROOT - 1) * w / 2.0

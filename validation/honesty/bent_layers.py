@@ -40,7 +40,7 @@ EVERY = 20
 #: What a tighter tolerance is, and the rounding of the truth.
 TIGHTER, ROUNDING = 1e-11, 3e-14
 #: Distances from what a bend is put next to, as powers of ten of the range of overclosures.
-CLOSE = (-13.0, -0.5)
+CLOSE = (-9.0, -0.5)
 
 
 @dataclass(frozen=True)
@@ -90,13 +90,21 @@ def _power(v: Any, factor: float, n: int, order: int) -> Any:
 
 def table_law(w: list[float], p: list[float]) -> tuple[layers.Layer, Law]:
     """Return a table, and SciPy's interpolant of it."""
-    pressure = PchipInterpolator(w, p)
-    slope, energy = pressure.derivative(), pressure.antiderivative()
+    inner = PchipInterpolator(w, p)
+    derivative, integral = inner.derivative(), inner.antiderivative()
 
-    def from_start(function: Callable[[Any], Any]) -> Callable[[Any], Any]:
-        return lambda at: np.where(at < w[0], 0.0, function(np.clip(at, w[0], None)))
+    def within(function: Callable[[Any], Any], at: Any) -> Any:
+        return np.where(at < w[0], 0.0, function(np.clip(at, w[0], w[-1])))
 
-    law = Law(from_start(pressure), from_start(slope), from_start(energy), tuple(w[1:-1]))
+    def pressure(at: Any) -> Any:  # beyond the table, where only steps of an iteration are
+        return within(inner, at) + np.maximum(at - w[-1], 0.0) * derivative(w[-1])
+
+    law = Law(
+        pressure,
+        lambda at: within(derivative, at),
+        lambda at: within(integral, at),
+        tuple(w[1:-1]),
+    )
     return layers.Table(w, p), law
 
 
@@ -131,26 +139,27 @@ def drawn(rng: np.random.Generator) -> Drawn:
     start = float(rng.choice([0.0, -0.3 * size, 0.1 * size]))
     approach = start + size * decade(rng, -1.0, 0.5) if flat else None
     strength = decade(rng, -1.0, 2.0) / size
-    if rng.integers(3) == 0:
-        count = int(rng.integers(4, 9))
-        steps = rng.uniform(0.2, 1.0, count)
-        w = start + np.append(0.0, np.cumsum(steps)) * 2.5 * size / float(rng.uniform(1.0, 4.0))
-        p = np.append(0.0, np.cumsum(steps * 10.0 ** rng.uniform(-0.7, 0.7, count))) * strength * size
-        last = float(w[-1]) + 100.0 * size
-        w, p = np.append(w, last), np.append(p, 2.0 * p[-1] + strength * 100.0 * size)
-        layer, law = table_law(w.tolist(), p.tolist())
-        return Drawn(layer, law, profile, breaks, radius, approach, "table")
     linear = strength
     quadratic = strength / size * float(rng.choice([0.0, 0.3, 2.0]))
-    limit = start + 30.0 * size
+    # no overclosure is larger
+    limit = start + 1.5 * (size if approach is None else approach - start)
     smooth, law = bent_polynomial(start, limit, linear, quadratic, [])
-    given = {"approach": approach} if flat else {"contact_radius": radius}
+    given = {"contact_radius": radius} if approach is None else {"approach": approach}
     found = solve(Scene(0.3, layer=smooth, profile=profile, **given), rtol=1e-6)
     pressures = found.pressure(np.linspace(0.0, 1.0, 201))
     ends = [
         float(smooth.overclosure(p)) if p > 0.0 else start for p in (pressures.min(), pressures.max())
     ]
     extent = ends[1] - ends[0]
+    if rng.integers(3) == 0:
+        count = int(rng.integers(3, 9))
+        w = np.append(0.0, np.cumsum(rng.uniform(0.2, 1.0, count)))
+        w = start + w / w[-1] * (ends[1] - start) * float(rng.uniform(0.6, 2.0))
+        w = np.append(w, max(limit, float(w[-1]) + size))
+        steps = np.diff(w) * strength * 10.0 ** rng.uniform(-0.7, 0.7, count + 1)
+        p = np.append(0.0, np.cumsum(steps))
+        layer, law = table_law(w.tolist(), p.tolist())
+        return Drawn(layer, law, profile, breaks, radius, approach, f"table of {count + 2}")
     jumps, places = [], []
     for _ in range(int(rng.integers(1, 4))):
         place = str(rng.choice(["anywhere", "below the top", "above the top", "next to the least"]))
@@ -161,7 +170,7 @@ def drawn(rng: np.random.Generator) -> Drawn:
             "above the top": ends[1] + off * extent,
             "next to the least": ends[0] + off * extent,
         }[place]
-        if not start < knot < limit or any(abs(knot - one[0]) < 1e-9 * extent for one in jumps):
+        if not start < knot < limit or any(abs(knot - one[0]) < 1e-7 * extent for one in jumps):
             continue
         n = int(rng.integers(1, 3))
         factor = float(rng.choice([-0.5, 1.0, 4.0])) if n == 1 else float(rng.choice([1.0, 4.0]))
