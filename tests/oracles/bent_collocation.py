@@ -32,7 +32,7 @@ NEAR, CHUNK = 0.5, 2000
 #: Least width of a panel, over the radius: a radius has no more digits.
 THINNEST = 1e-13
 #: How far w at bends may be off a knot, over the largest, and how often they are looked for.
-STILL, ROUNDS = 1e-14, 12
+STILL, ROUNDS = 1e-13, 12
 
 
 @dataclass(frozen=True)
