@@ -52,7 +52,7 @@ class Layered(ABC):
     def __init__(self, setting: LayeredSetting, *, pointwise: bool) -> None:
         self.setting, self.pointwise = setting, pointwise
         #: the space before, and the solution there
-        self._last: tuple[Form, LayeredFields] | None = None
+        self.last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
     def _form(self, resolution: Resolution) -> Form:
@@ -66,13 +66,13 @@ class Layered(ABC):
         """Return the solution in a space, after the last one there was."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
-        if self._last is None:
+        if self.last is None:
             begin = solver.local()
         else:
-            old, last = self._last
+            old, last = self.last
             begin = form.carried(last.overclosure, old), last.shift
         fields = solver.solved(*begin)
-        self._last = form, fields
+        self.last = form, fields
         return solver, fields
 
     def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:

@@ -21,7 +21,7 @@ from spectral_contact.fields.radius import Radius
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layered_newton import LayeredFields, LayeredSetting
-    from spectral_contact.contact.layered_spaces import PanelForm
+    from spectral_contact.contact.layered_spaces import Form, PanelForm
 
 Array = NDArray[np.float64]
 
@@ -77,11 +77,11 @@ class BendsChangedError(Exception):
     ----------
     bends : tuple of Bend
         Those of the solution.
-    last : tuple of (PanelForm, LayeredFields)
+    last : tuple of (Form, LayeredFields)
         The space and the solution.
     """
 
-    def __init__(self, bends: tuple[Bend, ...], last: tuple[PanelForm, LayeredFields]) -> None:
+    def __init__(self, bends: tuple[Bend, ...], last: tuple[Form, LayeredFields]) -> None:
         super().__init__("other knots of the law lie in the contact")
         self.bends, self.last = bends, last
 

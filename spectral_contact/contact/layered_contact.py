@@ -37,8 +37,9 @@ _ROUGH, _NEAR, _WITHIN = 1e-3, 0.01, 0.01
 #: Mean displacement of an even pressure over that at its centre; largest radius that is looked at,
 #: and how well one is found, in logarithms.
 _BENT, _FAR, _FOUND = 0.85, 1e12, 0.3
-#: Distance in ``s**2`` by which bends that are found may move on; how often other knots are tried.
-_STILL, _CHANGES = 1e-14, 12
+#: Distance in ``s**2`` by which bends may still move on, about their rounding; how often other
+#: knots are tried.
+_STILL, _CHANGES = 1e-14, 8
 #: First degree on a cell for a digit (base e).
 _DEGREES = 0.55
 #: What the stiffness may lack in the tail at the edge, over the distance at which that begins: at
@@ -87,7 +88,7 @@ class BentProblem(LayeredProblem):
     ----------
     setting, tolerance, pointwise
         As of `LayeredProblem`.
-    last : tuple of (PanelForm, LayeredFields) or None
+    last : tuple of (Form, LayeredFields) or None
         A solution to begin with.
     final : bool
         Whether bends of other knots than those of the setting are left to the estimate.
@@ -104,11 +105,11 @@ class BentProblem(LayeredProblem):
         tolerance: float,
         *,
         pointwise: bool,
-        last: tuple[PanelForm, LayeredFields] | None = None,
+        last: tuple[Form, LayeredFields] | None = None,
         final: bool = False,
     ) -> None:
         super().__init__(setting, tolerance, pointwise=pointwise)
-        self._last, self._final = last, final
+        self.last, self._final = last, final
 
     def _solved(self, resolution: Resolution) -> tuple[LayeredNewton, LayeredFields]:
         """Return the solution with parts that end at its bends, and leave these in the setting.
@@ -128,7 +129,10 @@ class BentProblem(LayeredProblem):
                     raise BendsChangedError(bends, (form, fields))
                 return solver, fields
             moved = max(
-                (abs(new.radius.rest - old.radius.rest) for new, old in zip(bends, self.setting.bends, strict=True)),
+                (
+                    abs(new.radius.rest - old.radius.rest)
+                    for new, old in zip(bends, self.setting.bends, strict=True)
+                ),
                 default=0.0,
             )
             if moved <= _STILL or moved > 0.5 * before:
@@ -183,23 +187,38 @@ def solve_layered(
 def _solve_bent(
     setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
 ) -> Contact:
-    """Solve with a law that bends: first to a few digits, which show what knots it meets."""
-    last = None
-    rough = tolerance if setting.bends else max(tolerance, _ROUGH)
+    """Solve with a law that bends, on parts that end where it does.
+
+    What knots the contact meets is known from solutions to a few digits, or from a contact like
+    it. Where other knots come and go the last parts stay, and the rest is left to the estimate.
+    """
+    last: tuple[Form, LayeredFields] | None = None
+    if not setting.bends:
+        setting, last = _roughly_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
     for change in range(_CHANGES):
-        problem = BentProblem(setting, rough, pointwise=pointwise, last=last)
+        final = change == _CHANGES - 1
+        problem = BentProblem(setting, tolerance, pointwise=pointwise, last=last, final=final)
         try:
-            if rough > tolerance:
-                problem.attempt(fitted(problem.start(), max_unknowns))
-                setting, last, rough = problem.setting, problem._last, tolerance
-                continue
             return refine(problem, tolerance, max_unknowns)
         except BendsChangedError as changed:
             setting, last = with_bends(setting, changed.bends), changed.last
-            if change == _CHANGES // 2:
-                rough = tolerance
-    problem = BentProblem(setting, tolerance, pointwise=pointwise, last=last, final=True)
-    return refine(problem, tolerance, max_unknowns)
+    raise AssertionError("the last attempt is final")
+
+
+def _roughly_bent(
+    setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
+) -> tuple[LayeredSetting, tuple[Form, LayeredFields] | None]:
+    """Return the setting with the bends of a solution to a few digits, and the solution."""
+    last: tuple[Form, LayeredFields] | None = None
+    for _ in range(_CHANGES):
+        problem = BentProblem(setting, max(tolerance, _ROUGH), pointwise=pointwise, last=last)
+        try:
+            problem.attempt(fitted(problem.start(), max_unknowns))
+        except BendsChangedError as changed:
+            setting, last = with_bends(setting, changed.bends), changed.last
+        else:
+            return problem.setting, problem.last
+    return setting, last
 
 
 def layered_contact(

@@ -167,7 +167,7 @@ class PanelForm:
         functions = self.space
         last = np.zeros_like(pressure)
         last[functions.index[functions.kept_but_one :]] = 1.0
-        driving = pressure, change.coefficients, last * pressure
+        driving: tuple[Array, ...] = (pressure, change.coefficients, last * pressure)
         panels = self._used[0][0]
         if len(self._used) > 1:
             panels = self._panels_to_edge()

@@ -48,7 +48,6 @@ def through_layer(
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
     """
-
     bends: tuple[Bend, ...] = ()
 
     def at(radius: float, tolerance: float, pointwise: bool) -> Contact:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -230,7 +231,7 @@ def _panels(radius: float, singular: Sequence[float], levels: int) -> Array:
     """Return the ends of panels that are graded to singular radii, of which the edge is one."""
     ends = [0.0]
     stops = sorted({0.0, *singular})
-    for low, high in zip(stops[:-1], stops[1:], strict=True):
+    for low, high in pairwise(stops):
         middle = low + (high - low) / 2.0 if low in singular else low
         inner = RATIO ** np.arange(1, levels)
         outer = RATIO ** np.arange(1, levels + EDGE_LEVELS * (high == radius))

@@ -163,9 +163,7 @@ def test_exponential_heights_bend_where_the_surfaces_would_meet(control):
     assert_honest(solution, truth, pressure=False)
 
 
-@pytest.mark.parametrize(
-    ("profile", "given"), [(BALL, {"start": 0.0}), (FLAT, {"approach": 0.6})]
-)
+@pytest.mark.parametrize(("profile", "given"), [(BALL, {"start": 0.0}), (FLAT, {"approach": 0.6})])
 def test_bends_that_no_part_ends_at_are_in_the_estimate(profile, given):
     layer, law = kinked(0.2 if profile is BALL else 0.42)
     truth = solved(law, profile._height, 1.0, **given)

@@ -1,6 +1,6 @@
 """True errors of contact through layers whose law bends, against their estimates.
 
-Run as ``python validation/honesty/bent_layers.py [scenes] [seed]``; writes
+Run as ``python validation/honesty/bent_layers.py [scenes] [seed] [workers]``; writes
 validation/results/honesty_bent_layers.md. The truth is collocation in the radius with the elliptic
 kernel (tests/oracles/bent_collocation.py), which shares no code with the library, on panels to
 bends that it finds itself. Laws are tables, and polynomials with kinks or jumps of the second
@@ -59,7 +59,11 @@ class Drawn:
 
 
 def bent_polynomial(
-    start: float, limit: float, linear: float, quadratic: float, jumps: list[tuple[float, float, int]]
+    start: float,
+    limit: float,
+    linear: float,
+    quadratic: float,
+    jumps: list[tuple[float, float, int]],
 ) -> tuple[layers.Layer, Law]:
     """Return a polynomial of degree 2 with jumps of its first or second derivative."""
 
@@ -150,7 +154,8 @@ def drawn(rng: np.random.Generator) -> Drawn:
     found = solve(Scene(0.3, layer=smooth, profile=profile, **given), rtol=1e-6)
     pressures = found.pressure(np.linspace(0.0, 1.0, 201))
     ends = [
-        float(smooth.overclosure(p)) if p > 0.0 else start for p in (pressures.min(), pressures.max())
+        float(smooth.overclosure(p)) if p > 0.0 else start
+        for p in (pressures.min(), pressures.max())
     ]
     extent = ends[1] - ends[0]
     if rng.integers(3) == 0:
@@ -258,11 +263,12 @@ def main() -> int:
     """Run the study, and write its table from time to time."""
     scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    workers = int(sys.argv[3]) if len(sys.argv) > 3 else os.cpu_count()
     found: list[dict[str, float]] = []
     violations: list[str] = []
     unmet: list[str] = []
     undecided = 0
-    with ProcessPoolExecutor() as pool:
+    with ProcessPoolExecutor(workers) as pool:
         each = pool.map(partial(scene_of, seed), range(scenes))
         for done, outcome in enumerate(each, start=1):
             if outcome is None:
