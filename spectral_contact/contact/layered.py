@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.layered_bends import NO_MISPLACEMENT, misplacement
+from spectral_contact.contact.layered_bends import NO_MISPLACEMENT, Misplacement
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
-from spectral_contact.contact.layered_spaces import PanelForm
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import ROUNDING
@@ -75,6 +74,10 @@ class Layered(ABC):
         self.last = form, fields
         return solver, fields
 
+    def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
+        """Return what bends of the law make at which no part ends: nothing if there are none."""
+        return NO_MISPLACEMENT
+
     def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:
         """Return the contact with its errors."""
         setting, form, a = self.setting, solver.form, self.setting.radius
@@ -100,10 +103,7 @@ class Layered(ABC):
         # it superconverges, but signs may have made it small
         sides = _DIFFERENCE * worst
 
-        misplaced = NO_MISPLACEMENT
-        if setting.layer.knots and isinstance(form, PanelForm):
-            misplaced = misplacement(setting, form, fields)
-
+        misplaced = self._misplacement(form, fields)
         shifted, data = 0.0, size - min(setting.origin, 0.0)
         if setting.approach is None:
             lost = form.lost_at_edge(fields.overclosure - coarse.overclosure)

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-14
 #: Least distance in ``s**2`` of a bend to the centre, the edge, a break or another bend: closer
 #: ones are left out, and what that makes is part of the estimate.
-_LEAST_GAP = 1e-12
+_LEAST_GAP = 1e-11
 #: Largest error of a polynomial through values with a kink, over that of the values.
 _INTERPOLATED = 3.0
 
@@ -106,16 +106,27 @@ class _Looks(NamedTuple):
         The sampling point that is next to it.
     width : ndarray
         Extent in ``s**2`` of what it stands for: of the panel, or to its neighbours.
+    drop, power : ndarray
+        What w changes by over that from an extreme on, and the power of the share of this change
+        with which the extent grows: 1 at the centre, where w is linear in ``s**2``, 1/2 elsewhere.
+        0 at sampling points, where w is no extreme.
     """
 
     y: Array
     w: Array
     sample: NDArray[np.int_]
     width: Array
+    drop: Array
+    power: Array
 
     def among(self, chosen: NDArray[np.bool_]) -> _Looks:
         """Return some of them."""
-        return _Looks(self.y[chosen], self.w[chosen], self.sample[chosen], self.width[chosen])
+        return _Looks(*(values[chosen] for values in self))
+
+    def widths_beyond(self, excess: Array) -> Array:
+        """Return over what extents in ``s**2`` a knot is exceeded by as much."""
+        share = np.minimum(excess / np.maximum(self.drop, np.finfo(float).tiny), 1.0)
+        return np.asarray(self.width * share**self.power)
 
 
 def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Looks:
@@ -127,6 +138,8 @@ def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Loo
     values = form.sampling.values(overclosure)
     w = np.append(field.at(y[:1]), values[sample[1:]])
     width = np.append(1.0 - y[1], widths[sample[1:]])
+    drop, power = np.zeros_like(w), np.zeros_like(w)
+    drop[0], power[0] = abs(w[1] - w[0]), 1.0
 
     # the vertices of parabolas through three neighbours
     rise, step = np.diff(w), np.diff(y)
@@ -137,12 +150,18 @@ def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Loo
     vertex = (y[turning] + y[turning - 1]) / 2.0 - before * reach / (after - before)
     vertex = np.clip(vertex, y[turning + 1], y[turning - 1])
 
-    y = np.concatenate([y, vertex])
-    order = np.argsort(-y, kind="stable")
-    w = np.concatenate([w, field.at(vertex)])
-    sample = np.concatenate([sample, sample[turning]])
-    width = np.concatenate([width, 2.0 * np.abs(reach)])
-    return _Looks(y[order], setting.origin + setting.radius * w[order], sample[order], width[order])
+    extreme = field.at(vertex)
+    falls = np.minimum(np.abs(extreme - w[turning - 1]), np.abs(extreme - w[turning + 1]))
+    order = np.argsort(-np.concatenate([y, vertex]), kind="stable")
+    looks = _Looks(
+        np.concatenate([y, vertex]),
+        setting.origin + setting.radius * np.concatenate([w, extreme]),
+        np.concatenate([sample, sample[turning]]),
+        np.concatenate([width, 2.0 * np.abs(reach)]),
+        setting.radius * np.concatenate([drop, falls]),
+        np.concatenate([power, np.full(len(vertex), 0.5)]),
+    )
+    return _Looks(*(values[order] for values in looks))
 
 
 def bends_of(
@@ -217,7 +236,7 @@ def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields
         jump = abs(float(slopes[1] - slopes[0]))
         # panels with samples beyond a knot count as a whole, each once
         beyond = excess > 0.0
-        width = _INTERPOLATED * float(np.unique(looks.width[beyond]).sum())
+        width = _INTERPOLATED * float(np.unique(looks.widths_beyond(excess)[beyond]).sum())
         rates = rate[looks.sample[beyond]] if beyond.any() else rate[part.samples][-1:]
         if end_excess > 0.0:
             nearest = float(part.distances[-1])

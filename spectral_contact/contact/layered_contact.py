@@ -15,7 +15,13 @@ from math import ceil, exp, inf, log, pi, sqrt
 import numpy as np
 
 from spectral_contact.contact.layered import Layered, at_centre
-from spectral_contact.contact.layered_bends import BendsChangedError, bends_of, same_knots
+from spectral_contact.contact.layered_bends import (
+    BendsChangedError,
+    Misplacement,
+    bends_of,
+    misplacement,
+    same_knots,
+)
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
 from spectral_contact.contact.layered_setting import setting_at_approach, with_bends
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
@@ -140,6 +146,11 @@ class BentProblem(LayeredProblem):
             before = moved
             self.setting = with_bends(self.setting, bends)
             self.parts = self.setting.parts
+
+    def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
+        """Return what is left where parts do not end at the bends of the solution."""
+        assert isinstance(form, PanelForm)
+        return misplacement(self.setting, form, fields)
 
 
 class CellProblem(Layered):
