@@ -119,9 +119,16 @@ class _Looks(NamedTuple):
     drop: Array
     power: Array
 
-    def among(self, chosen: NDArray[np.bool_]) -> _Looks:
+    def among(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> _Looks:
         """Return some of them."""
-        return _Looks(*(values[chosen] for values in self))
+        return _Looks(
+            self.y[chosen],
+            self.w[chosen],
+            self.sample[chosen],
+            self.width[chosen],
+            self.drop[chosen],
+            self.power[chosen],
+        )
 
     def widths_beyond(self, excess: Array) -> Array:
         """Return over what extents in ``s**2`` a knot is exceeded by as much."""
@@ -161,7 +168,7 @@ def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Loo
         setting.radius * np.concatenate([drop, falls]),
         np.concatenate([power, np.full(len(vertex), 0.5)]),
     )
-    return _Looks(*(values[order] for values in looks))
+    return looks.among(order)
 
 
 def bends_of(
