@@ -1,0 +1,35 @@
+"""Terms of the estimates, each with a scene whose true error exceeds what the other terms make.
+
+Found by leaving a term out and solving random scenes at random tolerances. Only `solve` is used, so
+that the tests outlive the solver.
+"""
+
+import functools
+import math
+
+import pytest
+
+from spectral_contact import Scene, solve
+
+FULL = {"friction": math.inf}
+
+
+@functools.cache
+def solved(scene, rtol):
+    return solve(scene, rtol)
+
+
+#: What the pressure lacks, which drives the traction, and of which boundaries and shear follow.
+OF_THE_PRESSURE = [
+    (Scene(-0.12032658992606993, 0.8003426026329111, 3.742087327062051e-4, **FULL), 1.54e-4),
+    (Scene(-0.19800837330112275, 0.8897179779897132, 0.4563859249142873, 4.943659230478e-3), 1.88e-4),
+    (Scene(0.13596344591007592, 0.8318912607035892, 19.376990776151246, 0.02399264802903132), 1.7e-4),
+]
+
+
+@pytest.mark.parametrize(("scene", "rtol"), OF_THE_PRESSURE)
+def test_shear_and_stick_radius_have_the_error_of_the_pressure(scene, rtol):
+    loose, tight = solved(scene, rtol), solved(scene, 1e-12)
+    for name in ("total_shear", "stick_radius"):
+        error = abs(getattr(loose, name) / getattr(tight, name) - 1.0)
+        assert error <= getattr(loose.error, name) + getattr(tight.error, name)
