@@ -84,7 +84,8 @@ def test_a_stick_radius_has_the_error_that_its_logit_makes(logit):
     values, errors = _disks(placed)
     with mpmath.workdps(40):
         low, centre, high = (
-            1 / mpmath.sqrt(1 + mpmath.exp(-mpmath.mpf(logit) - step)) for step in (-moved, 0, moved)
+            1 / mpmath.sqrt(1 + mpmath.exp(-mpmath.mpf(logit) - step))
+            for step in (-moved, 0, moved)
         )
         assert float(values["stick_radius"][0]) == pytest.approx(float(centre), rel=1e-15)
         exact = float((high - low) / centre) / 2.0
