@@ -9,7 +9,7 @@ import math
 
 import pytest
 
-from spectral_contact import Scene, solve
+from spectral_contact import Scene, gold, solve
 
 FULL = {"friction": math.inf}
 
@@ -17,6 +17,16 @@ FULL = {"friction": math.inf}
 @functools.cache
 def solved(scene, rtol):
     return solve(scene, rtol)
+
+
+@pytest.mark.parametrize("most", [1, 50, 20_000])
+def test_the_error_of_the_approach_is_what_panels_make_not_the_tail_beyond_them(most):
+    """In 2,600 solves the tail added less than 3 % to the estimate, which does not have it."""
+    for true in gold.table("frictionless").solutions:
+        for rtol in (1e-2, 1e-5, 1e-8):
+            found = solve(true.scene, rtol, ("approach",), max_unknowns=most, strict=False)
+            error = abs(float(found.approach / true.approach - 1))
+            assert error <= found.error.approach + float(true.error.approach)
 
 
 #: What the pressure lacks, which drives the traction, and of which boundaries and shear follow.
