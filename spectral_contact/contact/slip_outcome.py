@@ -63,6 +63,9 @@ class PartialSlip(ZoneNumbers):
         Estimate of the error, relative to the largest.
     violation : float
         By how much the friction law is broken, see `ErrorEstimates`.
+    wrong_slip : float
+        The largest displacement with the traction, relative to the largest of all: noise where no
+        digit of the displacement is known. It is part of the violation only where one is.
     consistent : bool
         Whether the violation is within the errors.
     amiss : str
@@ -79,6 +82,7 @@ class PartialSlip(ZoneNumbers):
     slip: ZonalField
     slip_error: float
     violation: float = 0.0
+    wrong_slip: float = 0.0
     consistent: bool = True
     amiss: str = ""
     missing: tuple[Interval, ...] = ()
@@ -87,8 +91,13 @@ class PartialSlip(ZoneNumbers):
     @property
     def settled(self) -> bool:
         """Whether there is nothing to search for: the friction law holds, and that is known."""
-        known = self.slip_error < inf or self.violation <= _DOUBTFUL
+        known = self.slip_error < inf or self.apparent_violation <= _DOUBTFUL
         return self.consistent and known and not self.missing
+
+    @property
+    def apparent_violation(self) -> float:
+        """The violation, slip counted even where no digit of it is known."""
+        return max(self.violation, self.wrong_slip)
 
     @property
     def mended(self) -> Layout | None:
@@ -106,6 +115,7 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
     excess = stick.critical / parameters.friction - 1.0 if stick.critical < inf else 0.0
+    excess = max(excess, 0.0)  # the traction of full stick is off by no more where there is slip
     return PartialSlip(
         zones=(Zone.between("stick", CENTRE, EDGE),),
         pressure=stick.pressure,
@@ -115,12 +125,12 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
         total_shear=stick.total_shear,
         approach_error=stick.approach_error,
         pressure_error=stick.pressure_error,
-        traction_error=max(stick.traction_error, stick.pressure_error),
-        shear_error=stick.shear_error,
+        traction_error=max(stick.traction_error, stick.pressure_error) + excess,
+        shear_error=stick.shear_error + excess,
         radius_error=radius_error,
         zones_error=max(radius_error, 1.0),
         slip_error=1.0,
-        violation=max(excess, 0.0),
+        violation=excess,
         consistent=excess <= max(UNRESOLVED_SLIP, 2.0 * stick.critical_error),
     )
 
@@ -235,16 +245,18 @@ def _held(
     )
     numbers = {one.name: getattr(solved, one.name) for one in fields_of(ZoneNumbers)}
     numbers["traction_error"] = error
-    at_edge = at_ends[-1] / largest if beta * solved.system.states[-1] else inf
-    unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
-    numbers["zones_error"] = max(solved.zones_error, *unknown)
+    zones_error = max(solved.zones_error, _unknown_width(slip_error, zones))
+    if beta > 0.0 and solved.system.states[-1]:
+        zones_error = max(zones_error, hidden_stick(at_ends[-1] / largest, allowed))
+    numbers["zones_error"] = zones_error
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,
         traction=ZonalField(tuple(traction)),
         slip=ZonalField(tuple(displacement)),
         slip_error=slip_error,
-        violation=max(excess, wrong, 0.0),
+        violation=max(excess, wrong if slip_error < inf else 0.0, 0.0),
+        wrong_slip=max(wrong, 0.0),
         consistent=obeys(excess, error, wrong, allowed),
         amiss=_amiss(excess, wrong, allowed),
         missing=missing,
