@@ -88,10 +88,10 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
 def hidden_stick(share: float, known: float) -> float:
     """Return 1 if stick at the edge may be missing, whose slip is this share of the largest.
 
-    Next to the second threshold, and where no digit of the slip is known, errors decide on its
-    sense there.
+    Next to the second threshold the sense of that slip is not known. Where slip has hardly a digit
+    it is all as narrow as its zone.
     """
-    return float(abs(share) <= max(known, _NEGLIGIBLE))
+    return float(abs(share) <= max(min(known, 0.5), _NEGLIGIBLE))
 
 
 def known_share(error: float) -> float:

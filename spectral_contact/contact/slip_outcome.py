@@ -245,10 +245,10 @@ def _held(
     )
     numbers = {one.name: getattr(solved, one.name) for one in fields_of(ZoneNumbers)}
     numbers["traction_error"] = error
-    zones_error = max(solved.zones_error, _unknown_width(slip_error, zones))
-    if beta > 0.0 and solved.system.states[-1]:
-        zones_error = max(zones_error, hidden_stick(at_ends[-1] / largest, allowed))
-    numbers["zones_error"] = zones_error
+    at_edge = at_ends[-1] / largest if beta * solved.system.states[-1] else inf
+    unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
+    unchecked = float(slip_error == inf and wrong > _DOUBTFUL)  # most of it has the wrong sense
+    numbers["zones_error"] = max(solved.zones_error, unchecked, *unknown)
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,
