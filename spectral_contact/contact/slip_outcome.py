@@ -232,7 +232,8 @@ def _held(
         stray += beta * friction * highest * solved.pressure_error
     largest = max(largest, TINY)
     known, loose = known_share(stray / largest), loose_slip(solved.loose)
-    wrong, allowed = max(float(one.max()) for one in samples) / largest, known + min(loose, 0.5)
+    wrong = max(0.0, *(float(one.max()) for one in samples)) / largest
+    allowed = known + min(loose, 0.5)
     error = max(solved.traction_error, solved.pressure_error)
     slip_error = known_share(known + loose)
     at_ends = [
@@ -247,16 +248,15 @@ def _held(
     numbers["traction_error"] = error
     at_edge = at_ends[-1] / largest if beta * solved.system.states[-1] else inf
     unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
-    unchecked = float(slip_error == inf and wrong > _DOUBTFUL)  # most of it has the wrong sense
-    numbers["zones_error"] = max(solved.zones_error, unchecked, *unknown)
+    numbers["zones_error"] = max(solved.zones_error, _unknown_sense(slip_error, wrong), *unknown)
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,
         traction=ZonalField(tuple(traction)),
         slip=ZonalField(tuple(displacement)),
         slip_error=slip_error,
-        violation=max(excess, wrong if slip_error < inf else 0.0, 0.0),
-        wrong_slip=max(wrong, 0.0),
+        violation=_violation(excess, wrong, slip_error),
+        wrong_slip=wrong,
         consistent=obeys(excess, error, wrong, allowed),
         amiss=_amiss(excess, wrong, allowed),
         missing=missing,
@@ -271,6 +271,16 @@ def _amiss(excess: float, wrong: float, allowed: float) -> str:
         return "the traction in stick exceeds friction"
     # where no digit of the slip is known its sense is not
     return "" if wrong <= max(_BROKEN, allowed) else "the surface slips with the traction"
+
+
+def _violation(excess: float, wrong: float, slip_error: float) -> float:
+    """Return by how much the law is broken: in slip, where a digit of the displacement is known."""
+    return max(excess, wrong) if slip_error < inf else excess
+
+
+def _unknown_sense(slip_error: float, wrong: float) -> float:
+    """Return 1, zones of which nothing is known, where noise has most of the slip wrong."""
+    return float(slip_error == inf and wrong > _DOUBTFUL)
 
 
 def _unknown_width(slip_error: float, zones: list[Zone]) -> float:

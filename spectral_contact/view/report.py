@@ -236,13 +236,9 @@ def si_cells(solution: Solution) -> list[tuple[str, ...]]:
 def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
-        if row.value is None:
-            cells.append((row.label, "none", "-"))
-        elif row.error is not None and not row.error < math.inf:
-            cells.append((row.label, "unknown", _estimate(row.error)))
-        else:
-            value = f"{_digits(row.value, row.error)} {row.unit}".rstrip()
-            cells.append((row.label, value, _estimate(row.error)))
+        unit = "" if row.value is None else row.unit
+        value = f"{_digits(row.value, row.error)} {unit}".rstrip()
+        cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
     return cells
 
 
@@ -305,7 +301,7 @@ def _estimate(error: float | None) -> str:
         return "-"
     if error == 0.0:
         return "exact"
-    return f"{error:.1e}" if error < math.inf else "no digit is known"
+    return f"{error:.1e}" if error < math.inf else f"{error}: no digit is known"
 
 
 def _csv_comments(solution: Solution) -> list[str]:

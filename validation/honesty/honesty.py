@@ -8,10 +8,10 @@ command goes on where a run was stopped.
 
 Truth is a solve at rtol = 1e-12 on panels of another width, whose own estimate is allowed for; for
 some scenes, of all strata, it is `reference` to 20 digits. The traction is compared up to the
-estimated shift of the zone boundaries. A violation is a true error
-above the estimate, an exception or a warning, a broken friction law that no estimate explains, and
-an infinite estimate of the slip that a closer tolerance makes finite. Scenes cover alpha, beta in {0} and 1e-14 ... 1e14,
-all nu, and friction from 1e-3 of the critical to 1e-6 below it; tolerances are 1e-2 ... 1e-9.
+estimated shift of the zone boundaries. A violation is a true error above the estimate, an exception
+or a warning, a broken friction law that no estimate explains, and an infinite estimate of the slip
+that a closer tolerance makes finite. Scenes cover alpha, beta in {0} and 1e-14 ... 1e14, all nu,
+and friction from 1e-3 of the critical to 1e-6 below it; tolerances are 1e-2 ... 1e-9.
 """
 
 from __future__ import annotations
