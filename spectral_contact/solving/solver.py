@@ -109,6 +109,8 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
     closer_for_zones : bool
         Whether to try one closer tolerance because a zone may be missing.
     """
+    if solution.ending is Ending.UNKNOWNS:  # a closer tolerance takes even more
+        return solution
     rtol = tolerance = solution.rtol
     least_unknown = _unknown(run)
     while closer_for_zones or run.slip_unresolved:
