@@ -23,7 +23,6 @@ from spectral_contact import (
 from spectral_contact.contact import slip_outcome
 from spectral_contact.records import PROFILE_QUANTITIES, RefinementStep, Zone
 from spectral_contact.solving import solver
-from spectral_contact.solving.solver import Continuation
 
 ROUGH = Scene(0.1, 0.5, 0.5, 0.1)
 FIELDS = ("pressure", "traction", "slip")
