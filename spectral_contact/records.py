@@ -186,9 +186,12 @@ class ErrorEstimates:
     from the centre and from the edge; a stick zone too small to be felt is left out, and told by an
     error of 1 there; `violation` is by how much the friction law is broken:
     the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
-    the largest slip, whichever is larger. With a profile, `pressure` is relative to the pressure
-    or its mean, whichever is larger; where a smooth surface has it infinite, at a tip or corner,
-    it is that of places farther off than some 1e-17 of the square of the contact radius;
+    the largest slip, whichever is larger. A solution that converged breaks it by no more than the
+    estimates of pressure, traction and slip explain; slip of which no digit is known has an
+    infinite estimate, its sense is not known either, and it does not count. With a profile,
+    `pressure` is relative to the pressure or its mean, whichever is larger; where a smooth surface
+    has it infinite, at a tip or corner, it is that of places farther off than some 1e-17 of the
+    square of the contact radius;
     `traction` is then relative to its largest value, as `slip` always is.
     """
 

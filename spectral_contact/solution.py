@@ -372,8 +372,12 @@ class Solution(Output):
             for name in ("contact_radius", "load", "approach", "total_shear", "stick_radius")
             if isinstance(self.values.get(name), float)
         )
-        opening, unsure = self.values.get("opening"), self.less_certain.items()
+        opening = self.values.get("opening")
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
-        less = " but for" * bool(unsure) + ",".join(f" {k} to {error:.1e}" for k, error in unsure)
+        unsure = ", ".join(
+            f"{name} to {error:.1e}" if error < 1.0 else f"{name}, of which no digit is known"
+            for name, error in self.less_certain.items()
+        )
+        less = f" but for {unsure}" if unsure else ""
         asked = "".join(f"; {remark}" for remark in self.remarks)
         return f"<Solution {known}{opens} converged={self.converged}{less}{asked}>"

@@ -181,8 +181,9 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
         profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
     )
     found = value_of(solved)
-    if max(found.load_error, found.stiffness_error) > 10.0 * rtol:
-        told = f"the load of {profile.brief} at {approach:.6g} is known to {found.load_error:.1e}"
+    error = max(found.load_error, found.stiffness_error)
+    if error > 10.0 * rtol:
+        told = f"load and stiffness of {profile.brief} at {approach:.6g} are known to {error:.1e}"
         raise ConvergenceError(told, "loosen rtol.")
     if layer == 0.0:
         return _CurveLoad(found.load, found.stiffness, 0.0)

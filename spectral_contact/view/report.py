@@ -281,7 +281,9 @@ def _digits(value: float | None, error: float | None) -> str:
 def _estimate(error: float | None) -> str:
     if error is None:
         return "-"
-    return "exact" if error == 0.0 else f"{error:.1e}"
+    if error == 0.0:
+        return "exact"
+    return f"{error:.1e}" if error < math.inf else f"{error}: no digit is known"
 
 
 def _csv_comments(solution: Solution) -> list[str]:

@@ -67,6 +67,10 @@ def test_a_layer_with_friction_is_the_same_in_other_units(theirs, known):
     for name in ("pressure", "traction"):
         expected = getattr(theirs, name)(s) * unit
         assert getattr(found, name)(r) == pytest.approx(expected, rel=1e-3)
+    slipping = (1.0 + theirs.stick_radius) / 2.0
+    slip = theirs.slip(slipping)
+    assert slip < 0.0
+    assert found.slip(slipping * found.contact_radius) == pytest.approx(slip * R, rel=1e-2)
     assert found.stick_radius == pytest.approx(theirs.stick_radius * theirs.contact_radius * R)
     assert found.zones[-1].outer == found.contact_radius
 

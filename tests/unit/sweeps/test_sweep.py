@@ -290,6 +290,21 @@ def test_ratios_are_honest_where_estimates_are_sharp(alpha, beta):
     assert abs(abs(edge) * scene.kappa / truth.edge_ratio - 1.0) <= edge_error
 
 
+@pytest.mark.parametrize(
+    ("alpha", "beta"),
+    [(6.1033578544772e8, 1.863151026216861e-12), (1.328809025646723e-9, 1.809642739524527e-12)],
+)
+def test_the_edge_ratio_is_honest_where_two_degrees_agree_by_accident(alpha, beta):
+    """At the nearest compliances of the lattice they do, and not within a decade around."""
+    spectra = error_maps.certified_stick(1e-8)
+    (_, [edge]), (_, [estimate]) = spectra.shear_and_edge(np.array([alpha]), np.array([beta]))
+    scene = Scene(0.3, alpha, beta, math.inf)
+    truth = solve(scene, 1e-12, ["edge_ratio"])
+    error = abs(abs(edge) * scene.kappa / truth.edge_ratio - 1.0)
+    assert truth.error.edge_ratio < 0.1 * error
+    assert error <= estimate
+
+
 @pytest.mark.parametrize("rtol", [1e-8, 1e-12])
 def test_one_decomposition_has_the_approach_and_the_edge_pressure_of_solve(always_shared, rtol):
     alphas = np.sort(random_compliances(40)[0])

@@ -535,3 +535,17 @@ def test_help_speaks_of_options_that_the_command_has(name):
     parser = COMMANDS[name]
     known = {option for action in parser._actions for option in action.option_strings}
     assert set(re.findall(r"--[a-z][a-z-]*[a-z]", parser.format_help())) <= known
+
+
+def test_the_command_line_names_what_no_digit_is_known_of(capsys, monkeypatch):
+    def unsure(*arguments, **options):
+        solution = solve(*arguments, **options)
+        return replace(solution, error=replace(solution.error, slip=float("inf")))
+
+    monkeypatch.setattr(cli, "solve", unsure)
+    layers = "--normal-compliance", "0.5", "--tangential-compliance", "0.5"
+    status, out, _ = run(capsys, "--poisson-ratio", "0.3", *layers, "--friction", "0.1", *QUICK)
+    assert status == 0
+    [row] = [line for line in out.splitlines() if line.startswith("  slip, edge ")]
+    assert row.endswith("   inf: no digit is known")
+    assert "  slip: no digit is known\n" in out
