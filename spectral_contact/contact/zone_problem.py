@@ -35,7 +35,12 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.contact.zone_assessment import Assessment, ZoneSolution, shares_of, sizes_of
 from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState
-from spectral_contact.contact.zone_spaces import driven_spaces, first_spaces, parted
+from spectral_contact.contact.zone_spaces import (
+    driven_spaces,
+    edge_power,
+    first_spaces,
+    parted,
+)
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.factored import Factored, factored
@@ -167,8 +172,8 @@ class FreeBoundaryProblem:
         alpha, beta, _, _ = self.parameters
         at = self.logits if logits is None else logits
         radii = tuple(map(Radius.from_logit, at.tolist()))
-        first = driven_spaces if self.drives else first_spaces
-        return first(alpha, beta, radii, self.states, tolerance)
+        form = alpha, beta, radii, self.states, tolerance
+        return driven_spaces(*form) if self.drives else first_spaces(*form, self._edge_power)
 
     def start(self) -> Resolution:
         """Return the first space, of all parts one after the other."""
@@ -187,7 +192,14 @@ class FreeBoundaryProblem:
 
     def parted(self, resolution: Resolution) -> list[Resolution]:
         """Return the spaces of all parts, of one like that of `start`."""
-        return parted(resolution, self._counts, self.parameters.alpha)
+        return parted(resolution, self._counts, self._edge_power)
+
+    @property
+    def _edge_power(self) -> float:
+        """The endpoint weight of the pressure; one that is given has its series as it is."""
+        if self.drives:
+            return -0.5 if self.parameters.alpha == 0.0 else 0.0
+        return edge_power(self.parameters, self.states)
 
     def system(self, spaces: list[Resolution], logits: Array) -> Tangential:
         """Return the equations with given boundaries.
