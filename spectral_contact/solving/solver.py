@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.io import checks
 from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
@@ -61,9 +61,10 @@ def solve(
     SceneError
         For an argument out of its range.
     ConvergenceError
-        If the tolerance cannot be met; it carries the best solution and says what to do.
+        If the tolerance cannot be met, or no zones are found that obey the friction law; it carries
+        the best solution and says what to do.
     NotComputedError
-        If no zones are found that obey the friction law, in a scene with elastic coupling.
+        With a profile, if the contact cannot be followed as it grows; the message says why.
     MissingDependencyError
         If progress is wanted and tqdm is not installed.
     """
@@ -87,11 +88,8 @@ def solve(
             solution = _from_looser(scene, todo, rtol, max_unknowns, progress) or solution
     if strict and not solution.converged:
         worst = max(run.bounded_errors(), default=math.nan)
-        raise ConvergenceError(
-            f"the error estimate {worst:.1e} does not meet rtol = {rtol:.1e}",
-            solution.ending.value,
-            solution,
-        )
+        cause = f"the error estimate {worst:.1e} does not meet rtol = {rtol:.1e}"
+        raise ConvergenceError(run.refusal or cause, solution.ending.value, solution)
     return solution
 
 
@@ -170,7 +168,11 @@ def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Share
         from spectral_contact.solving.profile_run import ProfileRun
 
         def flat(one: Scene, asked: Iterable[str], tolerance: float, others: Shared) -> Solution:
-            return _run(one, plan(one, asked), tolerance, max_unknowns, others).solution()
+            stage = _run(one, plan(one, asked), tolerance, max_unknowns, others)
+            solution = stage.solution()
+            if stage.refusal:  # nothing can be superposed
+                raise NotComputedError("coupled partial slip", stage.refusal)
+            return solution
 
         return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)
     if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:
