@@ -26,11 +26,11 @@ from spectral_contact.spectral.parameters import Parameters
 
 RESULTS = Path(__file__).parents[1] / "results"
 NU, RTOL = 0.1, 1e-12
-BETAS = 0.0, 1e-14, 1e-10, 1e-7, 1e-4
+BETAS = 0.0, 1e-14, 1e-10
 #: f over kappa.
 FRICTIONS = 0.5, 2.0, 5.0
 #: Poisson's ratio, compliance and friction of scenes that panels resolve.
-COMPARED = (0.17, 1e-6, 0.95), (0.3, 1e-7, 0.1), (0.0, 1e-7, 0.5)
+COMPARED = (0.17, 1e-6, 0.95), (0.0, 1e-7, 0.5)
 
 Record = dict[str, Any]
 
@@ -99,6 +99,7 @@ def main() -> None:
         "schema": "spectral_contact.validation.edge_stick",
         "version": 1,
         "library": spectral_contact.__version__,
+        "count": len(BETAS) * len(FRICTIONS),
         "accuracy": [accuracy(beta, ratio) for beta in BETAS for ratio in FRICTIONS],
         "matched": [matched(*one) for one in COMPARED],
     }

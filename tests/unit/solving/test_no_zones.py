@@ -37,7 +37,9 @@ def test_full_stick_is_returned_unconverged_with_its_violation():
 
 @pytest.mark.usefixtures("no_zones")
 def test_a_strict_solve_raises_with_what_there_is():
-    with pytest.raises(ConvergenceError, match=r"no zones were found .* \(nothing fits\)") as caught:
+    with pytest.raises(
+        ConvergenceError, match=r"no zones were found .* \(nothing fits\)"
+    ) as caught:
         solve(SCENE, 1e-3)
     assert not caught.value.solution.converged
 
