@@ -73,6 +73,8 @@ def matched(nu: float, beta: float, friction: float) -> Record:
 def table(record: Record) -> str:
     """Return the results as Markdown."""
     lines = [
+        f"{record['count']} scenes:",
+        "",
         "| $\\beta$ | $f/\\kappa$ | edge sticks within | approach | pressure, pointwise | ending |",
         "|---|---|---|---|---|---|",
     ]
