@@ -5,9 +5,9 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import solve_given_radius
 from spectral_contact.fields.series import Radius
