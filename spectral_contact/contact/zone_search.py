@@ -257,7 +257,7 @@ class UncoupledSearch(ZoneSearch):
         if not found:  # slip about to start, thinner than its own conditioning
             return no_slip(self.stick, self.parameters)
         lawful = [one for one in found if one.consistent]
-        best = min(lawful or found, key=lambda outcome: outcome.violation)
+        best = min(lawful or found, key=lambda outcome: outcome.apparent_violation)
         if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
             best = replace(best, zones_error=max(best.zones_error, 1.0))
         return best
@@ -375,7 +375,7 @@ class CoupledSearch(ZoneSearch):
             unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
             reasons = [*self._reasons, *(one.amiss for one in found)]
             raise NoZonesError("; ".join(reasons or [unseen]))
-        return min(lawful, key=lambda outcome: outcome.violation)
+        return min(lawful, key=lambda outcome: outcome.apparent_violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
         begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)

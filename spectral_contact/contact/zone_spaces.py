@@ -47,9 +47,6 @@ _FELT = 4.0
 #: else to 0.02.
 _QUADRATURE, _FINEST = 0.01, 1e-11
 
-#: How far past its digits, in ``-ln d``, slip settles: with 0 its estimates are 1.3 times as large.
-_MORE = 3.0
-
 
 def leading_depth(alpha: float, beta: float, extent: float) -> float:
     """Return the depth toward the edge past which a singular field is its leading term."""
@@ -275,34 +272,3 @@ def _settling(
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
     return Resolution(mesh, tuple(degrees.tolist()))
-
-
-def slip_panels(
-    bounds: Sequence[Radius], zone: int, alpha: float, beta: float, tolerance: float
-) -> list[LogPanels]:
-    """Return panels toward both ends of a slip zone for the displacement under a given pressure.
-
-    Parameters
-    ----------
-    bounds : sequence of Radius
-        Ends of the zones, from the centre to the edge.
-    zone : int
-        Its number, from the centre outward.
-    alpha, beta : float
-        The compliances.
-    tolerance : float
-        Relative accuracy.
-    """
-    inner, outer = bounds[zone : zone + 2]
-    half, digits, depths = gap(inner, outer) / 2.0, -log(tolerance), []
-    for end, beyond in ((inner, bounds[zone - 1]), (outer, bounds[min(zone + 2, len(bounds) - 1)])):
-        if end.from_edge > 0.0:
-            layer, more = min(beta or 1.0, end.rest, abs(gap(end, beyond))), 0.5 * digits + _MORE
-        else:  # next to the edge of a smooth surface there are square roots
-            rate = 0.5 if alpha == 0.0 else 1.0
-            layer, more = alpha or inner.rest, (digits + _MORE) / rate
-        depths.append(max(log(half / layer), 0.0) + more)
-    # few distinct depths, so that caches are shared between scenes
-    counts = (3 * ceil(d / PANEL_WIDTH / 3) for d in depths)
-    degree = slip_degree(tolerance)
-    return [LogPanels(count, PANEL_WIDTH, degree) for count in counts]
