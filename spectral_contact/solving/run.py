@@ -64,6 +64,8 @@ class Run:
 
     #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
     bounded: tuple[str, ...] = ("approach", "pressure", "traction", "total_shear")
+    #: Why no zones obey the friction law, if none were found that do.
+    refusal: str = ""
 
     def __init__(
         self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared

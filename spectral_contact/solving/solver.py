@@ -60,9 +60,10 @@ def solve(
     SceneError
         For an argument out of its range.
     ConvergenceError
-        If the tolerance cannot be met; it carries the best solution and says what to do.
+        If the tolerance cannot be met, or no zones are found that obey the friction law; it carries
+        the best solution and says what to do.
     NotComputedError
-        If no zones are found that obey the friction law, in a scene with elastic coupling.
+        With a profile, if the contact cannot be followed as it grows; the message says why.
     MissingDependencyError
         If progress is wanted and tqdm is not installed.
     """
@@ -88,6 +89,8 @@ def solve(
 def _unmet(run: Run, solution: Solution) -> str:
     """Return what is not within the tolerance: the largest estimate, or the friction law."""
     worst = max(run.bounded_errors(), default=math.nan)
+    if run.refusal:
+        return run.refusal
     broken = solution.error.violation
     if solution.ending is Ending.ZONES and broken is not None:
         return f"the friction law is broken by {broken:.1e}, at rtol = {solution.rtol:.1e}"
@@ -209,7 +212,11 @@ def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Share
         from spectral_contact.solving.profile_run import ProfileRun
 
         def flat(one: Scene, asked: Iterable[str], tolerance: float, others: Shared) -> Solution:
-            return _run(one, plan(one, asked), tolerance, max_unknowns, others).solution()
+            stage = _run(one, plan(one, asked), tolerance, max_unknowns, others)
+            solution = stage.solution()
+            if stage.refusal:  # nothing can be superposed
+                raise NotComputedError("coupled partial slip", stage.refusal)
+            return solution
 
         return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)
     if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:
