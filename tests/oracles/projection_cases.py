@@ -10,7 +10,6 @@ from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
-from spectral_contact.contact.drive import Drive
 
 from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
 from oracles.whole_spaces import ordered

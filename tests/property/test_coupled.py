@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from oracles.disk_integral import integral, places
 from oracles.property_settings import few
 from scipy.linalg import cholesky, solve_triangular, svdvals
-from spectral_contact.spectral.system import System
 
 from spectral_contact import Scene, solve
 from spectral_contact.equations.residuals import (

@@ -11,7 +11,6 @@ from math import inf
 
 import numpy as np
 import pytest
-from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.full_stick import full_stick

@@ -111,7 +111,7 @@ def test_a_jacobian_is_learnt_from_the_steps():
     logits = np.array(located.logits)
     spread = np.array([[1.0, 0.3], [-0.2, 1.0]])
     newton = newton_of(problem, logits)
-    start = newton.start(logits + [0.1, -0.1], 1.3 * located.jacobian @ spread)
+    start = newton.start(logits + np.array([0.1, -0.1]), 1.3 * located.jacobian @ spread)
     iterate = newton.solve(start, 1e-9, 1e-11)
     assert iterate.converged
     true = differences(residual_at(problem, logits), iterate.logits)

@@ -170,7 +170,7 @@ def test_every_module_is_loaded_by_something():
     """Else what is not loaded proves nothing."""
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
     # derivatives are for fits and sensitivities
-    others = {"little_friction", "zone_derivatives"}
+    others = {"little_friction", "tuning", "zone_derivatives"}
     assert coupled > RINGS
     assert coupled | SLIP | LAYERED | others == CONTACT
 

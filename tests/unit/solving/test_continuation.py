@@ -27,7 +27,7 @@ def agree(scenes, rtol, quantities=SCALARS):
                 assert value == truth
                 continue
             both = getattr(found.error, name) + getattr(expected.error, name)
-            assert abs(value / truth - 1.0) <= max(0.1 * both, 1e-13)
+            assert abs(value / truth - 1.0) <= max(both, 1e-13)
 
 
 @pytest.mark.parametrize("rtol", [1e-5, 1e-12])

@@ -247,7 +247,9 @@ def test_with_little_coupling_it_is_the_system_of_a_known_pressure(states):
     )
     coupled_parameters = PARAMETERS._replace(kappa=kappa, friction=kappa * relative)
     coupled = solved(contact_system(states, False, coupled_parameters, degrees=12, capacity=14))
-    assert coupled.approach == pytest.approx(solve_normal(0.1, 1e-8, 3000).best.value.approach, 1e-8)
+    assert coupled.approach == pytest.approx(
+        solve_normal(0.1, 1e-8, 3000).best.value.approach, 1e-8
+    )
     shears = [
         fields.system.total_shear(fields.values) * fields.approach / fields.system.parameters.kappa
         for fields in (known, coupled)

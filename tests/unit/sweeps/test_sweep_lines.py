@@ -5,7 +5,6 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.normal import solve_normal
