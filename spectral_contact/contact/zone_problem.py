@@ -284,7 +284,7 @@ class _GivenRadius(FreeBoundaryProblem):
         factors: Factored | None = None
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
-            system = self.system(spaces, logits)
+            system = self.system(spaces, logits, changes=True)
             factors = factors or factored(system)
             begin = FieldSolution.first(factors, system)
             fields = corrected(begin, NOISE, relative_size).fields

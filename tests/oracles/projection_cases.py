@@ -10,7 +10,6 @@ from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
-from spectral_contact.contact.drive import Drive
 
 from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
 from oracles.whole_spaces import ordered
@@ -143,18 +142,19 @@ class Zones:
     """Stick, slip and stick to the edge: the matrices of the solver at these boundaries."""
 
     def __init__(self, alpha: float, beta: float, friction: float, boundaries, tolerance: float):
-        drive = Drive(solve_normal(alpha, tolerance, 3000).best.value)
+        contact = solve_normal(alpha, tolerance, 3000).best.value
         logits = tuple(log(b * b / (1.0 - b * b)) for b in boundaries)
         parameters = Parameters(alpha, beta, 1.0, friction)
-        problem = FreeBoundaryProblem(parameters, Layout(logits, (0, 1, 0)), tolerance, drive=drive)
-        system = problem.system(problem.spaces(tolerance), problem.logits)
+        layout = Layout(logits, (0, 1, 0))
+        problem = FreeBoundaryProblem(parameters, layout, tolerance, known=contact)
+        system = problem.system(problem.spaces(tolerance, np.array(logits)), np.array(logits))
         self.radii, self.parts = system.radii, system.parts
-        self.fields = {one.part: one for one in system.fields}
+        self.fields = {field.part: field for field in system.fields}
         self.gram = np.zeros((system.unknowns, system.unknowns))
-        for i, weights in enumerate(system.shear_weights):
-            seen = system._g[i]
-            for k, j, product in seen.products(seen, weights, whole=True):
-                self.gram[self.fields[k].own, self.fields[j].own] += product
+        operators = system.operators
+        for outer, weights in zip(operators.outer_stick, operators.shear_weights, strict=True):
+            for k, j, product in outer.products(outer, weights, whole=True):
+                self.gram[self.fields[k].place, self.fields[j].place] += product
 
     def space(self, k: int) -> Resolution:
         """Return the space of a part: 0 is the disk, the last two are the stick annulus."""
@@ -162,9 +162,9 @@ class Zones:
 
     def places(self, k: int, number: int, degrees) -> list[int]:
         """Return where functions of a panel are in a vector."""
-        own = self.fields[k]
-        found = np.searchsorted(own.used, rows(own.panels, number, degrees))
-        return (own.own.start + found).tolist()
+        field = self.fields[k]
+        found = np.searchsorted(field.functions, rows(field.panels, number, degrees))
+        return (field.place.start + found).tolist()
 
     @property
     def disk(self) -> Resolution:

@@ -11,14 +11,13 @@ from math import inf
 
 import numpy as np
 import pytest
-from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_problem import solve_stick
-from spectral_contact.contact.zone_search import DrivenSearch
+from spectral_contact.contact.zone_search import UncoupledSearch
 from spectral_contact.equations.residuals import tangential_displacement
 from spectral_contact.fields.series import PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
@@ -50,20 +49,25 @@ def contact():
     tail[0] = 1.0 / np.pi
     coefficients = np.concatenate([table.ravel(), tail])
     field = PressureField(None, series_of(PANELS, coefficients))
-    return NormalContact(1.0, 1.0, field, PANELS, coefficients, 1e-15, 1e-15)
+    nothing = np.zeros(PANELS.size)
+    zero = PressureField(None, series_of(PANELS, nothing))
+    change = NormalContact(1.0, 0.0, zero, PANELS, nothing)
+    return NormalContact(
+        1.0, 1.0, field, PANELS, coefficients, 1e-15, 1e-15, changes=(change, change)
+    )
 
 
 @functools.cache
 def slipping(rtol):
-    drive = Drive(contact())
-    stuck = Parameters(drive.contact.compliance, BETA, 1.0, inf)
-    stick = full_stick(solve_stick(stuck, rtol, 20_000, drive=drive), drive).best.value
+    known = contact()
+    stuck = Parameters(known.compliance, BETA, 1.0, inf)
+    stick = full_stick(solve_stick(stuck, rtol, 20_000, known=known), known).best.value
 
     def record(name, result, begin):
         return result.best.value if isinstance(result, Refinement) else result
 
     parameters = stuck._replace(friction=FRICTION)
-    return DrivenSearch(parameters, stick, rtol, 20_000, record, drive).outcome()
+    return UncoupledSearch(parameters, stick, rtol, 20_000, record, known).outcome()
 
 
 def field(one):

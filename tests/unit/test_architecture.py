@@ -2,9 +2,11 @@
 
 import ast
 import importlib
+import io
 import re
 import subprocess
 import sys
+import tokenize
 from pathlib import Path
 
 import pytest
@@ -13,7 +15,17 @@ import spectral_contact
 
 REPOSITORY = Path(__file__).parents[2]
 PACKAGE = Path(spectral_contact.__file__).parent
+#: Lines of code in a module, without docstrings, comments and blank lines.
 LONGEST_MODULE = 450
+#: Tokens that are no code.
+LAYOUT = {
+    tokenize.COMMENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+    tokenize.INDENT,
+    tokenize.NEWLINE,
+    tokenize.NL,
+}
 
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
@@ -124,10 +136,49 @@ def test_the_library_is_silent():
     assert [place for place in prints if not place.startswith("spectral_contact.__main__:")] == []
 
 
+def docstring_lines(tree):
+    """Return the lines of all docstrings of a module."""
+    documented = ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef
+    lines = set()
+    for node in ast.walk(tree):
+        if isinstance(node, documented) and ast.get_docstring(node) is not None:
+            docstring = node.body[0]
+            lines.update(range(docstring.lineno, docstring.end_lineno + 1))
+    return lines
+
+
+def code_lines(source):
+    """Return the number of lines of code, without docstrings, comments and blank lines."""
+    lines = set()
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type not in LAYOUT:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    return len(lines - docstring_lines(ast.parse(source)))
+
+
+def test_docstrings_comments_and_blank_lines_are_no_code():
+    source = '''"""A module.
+
+    It has one function.
+    """
+
+# a comment
+def function(x):  # another one
+    """Return x,
+
+    unchanged.
+    """
+
+    text = """two
+lines"""
+    return x
+'''
+    assert code_lines(source) == 4
+
+
 @pytest.mark.parametrize("path", SOURCES, ids=dotted)
 def test_modules_fit_a_sitting(path):
-    lines = path.read_text(encoding="utf-8").count("\n")
-    assert lines <= LONGEST_MODULE
+    assert code_lines(path.read_text(encoding="utf-8")) <= LONGEST_MODULE
 
 
 def test_every_module_says_what_it_is_for():

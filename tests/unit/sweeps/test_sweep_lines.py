@@ -5,7 +5,6 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.normal import solve_normal
@@ -144,9 +143,9 @@ def test_lines_are_of_one_material_and_have_slip():
 
 @pytest.mark.parametrize("logit", [-20.0, -2.0, 3.0, 20.0])
 def test_the_friction_of_a_radius_on_a_smooth_surface(logit):
-    drive = Drive(solve_normal(0.0, 1e-12, 1000, goal="drive"))
+    contact = solve_normal(0.0, 1e-12, 1000, goal="drive")
     form = Parameters(0.0, 0.0, 1.0, 1.0), Radius.from_logit(logit)
-    solved, friction = solve_given_radius(drive, *form, 1e-10, 1000)
+    solved, friction = solve_given_radius(contact, *form, 1e-10, 1000)
     with mpmath.workdps(40):
         c = mpmath.sqrt(1 / (1 + mpmath.exp(-logit)))
         true = 2 * mpmath.atanh(c) / c / mpmath.ellipk(1 - c**2)
