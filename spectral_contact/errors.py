@@ -156,8 +156,11 @@ class MissingDependencyError(SpectralContactError, ImportError):
     def __init__(self, module: str, extra: str) -> None:
         self.module = module
         self.extra = extra
+        # No index has this package: its extras are installed from a clone.
         super().__init__(
-            f'{module} is not installed: run  pip install "spectral_contact[{extra}]"', name=module
+            f'{module} is not installed: run  pip install ".[{extra}]"  '
+            "in your clone of spectral_contact",
+            name=module,
         )
 
     def __reduce__(self) -> tuple[Any, ...]:

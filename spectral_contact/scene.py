@@ -14,7 +14,7 @@ from typing import Any, Final, Self
 
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.io.checks import flag, real
-from spectral_contact.io.choices import one_of
+from spectral_contact.io.choices import Suggesting, one_of, suggesting
 from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
 from spectral_contact.io.kinds import kind_tree
 from spectral_contact.io.physical import (
@@ -38,7 +38,7 @@ _COMPLIANCE_RANGE: Final = "0 or in [1e-14, 1e14]"
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Scene(Suggesting):
     """A rigid punch on a rough elastic half-space, in the paper's dimensionless variables.
 
     What is absent is not modelled: without ``friction`` the contact is frictionless, and a
@@ -125,6 +125,7 @@ class Scene:
             self._check_physical()
 
     @classmethod
+    @suggesting()
     def from_physical(
         cls,
         *,
@@ -378,6 +379,13 @@ class Scene:
                 raise SceneError(
                     name, getattr(self, name), f"{number!r}, as the SI data imply; {remedy}"
                 )
+
+
+_SI: Final = "data in SI units go to Scene.from_physical(...)"
+# After the data class has made it; a metaclass would be the other way.
+Scene.__init__ = suggesting({"youngs_modulus": _SI, "radius": _SI})(  # type: ignore[method-assign]
+    Scene.__init__
+)
 
 
 def same_problem(one: Scene, other: Scene) -> bool:

@@ -20,7 +20,7 @@ from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Settin
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import whole, within
-from spectral_contact.io.choices import instance, names
+from spectral_contact.io.choices import instance, names, suggesting
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
@@ -60,6 +60,7 @@ def fit(
 ) -> RoughnessFit: ...
 
 
+@suggesting()
 def fit(
     scene: Scene,
     data: Data | Sequence[Data] | IndentationData,
@@ -126,6 +127,9 @@ def fit(
     problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
+
+
+__test__: Final = {"fit": fit}  # doctest passes over functions that are wrapped
 
 
 class _FitProblem:

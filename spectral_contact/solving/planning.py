@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from spectral_contact.io.choices import instance
+from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.scene import Scene
@@ -32,6 +32,7 @@ _NO_FRICTION = "the scene has no friction coefficient"
 _PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
 
 
+@suggesting()
 def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     """Return the shortest list of steps that yields the quantities, each with its reason.
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.io import checks
+from spectral_contact.io.choices import suggesting
 from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
@@ -23,6 +24,7 @@ from spectral_contact.view.progress import ProgressLine
 _LOOSER = 10.0, 100.0
 
 
+@suggesting()
 def solve(
     scene: Scene,
     rtol: float = 1e-10,

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
+from spectral_contact.io.choices import suggesting
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
@@ -52,6 +53,7 @@ _QUICK_CHUNK: Final = 16384
 _MANY: Final = 500
 
 
+@suggesting()
 def sweep(
     scenes: Scene | Iterable[Scene],
     *,
@@ -158,6 +160,9 @@ def sweep(
     with one_thread(), tell:
         table = _collected(parameters, request, size, kept, executor, tell)
     return assembled(parameters, request, table)
+
+
+__test__: Final = {"sweep": sweep}  # doctest passes over functions that are wrapped
 
 
 def _chunk(parameters: SweepParameters, request: Request) -> int:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 from numpy.typing import ArrayLike
 
+from spectral_contact.io.choices import Suggesting
+
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
@@ -50,7 +52,7 @@ def _loaded(path: str | os.PathLike[str]) -> Solution:
     return solution
 
 
-class Output:
+class Output(Suggesting):
     """Base of `Solution`: every method hands the solution to the module that does it."""
 
     __slots__ = ()

@@ -14,17 +14,33 @@ from spectral_contact.fields.evaluation import over_r
 from spectral_contact.io import checks, choices
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
+from spectral_contact.view.output import above
 
 
-@dataclass(frozen=True, slots=True)
-class PhysicalSolution:
-    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N."""
+@dataclass(frozen=True, slots=True, repr=False)
+class PhysicalSolution(choices.Suggesting):
+    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N.
+
+    Printed, it is the table of its scalars with the estimates of their relative errors.
+    """
 
     solution: Solution
 
     def __post_init__(self) -> None:
         if choices.instance("solution", self.solution, Solution).scene.physical is None:
             raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
+
+    def __str__(self) -> str:
+        report = above("view.report")
+        return str(report.table(report.si_cells(self.solution)))
+
+    def __repr__(self) -> str:
+        rows = above("view.report").si_cells(self.solution)[1:]
+        return f"<PhysicalSolution {', '.join(f'{label}: {value}' for label, value, _ in rows)}>"
+
+    def _repr_html_(self) -> str:
+        cells = above("view.report").si_cells(self.solution)
+        return str(above("view.html").table_html(cells))
 
     @property
     def _nu(self) -> float:

@@ -25,12 +25,12 @@ _NAMED: Final = {
 }
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
-    "contact_radius": "contact radius: this, --load, --approach or --separation",
-    "separation": "at the deformed centre, under a layer with pressure at every gap",
-    "half_angle": "of a cone, between axis and side [rad]",
-    "flat_radius": "of the flat part",
-    "coefficient": "of a power law",
-    "exponent": "of a power law",
+    "contact_radius": "radius of the contact; give one of this, --load, --approach, --separation",
+    "separation": "gap at the centre, for layer laws without a contact edge",
+    "half_angle": "angle of a cone, between its axis and its side [rad]",
+    "flat_radius": "radius of the flat end of a rounded flat or truncated cone",
+    "coefficient": "coefficient of a power-law profile",
+    "exponent": "exponent of a power-law profile",
 }
 _SHARED: Final = {"radius": "m", "load": "N", "approach": "m"}
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
@@ -59,16 +59,16 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
     """
     group = command.add_argument_group(
         "scene with a profile",
-        "With --youngs-modulus in SI units, lengths in m. Else all lengths are in one length L, "
-        "loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances in L / E': --radius, --load and "
-        "--approach are numbers then. Poisson's ratio defaults to 0.3 (in SI units it is "
-        "required) and the compliances to 0; there is no friction unless it is given.",
+        "With --youngs-modulus everything is in SI units. Without it, lengths are in a length L of "
+        "your choice, loads in E' L^2 with E' = E / (4 (1 - nu^2)), and compliances in L / E'. "
+        "Poisson's ratio defaults to 0.3 (in SI units it is required) and the compliances to 0; "
+        "there is no friction unless it is given.",
     )
     group.add_argument(
         "--profile",
         choices=_NAMED,
         default=argparse.SUPPRESS,
-        help="what the punch looks like (default: flat; flat itself is for a nonlinear layer)",
+        help="shape of the punch (default: flat; give flat only with --layer)",
     )
     add_layer(command, None if control is number else control)
     for name, meaning in _OWN.items():

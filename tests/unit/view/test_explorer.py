@@ -67,7 +67,7 @@ def test_what_a_link_leaves_out_is_as_at_the_start():
     [
         ("?fricton=1", "did you mean friction?"),
         ("?profile=Sphre", "did you mean Sphere?"),
-        ("?coupling=perhaps", "must be out of true, false"),
+        ("?coupling=perhaps", "must be one of true, false"),
         ("?rtol=1e-20", "rtol = 1e-20: must be in"),
         ("?rtol=small", "rtol = 'small': must be"),
     ],
