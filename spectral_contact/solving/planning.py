@@ -82,7 +82,7 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
         for name in (*lacking, *sorted(_STICK_ONLY)):
             missing[name] = f"it is not computed {kind}"
     if endless(scene):
-        missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"
+        missing["contact_radius"] = "the layer law has no contact edge"
     present = tuple(name for name in _present(scene) if name not in missing)
     # full stick on an area that does not change depends on no history
     grows = not isinstance(scene.profile, Flat | None)

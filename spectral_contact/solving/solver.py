@@ -44,14 +44,14 @@ def solve(
         the edge included; from 1e-12 to 1e-2, and down to 1e-13 where only approach, total shear
         and stick radius are asked for.
     quantities : iterable of str, optional
-        What to compute, out of `QUANTITIES`; the default is everything the scene has. The
-        refinement adapts to what is asked and nothing else.
+        What to compute, from `QUANTITIES`; by default everything the scene has. The refinement
+        adapts to these quantities.
     max_unknowns : int
-        Most unknowns of one linear system.
+        Largest number of unknowns of one linear system.
     strict : bool
-        Raise if the tolerance cannot be met; else return what was reached.
+        Raise an error if the tolerance cannot be met (default); else return the best solution.
     progress : bool, optional
-        Whether what takes seconds, as friction under a profile, shows progress (extra: progress);
+        Whether long solves, as with friction under a profile, show progress (extra: progress);
         by default on a terminal and in notebooks.
 
     Returns

@@ -52,8 +52,8 @@ _SYMBOLS = {
 def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | None = None) -> Figure:
     """Plot the contours of a quantity in the plane of r and z, and the deformed surface above.
 
-    The lines of equal `max_shear` are what photoelasticity shows. The place of the largest von
-    Mises or shear stress is marked if there is one.
+    Lines of equal `max_shear` are the fringes of photoelasticity. A cross marks the place of the
+    largest von Mises or shear stress, if there is one.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
     quantity : str
         A column of `Inside.to_table`.
     r_max : float, optional
-        How far the picture goes, in the units of the body's lengths: two radii by default.
+        Largest radius and depth shown, in the units of the body's lengths; two radii by default.
 
     Returns
     -------

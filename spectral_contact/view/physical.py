@@ -76,7 +76,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def units(self) -> Units:
-        """What fields over ``s = r/a`` are multiplied by: a [m], stress [Pa], displacement [m]."""
+        """SI units of the dimensionless fields: length a [m], stress [Pa], displacement [m]."""
         if self._modulus is not None:
             return si_units(self.radius, self._modulus, self.radius)
         stress, load = self._data.pressure_scale, self.load
@@ -86,7 +86,7 @@ class PhysicalSolution(choices.Suggesting):
     def radius(self) -> float:
         """Radius at ``s = 1`` [m], that of the contact; under a flat punch it is the punch's.
 
-        Under a layer with pressure at every gap it is `Solution.domain_radius`.
+        For a layer law without an edge it is `Solution.domain_radius`.
         """
         given = self._data.radius or self._data.contact_radius
         return float(self.solution.domain_radius if given is None else given)

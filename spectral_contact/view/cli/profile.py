@@ -123,7 +123,7 @@ def _check_si(given: dict[str, Any]) -> None:
         raise UsageError(f"{flag(mixed[0])} is dimensionless: use {flag(mixed[0])}-si, in m/Pa")
     missing = [flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
     if missing:
-        raise UsageError(f"SI input needs {' and '.join(missing)}: there are no defaults for it")
+        raise UsageError(f"SI input needs {' and '.join(missing)}: there is no default material")
 
 
 def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:

@@ -126,8 +126,6 @@ def _check_si(arguments: argparse.Namespace) -> None:
         )
     missing = [flag(name) for name in _SI_NEEDS if name not in given]
     if missing:
-        raise UsageError(
-            f"SI input needs {' and '.join(missing)}: there are no defaults for a material"
-        )
+        raise UsageError(f"SI input needs {' and '.join(missing)}: there is no default material")
     if ("load" in given) == ("approach" in given):
         raise UsageError("SI input needs either --load or --approach, not both")

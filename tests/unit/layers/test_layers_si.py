@@ -58,7 +58,7 @@ def test_a_contact_is_the_same_in_other_units(name):
         assert again.physical.load == pytest.approx(separated.physical.load, rel=1e-6)
         assert "d = 5e-08 m" in report(separated)
         assert found.radius == pytest.approx(there.domain_radius * R, rel=2e-3)
-        with pytest.raises(NotComputedError, match="no edge"):
+        with pytest.raises(NotComputedError, match="no contact edge"):
             _ = found.contact_radius
 
 

@@ -99,7 +99,7 @@ def test_a_bad_value_is_refused_in_the_words_of_the_library(query, wrong):
 
 def test_a_contact_that_is_not_modelled_is_refused():
     query = "?profile=RoundedFlat&flat_radius=1&radius=1&contact_radius=0.5"
-    told = "contact_radius = 0.5: must be finite, and in (1, inf), where the profile is"
+    told = "contact_radius = 0.5: must be finite, and in (1, inf), the range of the profile"
     assert look_at(texts_from(query), sc.solve).complaint == told
 
 

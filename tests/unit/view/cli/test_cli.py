@@ -364,7 +364,7 @@ def test_a_plot(capsys, tmp_path):
         ([*SLIDING, "--load", "1", "--approach", "1"], "either --load or --approach"),
         ([*SLIDING, "--load", "-1"], "--load = -1.0"),
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
-        ([*STEEL, "--load", "1"], "SI input needs --friction: there are no defaults"),
+        ([*STEEL, "--load", "1"], "SI input needs --friction: there is no default material"),
         (["--load", "1", "--friction", "0"], "needs --youngs-modulus and --poisson-ratio and --ra"),
         ([*STEEL, "--load", "1", "--normal-compliance", "1"], "cannot be mixed"),
         (["--normal-compliance-si", "1", "--tangential-compliance", "1"], "cannot be mixed"),

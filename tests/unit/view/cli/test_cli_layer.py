@@ -67,7 +67,7 @@ def test_a_separation_from_the_command_line(capsys, tmp_path):
     assert Solution.load(path).scene.separation == -0.1
     status, _, err = run(capsys, "solve", *punch[:4], "--separation", "0.1")
     assert status == 2
-    assert "only a layer with pressure at every gap" in err
+    assert "only a layer law without a contact edge" in err
 
 
 def test_si_units_and_a_flat_punch(capsys):
