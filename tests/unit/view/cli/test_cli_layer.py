@@ -101,7 +101,7 @@ FAULTS = [
     (POWER, "give --profile, one of parabola"),
     ((*BALL, *POWER[:-1], "0.5"), "--layer-exponent = 0.5: must be in [1, 10]"),
     ((*BALL, *POWER[:-1], "2 m"), "--layer-exponent 2 m: must be a number without a unit"),
-    ((*BALL, *POWER, "--normal-compliance", "1"), "--normal-compliance = 1.0: must be 0 with a"),
+    ((*BALL, *POWER, "--normal-compliance", "1"), "--normal-compliance = 1.0: must be 0 if layer"),
     ((*BALL, *POWER, "--friction", "0.1"), "superposition"),
     ((*BALL, "--layer", "table", "--layer-table", "nowhere.txt"), "nowhere.txt: no table of a"),
     ((*BALL, "--layer", "table", "--layer-table", __file__), "no table of a layer"),
