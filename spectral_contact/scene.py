@@ -382,7 +382,7 @@ class Scene(Suggesting):
 
 
 _SI: Final = "data in SI units go to Scene.from_physical(...)"
-# After the data class has made it; a metaclass would be the other way.
+# `dataclass` generates the constructor, so it can only be wrapped here.
 Scene.__init__ = suggesting({"youngs_modulus": _SI, "radius": _SI})(  # type: ignore[method-assign]
     Scene.__init__
 )

@@ -113,20 +113,20 @@ def suggesting(elsewhere: Mapping[str, str] | None = None) -> Callable[[_F], _F]
     elsewhere : mapping of str to str, optional
         For keywords of another function: which one, worded to follow a semicolon.
     """
-    told = elsewhere or {}
+    hints = elsewhere or {}
 
     def decorate(function: _F) -> _F:
         known = [
             name for name in inspect.signature(function).parameters if name not in ("self", "cls")
         ]
-        # of a constructor, the class
+        # a constructor is called by the name of its class
         called = function.__qualname__.removesuffix(".__init__")
 
         @wraps(function)
         def checked(*arguments: Any, **named: Any) -> Any:
             for name in named:
                 if name not in known:
-                    hint = f"; {told[name]}" if name in told else suggestion(name, known)
+                    hint = f"; {hints[name]}" if name in hints else suggestion(name, known)
                     raise TypeError(f"{called}() has no parameter {name!r}{hint}")
             return function(*arguments, **named)
 
@@ -140,12 +140,15 @@ class Suggesting:
 
     __slots__ = ()
 
-    if not TYPE_CHECKING:  # a type checker would take every attribute for a known one
+    if not TYPE_CHECKING:  # with it a type checker would accept any attribute
 
         def __getattr__(self, name: str) -> Any:
             cls = type(self)
             if hasattr(cls, name):  # a property has failed: its error counts
                 return object.__getattribute__(self, name)
-            public = () if name.startswith("_") else [one for one in dir(cls) if one[0] != "_"]
-            hint = suggestion(name, public)
+            hint = ""
+            if not name.startswith("_"):  # protocols of Python and NumPy ask for private names
+                hint = suggestion(
+                    name, [public for public in dir(cls) if not public.startswith("_")]
+                )
             raise AttributeError(f"{cls.__name__!r} object has no attribute {name!r}{hint}")
