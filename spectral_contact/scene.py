@@ -283,7 +283,7 @@ class Scene(Suggesting):
 
     @property
     def couples(self) -> bool:
-        """Whether pressure and traction act on each other: `coupling` is on and has an effect.
+        """Whether pressure and traction act on each other, as `coupling` is on and has an effect.
 
         It has none without friction, where there is no traction, nor at ν = 0.5.
         """

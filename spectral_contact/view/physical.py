@@ -76,7 +76,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def units(self) -> Units:
-        """SI units of the dimensionless fields: length a [m], stress [Pa], displacement [m]."""
+        """SI units of length a [m], stress [Pa] and displacement [m], of dimensionless fields."""
         if self._modulus is not None:
             return si_units(self.radius, self._modulus, self.radius)
         stress, load = self._data.pressure_scale, self.load
