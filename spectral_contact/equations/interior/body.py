@@ -51,16 +51,16 @@ _MOST_POINTS = 10**8
 
 
 class Inside:
-    """Stress and displacement anywhere in the half-space: what `Solution.inside` is.
+    """Stress and displacement anywhere in the half-space; made by `Solution.inside`.
 
     Points are given by their distance from the axis, or from the edge, and their depth. Everything
-    is in the units of the solution: `Solution.inside` is dimensionless as the paper is, and
-    `PhysicalSolution.inside` in SI units. Under a profile places are over the contact radius, as
-    those of the pressure are, displacements in L and stresses in E'.
+    is in the units of the solution: `Solution.inside` is dimensionless, and
+    `PhysicalSolution.inside` in SI units. Under a profile places are in contact radii, as
+    those of the pressure, displacements in L and stresses in E'.
 
-    The loads are the pressure and the traction of the solution, and what is shown is the
-    response of an elastic half-space to both. In a scene without coupling the model leaves
-    out that the traction moves the surface normally; the body's own displacement `z` has it.
+    The fields are the response of an elastic half-space to the pressure and the traction of the
+    solution. The model without coupling neglects the normal displacement by the traction; the
+    displacement `z` of the body includes it.
 
     Parameters
     ----------

@@ -25,14 +25,14 @@ QUANTITIES = {
     "sigma_tt": "hoop stress",
     "sigma_zz": "axial stress",
     "sigma_rz": "shear stress",
-    "von_mises": "equivalent stress of von Mises",
+    "von_mises": "von Mises equivalent stress",
     "max_shear": "largest shear stress in any plane",
-    "mean": "a third of the trace of the stress",
+    "mean": "mean stress, a third of the trace",
     "principal_1": "largest principal stress",
     "principal_2": "middle principal stress",
     "principal_3": "smallest principal stress",
-    "displacement_error": "estimated error of u_r and u_z over the length of the displacement",
-    "stress_error": "estimated error of the stresses over the root of the sum of their squares",
+    "displacement_error": "estimated error of u_r and u_z, relative to its length",
+    "stress_error": "estimated error of the stresses, relative to their Frobenius norm",
 }
 
 
