@@ -264,7 +264,7 @@ def test_a_missing_xarray_is_said_before_the_work(monkeypatch):
     from spectral_contact import MissingDependencyError
 
     monkeypatch.setitem(sys.modules, "xarray", None)
-    with pytest.raises(MissingDependencyError, match=r'"spectral_contact\[sweep\]"'):
+    with pytest.raises(MissingDependencyError, match=r'"\.\[sweep\]"'):
         sweep(BASE)
 
 
