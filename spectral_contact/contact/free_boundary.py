@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.resolution import ROUGH, TINY
+from spectral_contact.contact.resolution import ROUGH, ROUNDING, TINY
 from spectral_contact.contact.stick_radius import NOISE
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.factored import Factored, factored
@@ -36,9 +36,9 @@ _SLOWEST_CONTRACTION = 0.2
 LEAST_CONTRACTION = 0.01
 #: The fields are known to this share of a step of the boundaries before it is taken.
 _FIELD_TO_STEP = 0.01
-#: A step that is more than this share of the one before does not show that steps become shorter.
-#: After so many of these in a row there are no boundaries near by.
-_SHORTER, _MOST_STALLED = 0.5, 8
+#: A step stalls if it leaves more than this share of the boundary residual. After so many of these
+#: in a row there are no boundaries near by.
+_STALLED_SHARE, _MOST_STALLED = 0.5, 8
 #: Longest step of a boundary, as a logit.
 _LONGEST_STEP = 2.0
 #: Most steps of the boundaries, and corrections of the fields at given ones.
@@ -291,23 +291,24 @@ class FreeBoundary:
         before, stalled = inf, 0
         secants: list[tuple[Array, Array]] = []
         for _ in range(_MOST_STEPS):
-            iterate = self._known_to_step(iterate, boundary_tol, field_tol)
+            iterate = self._known_to_step(iterate, boundary_tol)
             residual = iterate.fields.boundary_residual
             step = iterate.newton_step
             length = float(np.abs(step).max())
             if not np.isfinite(length):
                 break
-            if float(np.abs(residual).max()) < least:
-                best, least = iterate, float(np.abs(residual).max())
+            largest = float(np.abs(residual).max())
+            stalled = stalled + 1 if largest > _STALLED_SHARE * before else 0
+            before = largest
+            if largest < least:
+                best, least = iterate, largest
             if length < boundary_tol:
                 return self._with_fields(iterate, field_tol, converged=True)
-            stalled = stalled + 1 if length > _SHORTER * before else 0
             if stalled > _MOST_STALLED or (stalled > 1 and least < NOISE):
                 break
             step *= _feasible_share(iterate.logits, step)
-            before = length
             moved = self._moved(iterate, step)
-            moved = self._known_to_step(moved, boundary_tol, field_tol)
+            moved = self._known_to_step(moved, boundary_tol)
             secants.append((step, moved.fields.boundary_residual - residual))
             secants = secants[-len(step) :]
             iterate = replace(moved, jacobian=_broyden(iterate.jacobian, secants))
@@ -321,14 +322,14 @@ class FreeBoundary:
         fields = replace(iterate.fields, system=self._system_at(logits))
         return replace(iterate, logits=logits, fields=fields, remaining=inf)
 
-    def _known_to_step(self, iterate: Iterate, boundary_tol: float, field_tol: float) -> Iterate:
+    def _known_to_step(self, iterate: Iterate, boundary_tol: float) -> Iterate:
         """Correct the fields until they are known to a share of the step that they ask for."""
         tolerance = ROUGH
         while True:
             if iterate.remaining > tolerance:
                 iterate = self._with_fields(iterate, tolerance)
             length = float(np.abs(iterate.newton_step).max())
-            wanted = max(_FIELD_TO_STEP * max(length, boundary_tol), field_tol)
+            wanted = max(_FIELD_TO_STEP * max(length, boundary_tol), ROUNDING)
             if not iterate.remaining > wanted or tolerance <= wanted:
                 return iterate
             tolerance = wanted
