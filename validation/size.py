@@ -56,7 +56,7 @@ CORE = ("contact", "spectral")
 CORE_AND_SOLVING = ("contact", "spectral", "solving")
 #: Numbers that are no tuned ones; signs are no part of a number.
 PLAIN = (0, 0.5, 1, 2, 3, 4)
-CITATION = re.compile(r"docs/theory|\bEqs?\.|\((?:[^()]*\s)?(?:18|19|20)\d\d[a-z]?\)")
+CITATION = re.compile(r"docs/theory|\bEqs?\.|\((?:[^()]*\s)?(?:18|19|20)\d\d[a-z]?(?:,[^()]*)?\)")
 MOST_COMPLEX = 25
 COMPLEX = 15
 #: How many of the worst are named.
