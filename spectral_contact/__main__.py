@@ -2,9 +2,9 @@
 
 Also ``python -m spectral_contact``.
 
-Exit status: 0 if it is done; 1 if the tolerance was not met; 2 for a bad option, value, file or
-missing dependency; 130 when interrupted, 143 when terminated. Whatever fails is said in one line
-on stderr.
+Exit status: 0 if it is done; 1 if the tolerance was not met, or no scene of several was solved; 2
+for a bad option, value, file or missing dependency; 130 when interrupted, 143 when terminated.
+Whatever fails is said in one line on stderr.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from spectral_contact.view.cli import inside as cli_inside
 from spectral_contact.view.cli import scene as cli_scene
 from spectral_contact.view.cli import study as cli_study
 from spectral_contact.view.cli import sweep as cli_sweep
-from spectral_contact.view.cli.options import UsageError, joined, number, whole
+from spectral_contact.view.cli.options import NothingSolved, UsageError, joined, number, whole
 from spectral_contact.view.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
 from spectral_contact.view.report import FIELDS, report, write_csv
 
@@ -74,6 +74,8 @@ def _run(argv: Sequence[str]) -> int:
     except ConvergenceError as error:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
         return failed(f"{error}{hint}", 1)
+    except NothingSolved as error:
+        return failed(str(error), 1)
     except SceneError as error:
         return failed(cli_scene.in_options(error, in_si_units(arguments)), 2)
     except SpectralContactError as error:
@@ -221,7 +223,7 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Measure errors against solutions to many digits, and times.",
     )
     resumed = " A run that was stopped goes on from its --store."
-    for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth,"):
+    for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth or no solve,"):
         cli_scene.add_scene(command)
         cli_study.add_options(command, kind)
         command.set_defaults(run=_study)
@@ -251,8 +253,8 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Solve every combination of parameters. Each takes a number, several "
         "(0.1,0.2), or a range LOW:HIGH:COUNT, with :log at its end in equal ratios. A run that "
         "was stopped goes on from its --store.",
-        epilog="Exit status: 0 done, 2 bad input or file, 130 interrupted. Scenes that could not "
-        "be solved are counted; the files say which and why.",
+        epilog="Exit status: 0 done, 1 no scene solved, 2 bad input or file, 130 interrupted. "
+        "Scenes that could not be solved are counted; the files say which and why.",
     )
     cli_sweep.add_options(command)
     command.set_defaults(run=_sweep)
@@ -327,6 +329,7 @@ def _study(arguments: argparse.Namespace) -> None:
         cli_study.write(study, arguments)
     finally:
         print(study)
+    cli_study.check_some_solved(study)
 
 
 def _sweep(arguments: argparse.Namespace) -> None:
@@ -336,6 +339,7 @@ def _sweep(arguments: argparse.Namespace) -> None:
         cli_sweep.write(found, arguments)
     finally:
         print(cli_sweep.summary(found))
+    cli_sweep.check_some_solved(found)
 
 
 def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:

@@ -246,12 +246,12 @@ def greenwood_williamson(
     1.407e-14 m/Pa, 8.137e-07 m ()
     """
     units = {
-        "density": (density, "[1/m²]"),
-        "tip_radius": (tip_radius, "[m]"),
-        "height_deviation": (height_deviation, "[m]"),
-        "youngs_modulus": (youngs_modulus, "[Pa]"),
-        "pressure": (pressure, "[Pa]"),
-        "hardness": (hardness, "[Pa]"),
+        "density": (density, "m**-2"),
+        "tip_radius": (tip_radius, "m"),
+        "height_deviation": (height_deviation, "m"),
+        "youngs_modulus": (youngs_modulus, "Pa"),
+        "pressure": (pressure, "Pa"),
+        "hardness": (hardness, "Pa"),
     }
     given = {
         name: positive(name, value, unit)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from importlib import import_module
+from typing import Any
+
+import numpy as np
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
@@ -54,6 +57,17 @@ GROWTH = "growing contact"
 PARTIAL_SLIP = "partial slip"
 ZONE_SEARCH = "zone search"
 SLIP_FIELD = "slip displacement"
+
+
+def _make_plain(record: Any) -> None:
+    """Turn NumPy's numbers in a new record into Python's, whatever has computed them.
+
+    Both compare equal and print differently, which is no difference that a reader can explain.
+    """
+    for one in fields(record):
+        value = getattr(record, one.name)
+        if isinstance(value, np.generic):
+            object.__setattr__(record, one.name, value.item())
 
 
 class Ending(Enum):
@@ -143,6 +157,9 @@ class Zone:
     inner_from_edge: float
     outer_from_edge: float
 
+    def __post_init__(self) -> None:
+        _make_plain(self)
+
     @classmethod
     def between(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
         """Return the zone between two radii.
@@ -169,9 +186,12 @@ class ErrorEstimates:
     from the centre and from the edge; a stick zone too small to be felt is left out, and told by an
     error of 1 there; `violation` is by how much the friction law is broken:
     the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
-    the largest slip, whichever is larger. With a profile, `pressure` is relative to the pressure
-    or its mean, whichever is larger; where a smooth surface has it infinite, at a tip or corner,
-    it is that of places farther off than some 1e-17 of the square of the contact radius;
+    the largest slip, whichever is larger. A solution that converged breaks it by no more than the
+    estimates of pressure, traction and slip explain; slip of which no digit is known has an
+    infinite estimate, its sense is not known either, and it does not count. With a profile,
+    `pressure` is relative to the pressure or its mean, whichever is larger; where a smooth surface
+    has it infinite, at a tip or corner, it is that of places farther off than some 1e-17 of the
+    square of the contact radius;
     `traction` is then relative to its largest value, as `slip` always is.
     """
 
@@ -190,6 +210,9 @@ class ErrorEstimates:
     stiffness: float | None = None
     indentation_work: float | None = None
 
+    def __post_init__(self) -> None:
+        _make_plain(self)
+
 
 @dataclass(frozen=True, slots=True)
 class RefinementStep:
@@ -199,6 +222,9 @@ class RefinementStep:
     highest_degree: int
     error: float
     seconds: float = field(compare=False)
+
+    def __post_init__(self) -> None:
+        _make_plain(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -147,8 +147,9 @@ class Scene:
         With a profile it is one of load, approach and contact radius, there is no radius, and the
         scene has the lengths in m and loads in E' m², with E' = E/(4(1−ν²)).
 
-        Where pint is installed, everything that has a unit may also be text, as ``"210 GPa"`` and
-        ``"50 nm/MPa"``, or a quantity of pint.
+        Everything that has a unit may also be a quantity of pint, astropy or unyt and, where pint
+        is installed, text, as ``"210 GPa"``, ``"210 N/mm²"`` and ``"50 nm/MPa"``. Plain numbers are
+        in SI units; what looks like another unit is in `remarks`.
 
         Parameters
         ----------
@@ -287,6 +288,15 @@ class Scene:
         Without friction there is no traction, and at ν = 0.5 the one does not move the other.
         """
         return self.coupling and bool(self.friction) and self.poisson_ratio != 0.5
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Questions about SI data that are likely to be in another unit; empty if there are none.
+
+        A modulus of 210 Pa under a punch of 5 m is one. `Solution.remarks` knows more of a contact
+        under a profile; the command line and `Solution.summary` print it.
+        """
+        return () if self.physical is None else self.physical.remarks(self.poisson_ratio)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``."""

@@ -358,13 +358,26 @@ class Solution(Output):
         estimates = {name: getattr(self.error, name) for name in self.plan.quantities}
         return {k: one for k, one in estimates.items() if one is not None and not one <= self.rtol}
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Questions about SI data that are likely to be in another unit, as `Scene.remarks`."""
+        data = self.scene.physical
+        if data is None:
+            return ()
+        return data.remarks(self.scene.poisson_ratio, self.values.get("contact_radius"))
+
     def __repr__(self) -> str:
         known = ", ".join(
             f"{name}={self.values[name]:.16g}"
             for name in ("contact_radius", "load", "approach", "total_shear", "stick_radius")
             if isinstance(self.values.get(name), float)
         )
-        opening, unsure = self.values.get("opening"), self.less_certain.items()
+        opening = self.values.get("opening")
         opens = "" if opening is None else f" would open within {opening:.3g} of the edge"
-        less = " but for" * bool(unsure) + ",".join(f" {k} to {error:.1e}" for k, error in unsure)
-        return f"<Solution {known}{opens} converged={self.converged}{less}>"
+        unsure = ", ".join(
+            f"{name} to {error:.1e}" if error < 1.0 else f"{name}, of which no digit is known"
+            for name, error in self.less_certain.items()
+        )
+        less = f" but for {unsure}" if unsure else ""
+        asked = "".join(f"; {remark}" for remark in self.remarks)
+        return f"<Solution {known}{opens} converged={self.converged}{less}{asked}>"

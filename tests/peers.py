@@ -37,3 +37,8 @@ def imports_late(scene, count):
     import imported_late
 
     return imported_late.solver(scene, count)
+
+
+def fails(scene, count):
+    """A solver that solves nothing."""
+    raise RuntimeError("it never converges")

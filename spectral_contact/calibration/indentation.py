@@ -76,12 +76,13 @@ class IndentationData:
     sigma: tuple[float, ...]
 
     def __init__(self, depth: ArrayLike, load: ArrayLike, sigma: ArrayLike) -> None:
-        depths, loads = finite("depth", depth), finite("load", load)
+        depths = finite("depth", depth, unit="m")
+        loads = finite("load", load, unit="N")
         if not depths.size:
             raise SceneError("depth", depth, "at least one number")
         if len(loads) != len(depths):
             raise SceneError("load", load, f"{len(depths)} numbers, one for each depth")
-        sizes = np.ravel(reals("sigma", sigma, "finite and > 0", low=0.0))
+        sizes = np.ravel(reals("sigma", sigma, "finite and > 0", low=0.0, unit="N"))
         if len(sizes) not in (1, len(depths)) or not ((sizes > 0) & np.isfinite(sizes)).all():
             raise SceneError("sigma", sigma, f"finite and > 0, one number or {len(depths)}")
         for name, values in (
@@ -180,8 +181,9 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
         profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
     )
     found = value_of(solved)
-    if max(found.load_error, found.stiffness_error) > 10.0 * rtol:
-        told = f"the load of {profile.brief} at {approach:.6g} is known to {found.load_error:.1e}"
+    error = max(found.load_error, found.stiffness_error)
+    if error > 10.0 * rtol:
+        told = f"load and stiffness of {profile.brief} at {approach:.6g} are known to {error:.1e}"
         raise ConvergenceError(told, "loosen rtol.")
     if layer == 0.0:
         return _CurveLoad(found.load, found.stiffness, 0.0)

@@ -73,9 +73,10 @@ def layered_load(
         profile, layer, rtol, _MOST_UNKNOWNS, approach=approach, pointwise=True, near=near
     )
     found = value_of(solved)
-    if max(found.load_error, found.stiffness_error) > 10.0 * rtol:
-        told = f"the load of {profile.brief} on {layer.brief} at {approach:.6g} is known to "
-        raise ConvergenceError(f"{told}{found.load_error:.1e}", "loosen rtol.")
+    error = max(found.load_error, found.stiffness_error)
+    if error > 10.0 * rtol:
+        told = f"load and stiffness of {profile.brief} on {layer.brief} at {approach:.6g} are known"
+        raise ConvergenceError(f"{told} to {error:.1e}", "loosen rtol.")
     by = _derivatives(profile, layer, found)
     return LayeredLoad(found.load, found.stiffness, by, found.radius)
 

@@ -56,13 +56,13 @@ class ApproachData:
         radius: ArrayLike | None = None,
         load: ArrayLike | None = None,
     ) -> None:
-        values = _finite("approach", approach)
+        values = _finite("approach", approach, "m")
         _put(
             self,
             approach=values,
-            sigma=_positive("sigma", sigma, len(values)),
-            radius=_optional("radius", radius, len(values)),
-            load=_optional("load", load, len(values)),
+            sigma=_positive("sigma", sigma, len(values), "m"),
+            radius=_optional("radius", radius, len(values), "m"),
+            load=_optional("load", load, len(values), "N"),
         )
 
     @property
@@ -138,17 +138,17 @@ class PressureData:
         radius: float | None = None,
         load: float | None = None,
     ) -> None:
-        values = _finite("pressure", pressure)
-        places = _finite("r", r)
+        values = _finite("pressure", pressure, "Pa")
+        places = _finite("r", r, "m")
         if len(places) != len(values) or min(places) < 0.0:
             raise SceneError("r", r, f"{len(values)} radii >= 0, one for each pressure")
         _put(
             self,
             r=places,
             pressure=values,
-            sigma=_positive("sigma", sigma, len(values)),
-            radius=_one("radius", radius),
-            load=_one("load", load),
+            sigma=_positive("sigma", sigma, len(values), "Pa"),
+            radius=_one("radius", radius, "m"),
+            load=_one("load", load, "N"),
         )
 
     @property
@@ -218,13 +218,13 @@ class StickRadiusData:
         radius: ArrayLike | None = None,
         friction: ArrayLike | None = None,
     ) -> None:
-        values = _finite("stick_radius", stick_radius)
+        values = _finite("stick_radius", stick_radius, "m")
         count = len(values)
         _put(
             self,
             stick_radius=values,
-            sigma=_positive("sigma", sigma, count),
-            radius=_optional("radius", radius, count),
+            sigma=_positive("sigma", sigma, count, "m"),
+            radius=_optional("radius", radius, count, "m"),
             friction=_optional("friction", friction, count),
         )
 
@@ -290,23 +290,25 @@ def _put(data: object, **values: object) -> None:
         object.__setattr__(data, name, value)  # the way into a frozen dataclass
 
 
-def _finite(name: str, values: ArrayLike) -> tuple[float, ...]:
-    array = finite(name, values, one_will_do=True)
+def _finite(name: str, values: ArrayLike, unit: str) -> tuple[float, ...]:
+    array = finite(name, values, one_will_do=True, unit=unit)
     if not array.size:
         raise SceneError(name, values, "at least one number")
     return tuple(array.tolist())
 
 
-def _positive(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
-    listed = _finite(name, values)
+def _positive(name: str, values: ArrayLike, count: int, unit: str) -> tuple[float, ...]:
+    listed = _finite(name, values, unit)
     if len(listed) not in (1, count):
         raise SceneError(name, values, f"one number, or {count} as the values measured are")
     return tuple(positive(name, value) for value in listed)
 
 
-def _one(name: str, value: object) -> tuple[float] | None:
-    return None if value is None else (positive(name, value),)
+def _one(name: str, value: object, unit: str) -> tuple[float] | None:
+    return None if value is None else (positive(name, value, unit),)
 
 
-def _optional(name: str, values: ArrayLike | None, count: int) -> tuple[float, ...] | None:
-    return None if values is None else _positive(name, values, count)
+def _optional(
+    name: str, values: ArrayLike | None, count: int, unit: str = ""
+) -> tuple[float, ...] | None:
+    return None if values is None else _positive(name, values, count, unit)

@@ -2,7 +2,7 @@
 
 import math
 import numbers
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -64,15 +64,16 @@ def position(s: ArrayLike | None, from_edge: ArrayLike | None) -> Position:
 
 
 def real_numbers(name: str, values: ArrayLike | None, allowed: str) -> Array:
-    """Return real numbers as an array of doubles.
+    """Return real numbers as an array of doubles; those with a unit must be dimensionless.
 
     Raises
     ------
     ValueError
-        If they are not numbers, masked, boolean or not of one shape.
+        If they are not numbers, masked, boolean, not of one shape, or have a dimension.
     """
+    plain = _without_unit(name, values)
     try:
-        given = np.asarray("" if _becomes_a_number(values) else values)
+        given = np.asarray("" if _becomes_a_number(plain) else plain)
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
         raise refusal(name, values, f"real numbers {allowed}, of one shape") from error
     if given.dtype.kind not in "fiu":
@@ -155,7 +156,21 @@ def refusal(name: str, value: object, allowed: str) -> ValueError:
     return ValueError(f"{name} = {text:.80}: must be {allowed}")
 
 
+def _without_unit(name: str, values: Any) -> Any:
+    """Return quantities, of pint for example, as plain numbers, and anything else as it is."""
+    if isinstance(values, list | tuple):
+        return [_without_unit(name, value) for value in values]
+    if not (hasattr(type(values), "to") and (hasattr(values, "units") or hasattr(values, "unit"))):
+        return values
+    try:
+        number = values.to("")
+        return number.magnitude if hasattr(number, "magnitude") else number.value
+    except Exception as error:  # as many as there are packages
+        raise refusal(name, values, "without a unit, or dimensionless") from error
+
+
 def _real(name: str, value: object, allowed: str) -> float:
+    value = _without_unit(name, value)
     # timedelta64 is a signed integer to NumPy
     if isinstance(value, bool | np.timedelta64) or not isinstance(value, numbers.Real):
         raise refusal(name, value, f"a real number, {allowed}")

@@ -423,7 +423,9 @@ def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[Stuck]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones."""
     parts: dict[int, list[tuple[Points, Array]]] = {}
     # farther out than the last that sticks E is not known
-    each = zip(system.parts, system.nodes, system.shear_weights, misfit, strict=False)
+    each = zip(
+        system.parts, system.operators.nodes, system.operators.shear_weights, misfit, strict=False
+    )
     for part, nodes, weights, missed in each:
         if part.state == 0:
             # as seen from outside what is smooth is gathered at the samples

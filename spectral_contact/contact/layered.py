@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.layered_bends import NO_MISPLACEMENT, Misplacement
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Attempt
@@ -50,7 +51,7 @@ class Layered(ABC):
     def __init__(self, setting: LayeredSetting, *, pointwise: bool) -> None:
         self.setting, self.pointwise = setting, pointwise
         #: the space before, and the solution there
-        self._last: tuple[Form, LayeredFields] | None = None
+        self.last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
     def _form(self, resolution: Resolution) -> Form:
@@ -58,16 +59,24 @@ class Layered(ABC):
 
     def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
         """Solve in a space."""
+        return self._judged(*self._solved(resolution))
+
+    def _solved(self, resolution: Resolution) -> tuple[LayeredNewton, LayeredFields]:
+        """Return the solution in a space, after the last one there was."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
-        if self._last is None:
+        if self.last is None:
             begin = solver.local()
         else:
-            old, last = self._last
+            old, last = self.last
             begin = form.carried(last.overclosure, old), last.shift
         fields = solver.solved(*begin)
-        self._last = form, fields
-        return self._judged(solver, fields)
+        self.last = form, fields
+        return solver, fields
+
+    def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
+        """Return what bends of the law make at which no part ends: nothing if there are none."""
+        return NO_MISPLACEMENT
 
     def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:
         """Return the contact with its errors."""
@@ -94,33 +103,37 @@ class Layered(ABC):
         # it superconverges, but signs may have made it small
         sides = _DIFFERENCE * worst
 
+        misplaced = self._misplacement(form, fields)
         shifted, data = 0.0, size - min(setting.origin, 0.0)
         if setting.approach is None:
             lost = form.lost_at_edge(fields.overclosure - coarse.overclosure)
             shifted = lost / form.at_edge(fields.rate)
             shifted = a * (shifted + sides * abs(whole.shift - less.shift))
+            shifted += misplaced.load / whole.stiffness
         shifted += _ROUNDINGS * ROUNDING * data
         moved = whole.stiffness * shifted
         load_error = (
             (moved + a**2 * own + sides * abs(whole.load - less.load)) / whole.load
+            + misplaced.load / whole.load
             + fields.left
             + ROUNDING
         )
         work_error = (
             (whole.load * shifted + a**3 * both + sides * abs(whole.work - less.work)) / whole.work
+            + misplaced.load / whole.load
             + fields.left
             + ROUNDING
         )
         stiff_error = (
             (2.0 * a * flat + _STIFFNESS * sides * abs(whole.stiffness - less.stiffness))
             / whole.stiffness
-            + solver.missed(fields) / whole.stiffness
+            + (solver.missed(fields) + misplaced.stiffness) / whole.stiffness
             + fields.left
             + 2.0 * ROUNDING
         )
         rounding = solver.sharpest(fields, mean) * ROUNDING * data
         pressure_error = float(indicators.max()) + fields.left
-        pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding
+        pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding + misplaced.pressure / mean
         normal = None
         if setting.drives:
             normal = form.driving(fields.pressure, change, solver.thinnest(fields), worst)
@@ -140,6 +153,7 @@ class Layered(ABC):
             pressure_error,
             deepest,
             normal,
+            setting.bends,
         )
         if setting.load is not None:
             indentation = _under(indentation, setting.load)
@@ -159,7 +173,7 @@ class Layered(ABC):
             shares = _STIFFNESS * rates * np.abs(solver.carried(flat_change.coefficients))
             indicators = np.maximum(indicators**2, shares / whole.stiffness)
             rates = rates**2
-        if setting.centre is not None or not self.pointwise:
+        if setting.centre is not None or not self.pointwise or setting.layer.knots:
             # what of the error they do not show is where they are worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
         return Attempt(indentation, error, indicators, rates, form.space.unknowns)

@@ -15,11 +15,18 @@ from math import ceil, exp, inf, log, pi, sqrt
 import numpy as np
 
 from spectral_contact.contact.layered import Layered, at_centre
-from spectral_contact.contact.layered_newton import LayeredSetting
-from spectral_contact.contact.layered_setting import setting_at_approach
+from spectral_contact.contact.layered_bends import (
+    BendsChangedError,
+    Misplacement,
+    bends_of,
+    misplacement,
+    same_knots,
+)
+from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
+from spectral_contact.contact.layered_setting import setting_at_approach, with_bends
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
 from spectral_contact.contact.on_parts import Indentation, PartedProblem
-from spectral_contact.contact.refine import Refinement, refine
+from spectral_contact.contact.refine import Refinement, fitted, refine
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE
 from spectral_contact.layers.base import Layer
@@ -36,6 +43,9 @@ _ROUGH, _NEAR, _WITHIN = 1e-3, 0.01, 0.01
 #: Mean displacement of an even pressure over that at its centre; largest radius that is looked at,
 #: and how well one is found, in logarithms.
 _BENT, _FAR, _FOUND = 0.85, 1e12, 0.3
+#: Distance in ``s**2`` by which bends may still move on, about their rounding; how often other
+#: knots are tried.
+_STILL, _CHANGES = 1e-14, 8
 #: First degree on a cell for a digit (base e).
 _DEGREES = 0.55
 #: What the stiffness may lack in the tail at the edge, over the distance at which that begins: at
@@ -73,8 +83,74 @@ class LayeredProblem(Layered, PartedProblem):
         count = min(int(depth / space.panels.width) + 1, len(space.degrees))
         return Resolution(space.panels, space.degrees[:count])
 
-    def _form(self, resolution: Resolution) -> Form:
+    def _form(self, resolution: Resolution) -> PanelForm:
         return PanelForm(self.parts, self.used(resolution))
+
+
+class BentProblem(LayeredProblem):
+    """Log panels to the bends of a law, too, whose radii are found with the solution.
+
+    Parameters
+    ----------
+    setting, tolerance, pointwise
+        As of `LayeredProblem`.
+    last : tuple of (Form, LayeredFields) or None
+        A solution to begin with.
+    final : bool
+        Whether bends of other knots than those of the setting are left to the estimate.
+
+    Raises
+    ------
+    BendsChangedError
+        By `attempt`, if a solution meets other knots and that is not final.
+    """
+
+    def __init__(
+        self,
+        setting: LayeredSetting,
+        tolerance: float,
+        *,
+        pointwise: bool,
+        last: tuple[Form, LayeredFields] | None = None,
+        final: bool = False,
+    ) -> None:
+        super().__init__(setting, tolerance, pointwise=pointwise)
+        self.last, self._final = last, final
+
+    def _solved(self, resolution: Resolution) -> tuple[LayeredNewton, LayeredFields]:
+        """Return the solution with parts that end at its bends, and leave these in the setting.
+
+        A kink that is misplaced by d is an error of the overclosure of about d**2, so that bends
+        of one solution after the other converge quadratically.
+        """
+        before = inf
+        while True:
+            solver, fields = super()._solved(resolution)
+            form = solver.form
+            assert isinstance(form, PanelForm)
+            uncertain = form.sampling.bounds(solver.last_degrees(fields.overclosure))
+            bends = bends_of(self.setting, form, fields.overclosure, uncertain)
+            if not same_knots(bends, self.setting.bends):
+                if not self._final:
+                    raise BendsChangedError(bends, (form, fields))
+                return solver, fields
+            moved = max(
+                (
+                    abs(new.radius.rest - old.radius.rest)
+                    for new, old in zip(bends, self.setting.bends, strict=True)
+                ),
+                default=0.0,
+            )
+            if moved <= _STILL or moved > 0.5 * before:
+                return solver, fields
+            before = moved
+            self.setting = with_bends(self.setting, bends)
+            self.parts = self.setting.parts
+
+    def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
+        """Return what is left where parts do not end at the bends of the solution."""
+        assert isinstance(form, PanelForm)
+        return misplacement(self.setting, form, fields)
 
 
 class CellProblem(Layered):
@@ -111,10 +187,49 @@ def solve_layered(
     pointwise : bool
         Whether the pressure is wanted.
     """
-    kind = LayeredProblem if setting.cells is None else CellProblem
     # what is given at the centre is known as well as the pressure there
-    problem = kind(setting, tolerance, pointwise=pointwise or setting.centre is not None)
-    return refine(problem, tolerance, max_unknowns)
+    pointwise = pointwise or setting.centre is not None
+    if setting.layer.knots:
+        return _solve_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
+    kind = LayeredProblem if setting.cells is None else CellProblem
+    return refine(kind(setting, tolerance, pointwise=pointwise), tolerance, max_unknowns)
+
+
+def _solve_bent(
+    setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
+) -> Contact:
+    """Solve with a law that bends, on parts that end where it does.
+
+    What knots the contact meets is known from solutions to a few digits, or from a contact like
+    it. Where other knots come and go the last parts stay, and the rest is left to the estimate.
+    """
+    last: tuple[Form, LayeredFields] | None = None
+    if not setting.bends:
+        setting, last = _roughly_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
+    for change in range(_CHANGES):
+        final = change == _CHANGES - 1
+        problem = BentProblem(setting, tolerance, pointwise=pointwise, last=last, final=final)
+        try:
+            return refine(problem, tolerance, max_unknowns)
+        except BendsChangedError as changed:
+            setting, last = with_bends(setting, changed.bends), changed.last
+    raise AssertionError("the last attempt is final")
+
+
+def _roughly_bent(
+    setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
+) -> tuple[LayeredSetting, tuple[Form, LayeredFields] | None]:
+    """Return the setting with the bends of a solution to a few digits, and the solution."""
+    last: tuple[Form, LayeredFields] | None = None
+    for _ in range(_CHANGES):
+        problem = BentProblem(setting, max(tolerance, _ROUGH), pointwise=pointwise, last=last)
+        try:
+            problem.attempt(fitted(problem.start(), max_unknowns))
+        except BendsChangedError as changed:
+            setting, last = with_bends(setting, changed.bends), changed.last
+        else:
+            return problem.setting, problem.last
+    return setting, last
 
 
 def layered_contact(

@@ -19,6 +19,7 @@ from spectral_contact.spectral.parts import Parts
 from spectral_contact.spectral.regularised import Change
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.layered_bends import Bend
     from spectral_contact.contact.layered_spaces import Form
 
 Array = NDArray[np.float64]
@@ -69,6 +70,8 @@ class LayeredSetting:
         ``x`` of the deepest feature at the end of every part.
     smooth : tuple of bool
         Whether the pressure is smooth in ``s**2`` at the end of every part.
+    bends : tuple of Bend
+        Where the law is taken to bend, from the centre outward: there parts end.
     """
 
     profile: Profile
@@ -82,6 +85,7 @@ class LayeredSetting:
     centre: float | None = None
     drives: bool = False
     cells: DiskCells | None = None
+    bends: tuple[Bend, ...] = ()
 
     @property
     def origin(self) -> float:
@@ -307,12 +311,9 @@ class LayeredNewton:
         Under a load it is that of the same approach.
         """
         setting, sampling, own = self.setting, self.sampling, self.functions
-        lost = own.index[own.kept :]
 
         def cut(coefficients: Array) -> Array:
-            coefficients = coefficients.copy()
-            coefficients[lost] = 0.0
-            return coefficients
+            return coefficients - self.last_degrees(coefficients)
 
         slope = setting.slope(sampling.values(fields.overclosure))
         w = cut(fields.overclosure)
@@ -326,6 +327,13 @@ class LayeredNewton:
         pressure = cut(sampling.coefficients(setting.pressure(at)))
         flat = cut(sampling.coefficients(setting.slope(at) * sampling.values(rate)))
         return LayeredFields(w, pressure, rate, flat, fields.shift + moved, fields.left)
+
+    def last_degrees(self, coefficients: Array) -> Array:
+        """Return what the last two degrees of every panel have of a function."""
+        lost = self.functions.index[self.functions.kept :]
+        last = np.zeros_like(coefficients)
+        last[lost] = coefficients[lost]
+        return last
 
     def integrals(self, fields: LayeredFields) -> Totals:
         """Return load, stiffness and work."""

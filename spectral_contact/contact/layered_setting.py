@@ -8,11 +8,13 @@ fast from contact to gap, and panels are graded to that place.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import exp, inf, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.layered_bends import Bend
 from spectral_contact.contact.layered_newton import LayeredSetting, balanced
 from spectral_contact.contact.on_parts import layer_depth, profile_parts
 from spectral_contact.errors import SceneError
@@ -47,13 +49,33 @@ def has_edge(profile: Profile, layer: Layer) -> bool:
     return layer.start > -inf and not isinstance(profile, Flat)
 
 
-def setting_at_radius(profile: Profile, layer: Layer, radius: float) -> LayeredSetting:
-    """Return the setting of a contact radius, for a law with an edge."""
-    return _to_edge(profile, layer, radius, None)
+def setting_at_radius(
+    profile: Profile, layer: Layer, radius: float, bends: tuple[Bend, ...] = ()
+) -> LayeredSetting:
+    """Return the setting of a contact radius, for a law with an edge that bends at these radii."""
+    return _to_edge(profile, layer, radius, None, bends)
 
 
-def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> LayeredSetting:
+def with_bends(setting: LayeredSetting, bends: tuple[Bend, ...]) -> LayeredSetting:
+    """Return the setting with parts that end where the law bends, at these radii."""
+    if setting.approach is None:
+        return setting_at_radius(setting.profile, setting.layer, setting.radius, bends)
+    found = setting_at_approach(setting.profile, setting.layer, setting.approach, bends)
+    return replace(found, load=setting.load, centre=setting.centre, drives=setting.drives)
+
+
+def setting_at_approach(
+    profile: Profile, layer: Layer, approach: float, bends: tuple[Bend, ...] = ()
+) -> LayeredSetting:
     """Return the setting of an approach, for a flat punch or a law without an edge.
+
+    Parameters
+    ----------
+    profile : Profile
+    layer : Layer
+    approach : float
+    bends : tuple of Bend
+        Where the law is taken to bend.
 
     Raises
     ------
@@ -61,7 +83,7 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
         If the profile ends before the pressure does.
     """
     if isinstance(profile, Flat):
-        return _to_edge(profile, layer, profile.radius, approach)
+        return _to_edge(profile, layer, profile.radius, approach, bends)
     radius = _domain(profile, layer, approach)
     turn = _turn(profile, layer, approach)
     knee = min(max(turn, _INNER * radius), _OUTER * radius)
@@ -72,8 +94,7 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
         return LayeredSetting(profile, layer, radius, approach, own, (), (), cells=cells)
     if all(abs(one.value * radius - knee) >= _APART * radius for one in own.breaks):
         turns = [Radius(knee / radius, (radius - knee) / radius)]
-    breaks = sorted([*own.breaks, *turns], key=lambda one: one.value)
-    parts = Parts(tuple(breaks), own.pointed, tuple(turns))
+    parts = _with_smooth_breaks(own, [*turns, *(bend.radius for bend in bends)])
     central = layer._overclosure(_central(layer, approach, max(turn, layer._size)))
     thin = 1.0 / max(float(layer._slope(np.array(central))) * radius, 1.0)
     depths, smooth = [], []
@@ -81,7 +102,15 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
         smooth.append(boundary in turns or boundary is EDGE)
         known = depth if boundary in turns and turn == knee else 0.0
         depths.append(known if smooth[-1] else layer_depth(thin, boundary, extent))
-    return LayeredSetting(profile, layer, radius, approach, parts, tuple(depths), tuple(smooth))
+    return LayeredSetting(
+        profile, layer, radius, approach, parts, tuple(depths), tuple(smooth), bends=bends
+    )
+
+
+def _with_smooth_breaks(parts: Parts, radii: list[Radius]) -> Parts:
+    """Return the parts cut at radii, too, at which the profile is smooth."""
+    breaks = sorted([*parts.breaks, *radii], key=lambda radius: radius.value)
+    return Parts(tuple(breaks), parts.pointed, tuple(radii))
 
 
 def _cells(pivot: Radius, width: float) -> DiskCells:
@@ -102,9 +131,14 @@ def _cells(pivot: Radius, width: float) -> DiskCells:
 
 
 def _to_edge(
-    profile: Profile, layer: Layer, radius: float, approach: float | None
+    profile: Profile,
+    layer: Layer,
+    radius: float,
+    approach: float | None,
+    bends: tuple[Bend, ...],
 ) -> LayeredSetting:
-    parts = profile_parts(profile, radius)
+    own = profile_parts(profile, radius)
+    parts = _with_smooth_breaks(own, [bend.radius for bend in bends])
     setting = LayeredSetting(profile, layer, radius, approach, parts, (), ())
     if approach is None:
         room = 2.0 * float(profile._height(np.array(radius)))
@@ -115,7 +149,7 @@ def _to_edge(
     thin = 1.0 / max(slope, 1.0)
     depths = tuple(layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends)
     smooth = (False,) * len(depths)
-    return LayeredSetting(profile, layer, radius, approach, parts, depths, smooth)
+    return replace(setting, depths=depths, smooth=smooth, bends=bends)
 
 
 def _domain(profile: Profile, layer: Layer, approach: float) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeAlias
+from math import ceil, log
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,18 +21,44 @@ from spectral_contact.contact.resolution import (
     expected_error,
     table_rates,
 )
-from spectral_contact.fields.series import PressureField, ZonalField
+from spectral_contact.fields.series import EDGE, PressureField, Radius, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parts import Family, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
 from spectral_contact.spectral.spaces import disk_space
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Indicators = tuple[Array, Array]
+
+
+#: Degree in which a pressure with bends drives a traction.
+_DRIVING_DEGREE = 32
+
+
+class PartSamples(NamedTuple):
+    """The sampling points of a part.
+
+    Attributes
+    ----------
+    samples : slice
+        Which they are, of all.
+    sign : int
+        +1 if the part lies above its boundary, -1 if below, as in `Parts`.
+    distances : ndarray
+        Their distances in ``s**2`` to the boundary, falling.
+    widths : ndarray
+        Extents in ``s**2`` of the panels on which they are.
+    """
+
+    samples: slice
+    sign: int
+    distances: Array
+    widths: Array
 
 
 class PanelForm:
@@ -60,11 +87,44 @@ class PanelForm:
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
-        self.z: Array = np.concatenate(
-            [Family(*end, panels).sampling().z for end, (panels, _) in ends]
-        )
+        points = [Family(*end, panels).sampling() for end, (panels, _) in ends]
+        self.z: Array = np.concatenate([part.z for part in points])
         self.tail_extent = parts.ends[-1][2] * used[-1][0].end
         self.central = len(used[0][1])
+
+    @cached_property
+    def y(self) -> Array:
+        """``1 - s**2`` at the sampling points."""
+        ends = zip(self._parts.ends, self._used, strict=True)
+        return np.concatenate([Family(*end, panels).sampling().y for end, (panels, _) in ends])
+
+    def part_samples(self) -> list[PartSamples]:
+        """Return where the sampling points of every part are."""
+        found, start = [], 0
+        for (_, sign, extent), (panels, _) in zip(self._parts.ends, self._used, strict=True):
+            distances = panels.distances
+            ends = np.exp(-panels.width * np.arange(panels.panels + 1))
+            on_panels = np.repeat(-np.diff(ends), panels.samples)
+            widths = np.concatenate([on_panels, np.full(panels.tail_points, panels.end)])
+            samples = slice(start, start + len(distances))
+            found.append(PartSamples(samples, sign, extent * distances, extent * widths))
+            start = samples.stop
+        return found
+
+    def at_boundaries(self, coefficients: Array) -> list[float]:
+        """Return the value at the boundary of every part, as the part has it."""
+        each = zip(self._used, split_parts(self._used, coefficients), strict=True)
+        return [edge_value(panels, own) for (panels, _), own in each]
+
+    def jumps(self, coefficients: Array) -> Array:
+        """Return at the sampling points by how much a function jumps at the boundary of a part."""
+        values: dict[Radius, list[float]] = {}
+        each = list(zip(self._parts.ends, self.at_boundaries(coefficients), strict=True))
+        for (boundary, _, _), value in each:
+            values.setdefault(boundary, []).append(value)
+        jumps = [max(values[boundary]) - min(values[boundary]) for (boundary, _, _), _ in each]
+        counts = [len(panels.distances) for panels, _ in self._used]
+        return np.repeat(jumps, counts)
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -77,6 +137,9 @@ class PanelForm:
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
         assert isinstance(old, PanelForm)
+        counts = [[panels.panels for panels, _ in form._used] for form in (old, self)]
+        if old._parts != self._parts or counts[0] != counts[1]:
+            return self.sampling.coefficients(old.field(before).at(self.y))
         rows, parts = [], split_parts(old._used, before)
         for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
             table = np.zeros((new.panels, new.degree + 1))
@@ -87,7 +150,9 @@ class PanelForm:
         return np.concatenate(rows)
 
     def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
-        """Return the pressure as it drives a traction, where it is on one part.
+        """Return the pressure as it drives a traction, which takes panels to the edge alone.
+
+        Where the law bends it is what these make of it, and what that lacks is its error.
 
         Parameters
         ----------
@@ -99,15 +164,35 @@ class PanelForm:
         rate : float
             By what factor one more degree lowers the change.
         """
-        [(panels, _)] = self._used
         functions = self.space
         last = np.zeros_like(pressure)
         last[functions.index[functions.kept_but_one :]] = 1.0
+        driving: tuple[Array, ...] = (pressure, change.coefficients, last * pressure)
+        panels = self._used[0][0]
+        if len(self._used) > 1:
+            panels = self._panels_to_edge()
+            driving = tuple(self._to_edge(panels, coefficients) for coefficients in driving)
         whole, moved, lesser = (
             NormalContact(thin, 0.0, PressureField(None, series_of(panels, one)), panels, one)
-            for one in (pressure, change.coefficients, last * pressure)
+            for one in driving
         )
-        return replace(whole, changes=(moved, lesser), rate=rate)
+        lost = 0.0
+        if len(self._used) > 1:
+            exact = self.sampling.values(pressure)
+            off = whole.pressure.at(self.y) - exact
+            lost = float(np.abs(off).max()) / float(exact.min())
+        return replace(whole, changes=(moved, lesser), rate=rate, pressure_error=lost)
+
+    def _panels_to_edge(self) -> LogPanels:
+        """Return panels of one part that are as deep as those next to the edge."""
+        panels, extent = self._used[-1][0], self._parts.ends[-1][2]
+        more = ceil(-log(extent) / panels.width)
+        return replace(panels, panels=panels.panels + more, degree=_DRIVING_DEGREE)
+
+    def _to_edge(self, panels: LogPanels, coefficients: Array) -> Array:
+        """Return a function on panels of one part, through its values there."""
+        family = Family(EDGE, -1, 1.0, panels)
+        return family.expand(self.field(coefficients).at(family.sampling().y))
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""

@@ -65,7 +65,8 @@ class _NormalProblem:
         pressure = PressureField(scaled, series_of(panels, coefficients))
         rates = decay_rates(resolution, solution)
         energies = change.energies[:-1] / moment * rates**2
-        approach_error = float(energies.sum() + change.energies[-1] / moment) + ROUNDING
+        # the tail beyond the panels adds less than 0.03 of it (tests/reference/test_estimates.py)
+        approach_error = float(energies.sum()) + ROUNDING
         worst, changes = 0.0, []
         if self.pointwise:
             shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())

@@ -32,6 +32,7 @@ from spectral_contact.spectral.regularised import Change
 from spectral_contact.spectral.transforms import series_of
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.layered_bends import Bend
     from spectral_contact.contact.resolution import NormalContact
 
 Array = NDArray[np.float64]
@@ -71,6 +72,8 @@ class Indentation:
         The largest, under a nonlinear layer.
     normal : NormalContact or None
         The pressure under a flat punch as it drives a traction, if that is wanted.
+    bends : tuple of Bend
+        Where the law of a nonlinear layer bends.
     """
 
     radius: float
@@ -88,6 +91,7 @@ class Indentation:
     pressure_error: float = 0.0
     overclosure: float = 0.0
     normal: NormalContact | None = None
+    bends: tuple[Bend, ...] = ()
 
     @property
     def approach_size(self) -> float:

@@ -41,9 +41,6 @@ _POINTWISE = 1.6
 #: What a change does to a functional or through a linear map, times this and a power of the rate.
 #: Of 300 random scenes the largest errors of shear and boundaries are 0.57 and 0.53 of estimates.
 SAFETY = 4.5
-#: The share of its step that a correction leaves at least. With 1e-4 estimates of stick radii are
-#: 0.6 times as large in the mean of 91 scenes, and the largest error is 0.55 of one, else 0.50.
-LEFT = 1e-2
 #: The change of a boundary may be small by accident: it is not taken to fall faster than this.
 LEAST_RATE = 0.25
 #: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).

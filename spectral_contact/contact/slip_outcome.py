@@ -61,6 +61,9 @@ class PartialSlip(ZoneNumbers):
         Estimate of the error, relative to the largest.
     violation : float
         By how much the friction law is broken, see `ErrorEstimates`.
+    wrong_slip : float
+        The largest displacement with the traction, relative to the largest of all: noise where no
+        digit of the displacement is known. It is part of the violation only where one is.
     consistent : bool
         Whether the violation is within the errors.
     amiss : str
@@ -77,6 +80,7 @@ class PartialSlip(ZoneNumbers):
     slip: ZonalField
     slip_error: float
     violation: float = 0.0
+    wrong_slip: float = 0.0
     consistent: bool = True
     amiss: str = ""
     missing: tuple[Interval, ...] = ()
@@ -85,8 +89,13 @@ class PartialSlip(ZoneNumbers):
     @property
     def settled(self) -> bool:
         """Whether there is nothing to search for: the friction law holds, and that is known."""
-        known = self.slip_error < inf or self.violation <= _DOUBTFUL
+        known = self.slip_error < inf or self.apparent_violation <= _DOUBTFUL
         return self.consistent and known and not self.missing
+
+    @property
+    def apparent_violation(self) -> float:
+        """The violation, slip counted even where no digit of it is known."""
+        return max(self.violation, self.wrong_slip)
 
     @property
     def mended(self) -> Layout | None:
@@ -104,6 +113,7 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
     excess = stick.critical / parameters.friction - 1.0 if stick.critical < inf else 0.0
+    excess = max(excess, 0.0)  # the traction of full stick is off by no more where there is slip
     return PartialSlip(
         zones=(Zone.between("stick", CENTRE, EDGE),),
         pressure=stick.pressure,
@@ -113,12 +123,12 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
         total_shear=stick.total_shear,
         approach_error=stick.approach_error,
         pressure_error=stick.pressure_error,
-        traction_error=max(stick.traction_error, stick.pressure_error),
-        shear_error=stick.shear_error,
+        traction_error=max(stick.traction_error, stick.pressure_error) + excess,
+        shear_error=stick.shear_error + excess,
         radius_error=radius_error,
         zones_error=max(radius_error, 1.0),
         slip_error=1.0,
-        violation=max(excess, 0.0),
+        violation=excess,
         consistent=excess <= max(UNRESOLVED_SLIP, 2.0 * stick.critical_error),
     )
 
@@ -217,7 +227,8 @@ def _held(
         stray += beta * friction * highest * solved.pressure_error
     largest = max(largest, TINY)
     known, loose = known_share(stray / largest), loose_slip(solved.loose)
-    wrong, allowed = max(float(one.max()) for one in samples) / largest, known + min(loose, 0.5)
+    wrong = max(0.0, *(float(one.max()) for one in samples)) / largest
+    allowed = known + min(loose, 0.5)
     error = max(solved.traction_error, solved.pressure_error)
     slip_error = known_share(known + loose)
     at_ends = [
@@ -232,14 +243,15 @@ def _held(
     numbers["traction_error"] = error
     at_edge = at_ends[-1] / largest if beta * solved.system.states[-1] else inf
     unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
-    numbers["zones_error"] = max(solved.zones_error, *unknown)
+    numbers["zones_error"] = max(solved.zones_error, _unknown_sense(slip_error, wrong), *unknown)
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,
         traction=ZonalField(tuple(traction)),
         slip=ZonalField(tuple(displacement)),
         slip_error=slip_error,
-        violation=max(excess, wrong, 0.0),
+        violation=_violation(excess, wrong, slip_error),
+        wrong_slip=wrong,
         consistent=obeys(excess, error, wrong, allowed),
         amiss=_amiss(excess, wrong, allowed),
         missing=missing,
@@ -254,6 +266,16 @@ def _amiss(excess: float, wrong: float, allowed: float) -> str:
         return "the traction in stick exceeds friction"
     # where no digit of the slip is known its sense is not
     return "" if wrong <= max(_BROKEN, allowed) else "the surface slips with the traction"
+
+
+def _violation(excess: float, wrong: float, slip_error: float) -> float:
+    """Return by how much the law is broken: in slip, where a digit of the displacement is known."""
+    return max(excess, wrong) if slip_error < inf else excess
+
+
+def _unknown_sense(slip_error: float, wrong: float) -> float:
+    """Return 1, zones of which nothing is known, where noise has most of the slip wrong."""
+    return float(slip_error == inf and wrong > _DOUBTFUL)
 
 
 def _unknown_width(slip_error: float, zones: list[Zone]) -> float:

@@ -27,7 +27,7 @@ from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.resolution import ROUNDING, NormalContact
 from spectral_contact.contact.zone_fields import stick_series
 from spectral_contact.contact.zone_problem import narrowest
-from spectral_contact.contact.zone_spaces import first_spaces, known_pressure_spaces
+from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
 from spectral_contact.fields.series import (
     DiskSeries,
     EdgeWeight,
@@ -106,8 +106,11 @@ def differentiated(
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
     alpha, beta, _, _ = parameters
-    first = known_pressure_spaces if known else first_spaces
-    spaces = first(alpha, beta, radii, layout.states, tolerance)
+    geometry = alpha, beta, radii, layout.states, tolerance
+    if known:
+        spaces = known_pressure_spaces(*geometry)
+    else:
+        spaces = first_spaces(*geometry, edge_power(parameters, layout.states))
     pressures = [contact.pressure for contact in known]
 
     def system_at(parameters: Parameters, logits: Array) -> ContactSystem:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
-from math import atan, ceil, exp, gamma, pi
+from math import exp, gamma
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES
-from spectral_contact.contact.resolution import LEADING, TINY
+from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.zone_spaces import ended
 from spectral_contact.fields.series import (
     AnnulusSeries,
@@ -22,7 +21,6 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
@@ -104,28 +102,8 @@ def _central_exponent(coupling: float) -> float:
 
 def _to_the_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
     """Return the pressure next to the edge; where it is singular it ends in its leading term."""
-    series, state = solved.pressures[-1], solved.system.states[-1]
-    if series.power == 0.0:
+    series = solved.pressures[-1]
+    if series.power == 0.0 or solved.system.states[-1]:
         return series
-    if state:
-        return _as_power(series, state * parameters.kappa * parameters.friction)
     shear = solved.shears[2 * len(solved.system.radii)]
     return ended(series, shear, parameters, gap(*solved.system.bounds[-2:]) / 2.0)[0]
-
-
-def _as_power(series: LogSeries, coupling: float) -> LogSeries:
-    """Return a pressure under a smooth punch as the power of y that it is next to the edge.
-
-    ``p ~ y**(theta - 1/2)`` with ``tan(pi theta) = 2 kappa f``: far below the edge's panels the
-    series ends in this law instead of a polynomial.
-    """
-    theta, width = atan(2.0 * coupling) / pi, series.width
-    count = min(ceil(LEADING / width), len(series.coefficients))
-    terms = series.coefficients.shape[1]
-    g, _ = gauss_rule(terms + 8)
-    x = width * (np.arange(count)[:, None] + (1.0 + g) / 2.0)
-    values = series.coefficients[:count] @ legendre_values(g, terms - 1).T * np.exp(theta * x)
-    table = values @ legendre_expansion_matrix(terms + 8, terms + 7).T
-    return replace(
-        series, coefficients=table, tail=np.array([table[-1].sum()]), power=series.power + theta
-    )

@@ -37,7 +37,12 @@ from spectral_contact.contact.stick_radius import (
     least_logit,
     root_near,
 )
-from spectral_contact.contact.zone_spaces import first_spaces, known_pressure_spaces, parted
+from spectral_contact.contact.zone_spaces import (
+    edge_power,
+    first_spaces,
+    known_pressure_spaces,
+    parted,
+)
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
@@ -101,8 +106,17 @@ class FreeBoundaryProblem:
         """Return the first spaces for a tolerance, with these boundaries."""
         alpha, beta, _, _ = self.parameters
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        first = known_pressure_spaces if self._known else first_spaces
-        return first(alpha, beta, radii, self.states, tolerance)
+        geometry = alpha, beta, radii, self.states, tolerance
+        if self._known:
+            return known_pressure_spaces(*geometry)
+        return first_spaces(*geometry, self._edge_power)
+
+    @property
+    def _edge_power(self) -> float:
+        """The endpoint weight of the pressure; a known one has that of its own series."""
+        if self._known:
+            return -0.5 if self.parameters.alpha == 0.0 else 0.0
+        return edge_power(self.parameters, self.states)
 
     def system(
         self, spaces: Sequence[Resolution], logits: Array, *, changes: bool = False
@@ -229,7 +243,7 @@ class FreeBoundaryProblem:
 
     def parted(self, resolution: Resolution) -> list[Resolution]:
         """Return the spaces of all parts, of one like that of `start`."""
-        return parted(resolution, self._counts, self.parameters.alpha)
+        return parted(resolution, self._counts, self._edge_power)
 
     def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
         """Solve in a space."""

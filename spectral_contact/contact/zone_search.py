@@ -51,6 +51,9 @@ _NARROWEST = 1e-3
 _NO_EDGE = 1e-80
 #: What a pressure ``s**-e / sqrt(1 - s**2)`` lacks, of ``kappa f s**2``: 2, measured.
 _BESIDE = 5.0
+#: Stick at a smooth edge is matched where that is expected to err by as many tolerances, or by so
+#: little: panels leave 1e-9 of a width of 1e-20, and 4e-7 of 1e-24.
+_ROUGHLY, _TOO_NARROW = 10.0, 1e-8
 #: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
 _MOST_ZONES = 6
 #: One stick disk of which nothing is known, and one with narrow slip.
@@ -68,7 +71,22 @@ _POINT = -2.0 * DEEPEST
 
 
 class NoZonesError(ArithmeticError):
-    """No guess of the zones obeys the friction law; the text says what is amiss with each."""
+    """No guess of the zones obeys the friction law; the text says what is amiss with each.
+
+    Attributes
+    ----------
+    best : PartialSlip or None
+        The guess that breaks the law least, if one was solved for.
+    """
+
+    best: PartialSlip | None = None
+
+
+def _worst(outcome: PartialSlip) -> float:
+    """Return the largest error estimate that a tolerance bounds."""
+    return max(
+        outcome.approach_error, outcome.shear_error, outcome.pressure_error, outcome.traction_error
+    )
 
 
 @dataclass(eq=False)
@@ -257,7 +275,7 @@ class UncoupledSearch(ZoneSearch):
         if not found:  # slip about to start, thinner than its own conditioning
             return no_slip(self.stick, self.parameters)
         lawful = [one for one in found if one.consistent]
-        best = min(lawful or found, key=lambda outcome: outcome.violation)
+        best = min(lawful or found, key=lambda outcome: outcome.apparent_violation)
         if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
             best = replace(best, zones_error=max(best.zones_error, 1.0))
         return best
@@ -325,6 +343,51 @@ class CoupledSearch(ZoneSearch):
                 yield outcome
         yield from super()._tried()
 
+    def outcome(self) -> PartialSlip:
+        """Return the first outcome that obeys the friction law, or the best that will do.
+
+        Where stick at a smooth edge is so narrow that it is better matched in closed form than
+        resolved by panels, that comes first.
+        """
+        matched = self._matched()
+        if matched is not None and matched.settled and _worst(matched) <= self.tolerance:
+            return matched
+        try:
+            best = super().outcome()
+        except NoZonesError:
+            if matched is None or not matched.settled:
+                raise
+            return matched
+        if matched is not None and matched.settled and _worst(matched) < _worst(best):
+            return matched
+        return best
+
+    def _matched(self) -> PartialSlip | None:
+        """Return one stick disk with stick at the edge in closed form, if that may be accurate."""
+        from spectral_contact.contact.edge_stick import expected_error, with_edge_stick
+
+        if not self._smooth or least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
+            return None
+        expected = expected_error(self.parameters)
+        if expected > max(_ROUGHLY * self.tolerance, _TOO_NARROW):
+            return None
+        begin, problem = perf_counter(), (self.parameters, _WIDE_DISK, self.tolerance)
+        try:
+            with np.errstate(all="ignore"):
+                layout = FreeBoundaryProblem(*problem).located()
+                zones = solve_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
+                solved = perf_counter()
+                outcome = with_edge_stick(zones.best.value, self.parameters)
+        except (np.linalg.LinAlgError, ArithmeticError) as missing:
+            self._reasons.append(f"a narrow edge: {missing}")
+            return None
+        if outcome.settled and not outcome.amiss:
+            self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
+            self.record(SLIP_FIELD, outcome, solved)
+            return outcome
+        self._reasons.append(f"a narrow edge: {outcome.amiss or 'the friction law is broken'}")
+        return None
+
     def others(self, logit: float) -> list[float]:
         """Return what other stick radii than that of a solution there may be, roughly.
 
@@ -374,8 +437,10 @@ class CoupledSearch(ZoneSearch):
         if not lawful:
             unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
             reasons = [*self._reasons, *(one.amiss for one in found)]
-            raise NoZonesError("; ".join(reasons or [unseen]))
-        return min(lawful, key=lambda outcome: outcome.violation)
+            missing = NoZonesError("; ".join(reasons or [unseen]))
+            missing.best = min(found, key=lambda outcome: outcome.apparent_violation, default=None)
+            raise missing
+        return min(lawful, key=lambda outcome: outcome.apparent_violation)
 
     def _solved(self, layout: Layout) -> PartialSlip:
         begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)

@@ -4,21 +4,29 @@ A *real number* here is a Python ``float`` or ``int``, a NumPy floating or integ
 other `numbers.Real` (`fractions.Fraction`, ``mpmath.mpf``), rounded to the nearest double.
 Booleans, complex numbers, strings, `decimal.Decimal`, and arrays or lists, 0-d arrays included, are
 refused: an array where a number belongs is a mistake more often than a wish.
+
+A number with a unit (`io.units`) is converted where the check has a unit, and so is text such as
+"5 mm". Where it has none the number must be dimensionless: a percentage is divided by 100.
 """
 
 import math
 import numbers
+import re
 from collections.abc import Callable
 from functools import cache
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import MissingDependencyError, SceneError
+from spectral_contact.io.units import is_quantity, plain_numbers
 
 # bool is an Integral to Python, and timedelta64 a signed integer to NumPy.
 _NOT_NUMBERS = (bool, np.timedelta64)
+# Narrower than float(), which takes 1_000 and the digits of every script.
+_DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
+_NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
 
 
 def real(
@@ -31,6 +39,7 @@ def real(
     low_open: bool = False,
     high_open: bool = False,
     infinite_ok: bool = False,
+    unit: str = "",
 ) -> float:
     """Return a real number of an interval as a Python float, −0.0 as 0.0.
 
@@ -48,6 +57,8 @@ def real(
         Whether that end itself is refused.
     infinite_ok : bool
         Whether an infinite value is accepted (where it is inside the interval).
+    unit : str
+        The SI unit of the number, to which a value with a unit is converted.
 
     Raises
     ------
@@ -55,7 +66,7 @@ def real(
         If the value is no real number, is NaN, or lies outside; also if rounding makes a finite
         value infinite or a nonzero one zero, because both mean something else.
     """
-    number = value if type(value) is float else _nearest_double(parameter, value, allowed)
+    number = value if type(value) is float else _nearest_double(parameter, value, allowed, unit)
     if low < number < high:
         return number + 0.0
     inside = (low < number or (number == low and not low_open)) and (
@@ -78,10 +89,36 @@ def _bounds(interval: str) -> dict[str, Any]:
     return {"low": low, "high": high, **opened}
 
 
+def is_decimal(text: str) -> bool:
+    """Return whether a text has the form of a number, be it beyond the doubles."""
+    return bool(_DECIMAL.fullmatch(text) or _NO_DECIMAL.fullmatch(text))
+
+
+def decimal_number(text: str) -> float:
+    """Return the number that a text writes in decimals; it may be infinite or NaN by name.
+
+    Raises
+    ------
+    ValueError
+        If it is no number, or a double would be infinite or zero instead; its text is to follow
+        that of the number.
+    """
+    if _NO_DECIMAL.fullmatch(text):
+        return float(text)
+    if not _DECIMAL.fullmatch(text):
+        raise ValueError("is not a number")
+    value = float(text)
+    # exact, whatever the exponent: a decimal is zero if all digits before it are
+    is_zero = not set("123456789") & set(text.lower().partition("e")[0])
+    if math.isinf(value) or (value == 0.0) != is_zero:
+        raise ValueError("is not within the range of a double")
+    return value
+
+
 def positive(parameter: str, value: object, unit: str = "") -> float:
-    """Return a finite real number above 0, of which the error has the unit."""
-    allowed = f"finite and > 0 {unit}".rstrip()
-    return real(parameter, value, allowed=allowed, low=0.0, low_open=True)
+    """Return a finite real number above 0, in the SI unit."""
+    allowed = f"finite and > 0 [{unit}]" if unit else "finite and > 0"
+    return real(parameter, value, allowed=allowed, low=0.0, low_open=True, unit=unit)
 
 
 def whole(parameter: str, value: object, low: int) -> int:
@@ -154,10 +191,10 @@ def lengths(parameter: str, values: Any, high: float, unit: str = "") -> NDArray
     high : float
         The largest value allowed.
     unit : str
-        That of the values, for the error.
+        Their SI unit.
     """
     allowed = f"in [0, {repr(high).removesuffix('.0')}] {unit}".rstrip()
-    array = reals(parameter, values, allowed, low=0.0, high=high)
+    array = reals(parameter, values, allowed, low=0.0, high=high, unit=unit)
     with np.errstate(invalid="ignore"):  # NaN compares False, which is what we want of it
         inside = (array >= 0) & (array <= high)
     if not inside.all():
@@ -173,6 +210,7 @@ def reals(
     low: float = -math.inf,
     high: float = math.inf,
     anything: bool = False,
+    unit: str = "",
 ) -> NDArray[np.floating[Any]]:
     """Return real numbers as an array of doubles, or of long doubles if such were given.
 
@@ -189,9 +227,14 @@ def reals(
         (`fractions.Fraction`, mpmath's); of others the caller does it.
     anything : bool
         Whether these, too, may be infinite or NaN.
+    unit : str
+        Their SI unit, to which values with a unit are converted.
     """
     try:
-        array = None if _becomes_a_number(values) else np.asarray(values)
+        plain = plain_numbers(parameter, values, unit)
+        array = None if _becomes_a_number(plain) else np.asarray(plain)
+    except (SceneError, MissingDependencyError):  # of a unit
+        raise
     except Exception as error:  # ragged lists, or whatever an object's own __array__ raises
         raise SceneError(parameter, values, f"real numbers {allowed}, of one shape") from error
     if array is None:
@@ -200,9 +243,9 @@ def reals(
         # Fractions, mpf and integers beyond 64 bits; anything else is refused by name.
         limits: dict[str, Any] = {"allowed": allowed, "low": low, "high": high}
         doubles = [
-            _nearest_double(parameter, value, allowed)
+            _nearest_double(parameter, value, allowed, unit)
             if anything
-            else real(parameter, value, **limits)
+            else real(parameter, value, unit=unit, **limits)
             for value in array.flat
         ]
         return np.array(doubles, dtype=np.float64).reshape(array.shape)
@@ -211,7 +254,9 @@ def reals(
     return array.astype(np.promote_types(array.dtype, np.float64), copy=False)
 
 
-def finite(parameter: str, values: Any, *, one_will_do: bool = False) -> NDArray[np.float64]:
+def finite(
+    parameter: str, values: Any, *, one_will_do: bool = False, unit: str = ""
+) -> NDArray[np.float64]:
     """Return a list of finite numbers as an array of doubles.
 
     Parameters
@@ -222,8 +267,10 @@ def finite(parameter: str, values: Any, *, one_will_do: bool = False) -> NDArray
         With one dimension, not masked.
     one_will_do : bool
         Whether a number stands for a list of one.
+    unit : str
+        Their SI unit, to which values with a unit are converted.
     """
-    given = reals(parameter, values, "finite")
+    given = reals(parameter, values, "finite", unit=unit)
     if one_will_do and given.ndim == 0:
         given = given[None]
     if given.ndim != 1:
@@ -269,15 +316,18 @@ def _as_doubles(array: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
     return np.asarray(array + 0.0, dtype=np.float64)
 
 
-def _nearest_double(parameter: str, value: object, allowed: str) -> float:
+def _nearest_double(parameter: str, value: object, allowed: str, unit: str) -> float:
+    given = value
+    if is_quantity(value) or (unit and isinstance(value, str)):
+        value = plain_numbers(parameter, value, unit)
     if not isinstance(value, numbers.Real) or isinstance(value, _NOT_NUMBERS):
-        _refuse_type(parameter, value, allowed)
+        _refuse_type(parameter, given, allowed)
     try:
         number = float(value)
     except (OverflowError, TypeError, ValueError) as error:
-        raise SceneError(parameter, value, allowed) from error
+        raise SceneError(parameter, given, allowed) from error
     if (number == 0 or math.isinf(number)) and value != number:
-        raise SceneError(parameter, value, f"{allowed}, and within the range of a double")
+        raise SceneError(parameter, given, f"{allowed}, and within the range of a double")
     return number
 
 

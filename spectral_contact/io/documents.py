@@ -7,10 +7,15 @@ from __future__ import annotations
 
 import errno
 import os
+import platform
 import secrets
+import sys
+import time
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
@@ -27,6 +32,10 @@ YOUNGER: Final = {"younger": True}
 _NO_LINKS: Final = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS)
 
 
+#: How the names of files begin that are written beside their targets.
+_BESIDE: Final = ".spectral_contact-"
+#: No file is being written for so many seconds.
+_LONGEST_WRITE: Final = 86_400.0
 #: What NumPy packs with, and more than files of this library shrink if they are packed again.
 _PACKINGS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _MOST_INFLATION: Final = 100
@@ -206,10 +215,49 @@ def append_file(path: str, content: bytes, size: int | None = None) -> None:
             raise
 
 
+def remove_leftovers(folder: Path) -> None:
+    """Remove what processes that were killed have left of files that they wrote in a folder.
+
+    A file that a process may still be writing stays: its process runs on this machine, or it is of
+    another machine and younger than a day.
+    """
+    with suppress(OSError):
+        for path in folder.glob(f"{_BESIDE}*.tmp"):
+            # another process was faster, or the name is not one of ours
+            with suppress(OSError, ValueError, OverflowError):
+                if _is_left_over(path):
+                    path.unlink()
+
+
+def _is_left_over(path: Path) -> bool:
+    host, *rest = path.name.removeprefix(_BESIDE).split("-")
+    if host == _host() and len(rest) == 2 and sys.platform != "win32":
+        return not _runs(int(rest[0]))
+    return time.time() - path.stat().st_mtime > _LONGEST_WRITE
+
+
+def _runs(process: int) -> bool:
+    """Whether a process of this machine, which is not Windows, runs."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # of another user
+        return True
+    return True
+
+
+@cache
+def _host() -> str:
+    """Return eight digits that tell this machine from others."""
+    return f"{zlib.crc32(platform.node().encode()):08x}"
+
+
 @contextmanager
 def _beside(target: Path, content: bytes) -> Iterator[Path]:
     """Yield a complete file in the same folder, which is gone afterwards."""
-    temporary = target.with_name(f".spectral_contact-{secrets.token_hex(8)}.tmp")
+    name = f"{_BESIDE}{_host()}-{os.getpid()}-{secrets.token_hex(8)}.tmp"
+    temporary = target.with_name(name)
     try:
         _write_new(temporary, content)
         yield temporary

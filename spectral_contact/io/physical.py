@@ -13,6 +13,18 @@ from typing import Any, Final
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import exactly_one, positive, real, within
 
+#: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
+#: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
+_SOFTEST: Final = 1e3
+_SMALL_PUNCH: Final = 1e-3
+_SMALL_LOAD: Final = 1e-3
+#: A punch of this radius [m] is a building's, on ground between these moduli [Pa]: outside, numbers
+#: in mm with a modulus in Pa, or in MPa, are likelier.
+_BUILDING: Final = 1.0
+_GROUND: Final = 1e6, 1e9
+#: Of a dimensionless compliance: outside, another unit is likelier than such a surface.
+_LEAST_LIKELY: Final = 1e-9
+_MOST_LIKELY: Final = 1e3
 #: What a dimensionless compliance may be, besides 0.
 SMALLEST_COMPLIANCE: Final = 1e-14
 LARGEST_COMPLIANCE: Final = 1e14
@@ -194,6 +206,54 @@ class PhysicalData:
         scale = _four_one_minus_square(nu) * Fraction(load) / self._stiffness()
         return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
 
+    def remarks(self, nu: float, contact_radius: float | None = None) -> tuple[str, ...]:
+        """Return a question about every value that is likely to be in another unit.
+
+        Parameters
+        ----------
+        nu : float
+            Poisson's ratio ν of the half-space, in (−1, 0.5].
+        contact_radius : float, optional
+            That of the contact [m] under a profile, if it is known; by default the one given.
+
+        Returns
+        -------
+        tuple of str
+            A sentence each: about the modulus, the radius and the compliances.
+
+        Raises
+        ------
+        SceneError
+            If an argument is out of range.
+        """
+        if contact_radius is not None:
+            contact_radius = positive("contact_radius", contact_radius, "m")
+        radius = self.radius or contact_radius or self.contact_radius
+        reduced = self._reduced(nu)
+        found = self._remarks_on_modulus_and_radius(radius)
+        if radius is not None:
+            compliances = {"alpha": self.normal_compliance, "beta": self.tangential_compliance}
+            for symbol, value in compliances.items():
+                found += _remarks_on_compliance(symbol, value, reduced / Fraction(radius))
+        return tuple(found)
+
+    def _remarks_on_modulus_and_radius(self, radius: float | None) -> list[str]:
+        modulus, meant = self.youngs_modulus, ""
+        softest_ground, hardest_ground = _GROUND
+        large = radius is not None and radius >= _BUILDING
+        firmly = radius is not None and radius >= _SMALL_PUNCH
+        firmly |= self.load is not None and self.load >= _SMALL_LOAD
+        if modulus < _SOFTEST and firmly:
+            meant = "GPa"
+        elif modulus < softest_ground and large:
+            meant = "MPa"
+        found = []
+        if meant:
+            found.append(f"E = {modulus:.6g} is in Pa: did you mean {modulus:.6g} {meant}?")
+        if large and (meant or modulus >= hardest_ground):
+            found.append(f"a = {radius:.6g} is in m: did you mean {radius:.6g} mm?")
+        return found
+
     @property
     def _length(self) -> Fraction:
         """The reference length [m]: that of a profile is 1 m."""
@@ -219,6 +279,18 @@ def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
 
 def _four_one_minus_square(nu: object) -> Fraction:
     return 4 * (1 - Fraction(checked_poisson_ratio(nu, "nu")) ** 2)
+
+
+def _remarks_on_compliance(symbol: str, value: float, unit: Fraction) -> list[str]:
+    """Return a remark if a compliance [m/Pa] times the unit is unlikely, else nothing."""
+    star = float(min(Fraction(value) * unit, Fraction(sys.float_info.max)))
+    if value == 0.0 or _LEAST_LIKELY <= star <= _MOST_LIKELY:
+        return []
+    limit = f"> {_MOST_LIKELY:g}" if star > _MOST_LIKELY else f"< {_LEAST_LIKELY:g}"
+    return [
+        f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
+        f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
+    ]
 
 
 def _dimensionless(name: str, compliance: float, formula: str, unit: Fraction) -> float:

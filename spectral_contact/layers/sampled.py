@@ -28,6 +28,8 @@ _ZERO, _JUMP = 10.0, 1e3
 _ALIKE = 1e-9
 #: Where a piece is looked at.
 _LOOKS = 257
+#: By how much of a pressure cubics on both sides of a point may differ and count as one.
+_STRAIGHT = 1e-12
 #: Least points of a table.
 _LEAST = 4
 
@@ -121,7 +123,8 @@ def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
 class Table(_Pieces):
     """A law through points, with SciPy's shape-preserving cubics (PCHIP) between them.
 
-    Every point is a knot, to which panels are graded where the contact meets it.
+    Every point is a knot. Panels are graded to the radii at which the overclosure has such a
+    value, which are found with the solution.
 
     Parameters
     ----------
@@ -154,6 +157,11 @@ class Table(_Pieces):
         return replace(self, pressures=tuple(p / unit for p in self.pressures))
 
     @property
+    def knots(self) -> tuple[float, ...]:
+        """Points between the first and the last at which a derivative of the cubics jumps."""
+        return _bends(self.overclosures, self.pressures)
+
+    @property
     def _edges(self) -> tuple[float, ...]:
         return self.overclosures
 
@@ -172,6 +180,23 @@ def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Series:
         at_nodes = law(low + (high - low) * (1.0 + nodes) / 2.0)
         rows.append(tuple(chebyshev.chebfit(nodes, at_nodes, 3).tolist()))
     return _integrated(w, tuple(rows))
+
+
+@cache
+def _bends(w: tuple[float, ...], p: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the points of a table that are not on one polynomial with both neighbours."""
+    rows, halves = _cubics(w, p).pressure, np.diff(w) / 2.0
+    found = []
+    for k in range(1, len(w) - 1):
+        least = min(halves[k - 1], halves[k])
+        jumps = [
+            chebyshev.chebval(-1.0, chebyshev.chebder(rows[k], m)) / halves[k] ** m
+            - chebyshev.chebval(1.0, chebyshev.chebder(rows[k - 1], m)) / halves[k - 1] ** m
+            for m in (1, 2, 3)
+        ]
+        if max(abs(jump) * least**m for m, jump in enumerate(jumps, start=1)) > _STRAIGHT * p[k]:
+            found.append(w[k])
+    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
+from spectral_contact.io.units import plain_numbers
 from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.run import PreciseRun
 from spectral_contact.records import ErrorEstimates, Zone
@@ -107,7 +108,7 @@ class ReferenceSolution:
         mp = self._run.fixed.mp
         name, given = ("s", s) if from_edge is None else ("from_edge", from_edge)
         checks.reals(name, given, "in [0, 1]", low=0.0, high=1.0)
-        values = np.asarray(given, dtype=object)
+        values = np.asarray(plain_numbers(name, given), dtype=object)
         exact = []
         for value in values.flat:
             checks.real(name, value, allowed="in [0, 1]", low=0.0, high=1.0)

@@ -17,6 +17,7 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, flag, positive, values_at
 from spectral_contact.io.choices import function, listed
 from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.convex import convex_pieces
 
 Rows = tuple[tuple[float, ...], ...]
 
@@ -122,9 +123,13 @@ class Sampled(Profile):
 
     @classmethod
     def from_points(cls, radii: ArrayLike, heights: ArrayLike) -> Self:
-        """Make a profile of points, with SciPy's shape-preserving cubics (PCHIP) between them.
+        """Make a convex profile through points that are convex.
 
-        Every point is a break, to which panels are graded: some tens are practical.
+        Between them are cubics, or two parabolas where a cubic would not be convex; the slope is
+        continuous except at corners of the points. Points of a parabola give that parabola, and
+        points on a line that line. Of a smooth function whose curvature is positive the heights are
+        right to the fourth order of the distance of the points, the slopes to the third. Every
+        point is a break, to which panels are graded: some tens are practical.
 
         Parameters
         ----------
@@ -134,23 +139,14 @@ class Sampled(Profile):
         Raises
         ------
         SceneError
-            If they do not, or the cubics are not convex.
+            If they do not, or a point lies above the line through its neighbours.
         """
-        from scipy.interpolate import PchipInterpolator
-
         edges, values = _increasing("radii", radii), finite("heights", heights)
         if len(edges) < 3 or edges[0] != 0.0:
             raise SceneError("radii", radii, "three or more that begin with 0")
         if len(values) != len(edges) or values[0] != 0.0:
             raise SceneError("heights", heights, f"{len(edges)} numbers that begin with 0")
-        slope = PchipInterpolator(np.array(edges), values).derivative()
-        rows = []
-        for low, high in pairwise(edges):
-            # three points fix a parabola; those inside know of no other piece
-            nodes = chebyshev.chebpts1(3)
-            at_nodes = slope(low + (high - low) * (1.0 + nodes) / 2.0)
-            rows.append(tuple(chebyshev.chebfit(nodes, at_nodes, 2).tolist()))
-        return cls(edges, tuple(rows))
+        return cls(*convex_pieces(edges, values))
 
     @property
     def flat_part(self) -> float:

@@ -23,7 +23,8 @@ def _positive(profile: object, name: str) -> None:
 def _half_angle(profile: object) -> None:
     allowed = "in (0, pi/2), in radians, between the axis and the side"
     limits: dict[str, Any] = {"low": 0.0, "high": pi / 2.0, "low_open": True, "high_open": True}
-    value = real("half_angle", getattr(profile, "half_angle", None), allowed=allowed, **limits)
+    given = getattr(profile, "half_angle", None)
+    value = real("half_angle", given, allowed=allowed, unit="rad", **limits)
     object.__setattr__(profile, "half_angle", value)
 
 

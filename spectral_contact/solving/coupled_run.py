@@ -8,13 +8,13 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from spectral_contact.contact.resolution import ONSET, NormalContact
-from spectral_contact.errors import NotComputedError
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
     PARTIAL_SLIP,
     SLIP_FIELD,
     ZONE_SEARCH,
+    Ending,
     PlannedStep,
     StepState,
 )
@@ -27,7 +27,7 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.slip_outcome import PartialSlip
-    from spectral_contact.contact.zone_search import CoupledSearch
+    from spectral_contact.contact.zone_search import CoupledSearch, NoZonesError
     from spectral_contact.solving.sharing import StickPath
 
 
@@ -105,7 +105,7 @@ class CoupledRun(Run):
     def _slipping(self, stick: FullStick) -> None:
         """Take over partial slip."""
         from spectral_contact.contact.onset import unresolved_slip
-        from spectral_contact.contact.zone_search import CoupledSearch
+        from spectral_contact.contact.zone_search import CoupledSearch, NoZonesError
 
         parameters = self.parameters
         search = CoupledSearch(parameters, stick, self.rtol, self.max_unknowns, self.record)
@@ -115,7 +115,11 @@ class CoupledRun(Run):
         with ProgressLine(self.shared.progress) as tell:
             if not (parameters.alpha and parameters.beta):
                 tell("zones of stick and slip")  # without a compliance it takes seconds
-            found = None if hidden else self._found(search, unsure)
+            try:
+                found = None if hidden else self._found(search, unsure)
+            except NoZonesError as missing:
+                self._take_unlawful(stick, missing)
+                return
         if found is None:
             closer = closer_tolerance(self.rtol)
             # hardly more than what is not known of full stick
@@ -148,18 +152,14 @@ class CoupledRun(Run):
         search.near = None if path is None else path.near(place)
         try:
             found = search.outcome()
-        except NoZonesError as missing:
+        except NoZonesError:
             if unsure <= ONSET:
                 return None
             closer = closer_tolerance(search.tolerance)
             # without a compliance it takes seconds
             if closer < search.tolerance and search.parameters.alpha and search.parameters.beta:
                 return self._found(replace(search, tolerance=closer), unsure)
-            raise NotComputedError(
-                "coupled partial slip",
-                f"no zones were found that obey the friction law ({missing}); "
-                "pass friction=math.inf, or coupling=False",
-            ) from missing
+            raise
         if path is not None:
             path.add(place, found.layout)
         worst = max(
@@ -167,6 +167,29 @@ class CoupledRun(Run):
         )
         good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
         return found if good or unsure > ONSET else None
+
+    def _take_unlawful(self, stick: FullStick, missing: NoZonesError) -> None:
+        """Take what breaks the friction law least, where no zones were found that obey it.
+
+        That are the best of the zones that were solved for, or full stick. What a violation changes
+        is of its size, and nothing is known of where the surface slips.
+        """
+        self.refusal = f"no zones were found that obey the friction law ({missing})"
+        excess = stick.critical / self.parameters.friction - 1.0
+        violation = excess if missing.best is None else missing.best.violation
+        if missing.best is None or violation > excess:
+            violation = excess
+            self.all_stick()
+            self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+        else:
+            self.take(replace(missing.best, consistent=False), 1.0)
+            self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, self.refusal)
+        for name in self.bounded:
+            self.errors[name] += _ROOM * violation
+        self.errors.update(
+            stick_radius=math.inf, zones=math.inf, slip=math.inf, violation=violation
+        )
+        self.endings.append(Ending.ZONES)
 
     def _about_to_slip(self, stick: FullStick, lack: float, radius_error: float) -> None:
         """Take full stick, with room for the slip that was not found.

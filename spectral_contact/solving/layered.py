@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 
 from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
+from spectral_contact.contact.layered_bends import Bend
 from spectral_contact.contact.layered_contact import layered_contact, solve_layered
 from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.errors import SceneError
@@ -47,10 +48,15 @@ def through_layer(
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
     """
+    bends: tuple[Bend, ...] = ()
 
     def at(radius: float, tolerance: float, pointwise: bool) -> Contact:
-        setting = setting_at_radius(profile, layer, radius)
-        return solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+        # the law bends about where it did under the contact before
+        nonlocal bends
+        setting = setting_at_radius(profile, layer, radius, bends)
+        found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+        bends = value_of(found).bends
+        return found
 
     if not has_edge(profile, layer):
         found = layered_contact(

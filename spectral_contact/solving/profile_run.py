@@ -45,6 +45,8 @@ _POINTS, _FARTHEST = 4, 1.0
 _ROUGH = 1e-4
 #: By how much more than that a history goes on to look for a load or an approach.
 _ROOM = 1e-3
+#: What an error of a pressure that drives a traction, which oscillates around a bend, is in it.
+_BENT_TRACTION = 10.0
 _BEYOND = "the load is not reached where normal contact has it"
 
 
@@ -154,10 +156,12 @@ class ProfileRun(Run):
         assert stick.traction is not None
         self.traction = stick.traction.times(kappa)
         self.values["total_shear"] = kappa * radius**2 * stick.total_shear
-        # linear in the pressure, which approach or load have moved a little
+        # linear in the pressure, which approach or load have moved a little, and which is not all
+        # there if the law bends
+        bent = self._driving.pressure_error
         self.errors.update(
-            traction=stick.traction_error + self.errors["pressure"],
-            total_shear=stick.shear_error + self.errors["load"] + self.errors["stiffness"],
+            traction=stick.traction_error + self.errors["pressure"] + _BENT_TRACTION * bent,
+            total_shear=stick.shear_error + self.errors["load"] + self.errors["stiffness"] + bent,
         )
 
     @property

@@ -64,6 +64,8 @@ class Run:
 
     #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
     bounded: tuple[str, ...] = ("approach", "pressure", "traction", "total_shear")
+    #: Why no zones obey the friction law, if none were found that do.
+    refusal: str = ""
 
     def __init__(
         self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
@@ -75,6 +77,7 @@ class Run:
         self.max_unknowns = max_unknowns
         self.normal_key: tuple[object, ...] = ()
         self.exceeded = False
+        self.wrong_slip = 0.0
         self.work: list[StepWork] = []
         self.endings: list[Ending] = []
         self.outcome: dict[str, PlannedStep] = {}
@@ -86,10 +89,18 @@ class Run:
         self.slip: TractionField = None
         self.history: ContactHistory | None = None
 
-    def solution(self) -> Solution:
-        """Run the plan."""
+    def solution(self, rtol: float | None = None) -> Solution:
+        """Run the plan.
+
+        Parameters
+        ----------
+        rtol : float, optional
+            A looser tolerance than that of the run, which the solution is held against and has.
+        """
         states = {step.name: step.state for step in self.plan.steps}
         self.run_steps(states)
+        if rtol is not None:
+            self.rtol = rtol
         done = self._done()
         wanted = {*done.quantities}
         errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
@@ -118,6 +129,16 @@ class Run:
             return Ending.CONVERGED
         found = [one for one in self.endings if one is not Ending.CONVERGED]
         return max(found, key=list(Ending).index, default=Ending.ROUNDING)
+
+    @property
+    def slip_unresolved(self) -> bool:
+        """Whether a closer tolerance is called for, as no digit of the slip is known.
+
+        It is if the slip is asked for, or if it seems to break the friction law by more than the
+        tolerance: that may be noise, or a zone that is missing.
+        """
+        unknown = self.errors.get("slip") == math.inf
+        return unknown and ("slip" in self.plan.quantities or self.wrong_slip > self.rtol)
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run what is to be run."""
@@ -354,6 +375,7 @@ class Run:
             slip=solved.slip_error,
             violation=solved.violation,
         )
+        self.wrong_slip = solved.wrong_slip
         self.pressure = solved.pressure
         self.traction, self.slip = solved.traction.times(scale), solved.slip.times(scale)
         if not solved.consistent:

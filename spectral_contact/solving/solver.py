@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 
-from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.io import checks
 from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
@@ -61,9 +60,10 @@ def solve(
     SceneError
         For an argument out of its range.
     ConvergenceError
-        If the tolerance cannot be met; it carries the best solution and says what to do.
+        If the tolerance cannot be met, or no zones are found that obey the friction law; it carries
+        the best solution and says what to do.
     NotComputedError
-        If no zones are found that obey the friction law, in a scene with elastic coupling.
+        With a profile, if the contact cannot be followed as it grows; the message says why.
     MissingDependencyError
         If progress is wanted and tqdm is not installed.
     """
@@ -78,21 +78,64 @@ def solve(
     run = _run(scene, todo, rtol, max_unknowns, Shared(progress))
     with one_thread():
         solution = run.solution()
-        if _unsure(solution):
-            again, tighter = Shared(progress), closer_tolerance(rtol)
-            closer = _run(scene, todo, tighter, max_unknowns, again).solution()
-            if closer.converged and not _zone_missing(closer):
-                solution = replace(closer, rtol=rtol)
+        solution = _resolved(run, solution, closer_for_zones=_zone_unknown(solution))
         if solution.ending is Ending.ZONES and scene.profile is None:
             solution = _from_looser(scene, todo, rtol, max_unknowns, progress) or solution
     if strict and not solution.converged:
-        worst = max(run.bounded_errors(), default=math.nan)
-        raise ConvergenceError(
-            f"the error estimate {worst:.1e} does not meet rtol = {rtol:.1e}",
-            solution.ending.value,
-            solution,
-        )
+        raise ConvergenceError(_unmet(run, solution), solution.ending.value, solution)
     return solution
+
+
+def _unmet(run: Run, solution: Solution) -> str:
+    """Return what is not within the tolerance: the largest estimate, or the friction law."""
+    worst = max(run.bounded_errors(), default=math.nan)
+    if run.refusal:
+        return run.refusal
+    broken = solution.error.violation
+    if solution.ending is Ending.ZONES and broken is not None:
+        return f"the friction law is broken by {broken:.1e}, at rtol = {solution.rtol:.1e}"
+    return f"the error estimate {worst:.1e} does not meet rtol = {solution.rtol:.1e}"
+
+
+def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -> Solution:
+    """Return the solution of a run, or a closer one that knows what this one does not.
+
+    The slip of a narrow zone is smaller than the fields by a power of its width, and the fields'
+    errors hide it. So it is solved to a closer tolerance until a digit of the slip is known; the
+    tolerance that was asked for decides on convergence.
+
+    Parameters
+    ----------
+    run : Run
+        That has the solution.
+    solution : Solution
+    closer_for_zones : bool
+        Whether to try one closer tolerance because a zone may be missing.
+    """
+    if solution.ending is Ending.UNKNOWNS:  # a closer tolerance takes even more
+        return solution
+    rtol = tolerance = solution.rtol
+    least_unknown = _unknown(run)
+    while closer_for_zones or run.slip_unresolved:
+        closer = closer_tolerance(tolerance)
+        if closer >= tolerance:
+            break
+        tolerance = closer
+        shared = Shared(run.shared.progress)
+        run = _run(run.scene, run.plan, tolerance, run.max_unknowns, shared)
+        try:
+            found = run.solution(rtol)
+        except NotComputedError:  # no zones are found that close
+            break
+        if found.converged and _unknown(run) < least_unknown:
+            least_unknown, solution = _unknown(run), found
+        closer_for_zones = False
+    return solution
+
+
+def _unknown(run: Run) -> tuple[bool, float]:
+    """Return what a closer tolerance is to lower: an unknown slip first, then the zones' error."""
+    return run.slip_unresolved, run.errors.get("zones", 0.0)
 
 
 def _from_looser(
@@ -112,11 +155,9 @@ def _from_looser(
     return None
 
 
-def _unsure(solution: Solution) -> bool:
-    """Return whether there is slip in places, and at a tighter tolerance zones may be known."""
-    if not _zone_missing(solution) or len(solution.zones) < 2:
-        return False
-    return closer_tolerance(solution.rtol) < solution.rtol
+def _zone_unknown(solution: Solution) -> bool:
+    """Return whether there is slip in places, and a zone may be missing beside it."""
+    return _zone_missing(solution) and len(solution.zones) >= 2
 
 
 def _zone_missing(solution: Solution) -> bool:
@@ -150,8 +191,9 @@ class Continuation:
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
         """Return the solution of the next scene, converged or not, and more quantities of it."""
         todo = plan(scene, (*self._quantities, *more))
+        run = _run(scene, todo, self._rtol, self._max_unknowns, self._shared)
         with one_thread():
-            return _run(scene, todo, self._rtol, self._max_unknowns, self._shared).solution()
+            return _resolved(run, run.solution())
 
     def given_radius(self, scene: Scene, logit: float) -> FrictionOf | None:
         """Return the friction with which a scene has one stick disk of this radius, if any has.
@@ -170,7 +212,11 @@ def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Share
         from spectral_contact.solving.profile_run import ProfileRun
 
         def flat(one: Scene, asked: Iterable[str], tolerance: float, others: Shared) -> Solution:
-            return _run(one, plan(one, asked), tolerance, max_unknowns, others).solution()
+            stage = _run(one, plan(one, asked), tolerance, max_unknowns, others)
+            solution = stage.solution()
+            if stage.refusal:  # nothing can be superposed
+                raise NotComputedError("coupled partial slip", stage.refusal)
+            return solution
 
         return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)
     if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:

@@ -32,6 +32,7 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_projection_matrix,
     legendre_values,
+    power_rule,
     tail_values,
 )
 
@@ -217,11 +218,12 @@ def deeper_tail(
     d: Array, end: float, terms: int = TAIL_TERMS, power: float = 0.0, root: bool = False
 ) -> Array:
     """Return the `deeper` integral of ``d**power`` times the tail polynomials, (n, terms)."""
-    g, w = gauss_rule(terms + TAIL_EXTRA)
+    rise = 1.0 + 2.0 * power
+    nodes, weights = power_rule(terms + TAIL_EXTRA, rise)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
-    sine = np.sin(phi * (1.0 + g) / 2.0)  # d' = d sin(phi)**2 removes both square roots
+    sine = np.sin(phi * nodes)  # d' = d sin(phi)**2 removes both square roots
     source = np.minimum(d[:, None] * sine**2, end)
-    values = w * phi / 2.0 * sine ** (1.0 + 2.0 * power) * d[:, None] ** (0.5 + power)
+    values = weights * phi * (sine / nodes) ** rise * d[:, None] ** (0.5 + power)
     return np.asarray((values[:, None, :] @ tail_values(source, end, terms, root))[:, 0, :])
 
 
@@ -390,15 +392,36 @@ def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.
     return charges.after(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
 
 
+def at_boundary(panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return ``1/2 int d**(power - 1/2) psi dd``, the `outer` integral at the boundary itself.
+
+    Of all functions, with ``power > -1/2``.
+    """
+    if power == 0.0:
+        return np.asarray(beyond(np.zeros(1), panels, width, degree)[0])
+    charges, end = charges_on(width, (degree,) * panels), float(np.exp(-panels * width))
+    nodes, weights = power_rule(TAIL_TERMS, power - 0.5)
+    tail = end ** (0.5 + power) / 2.0 * weights @ legendre_values(2.0 * nodes - 1.0, TAIL_TERMS - 1)
+    return np.append(charges.after(charges.d[None] ** (0.5 + power))[0], tail)
+
+
 def rise(
-    whole: Array, functions: NDArray[np.int_], d: Array, panels: int, width: float, degree: int
+    whole: Array,
+    at: Array,
+    functions: NDArray[np.int_],
+    d: Array,
+    panels: int,
+    width: float,
+    degree: int,
+    power: float = 0.0,
 ) -> Array:
     """Return by how much `outer` is more at distances `d` in [0, 1] than at the boundary itself.
 
-    Of these functions, of which it is `whole`. What is far from the boundary contributes a
-    difference that is taken as such, what is as near as the point is as small as its distance.
+    Of these functions, of which it is `whole`, and `at` the boundary. What is far from the boundary
+    contributes a difference that is taken as such, what is as near as the point is as small as its
+    distance.
     """
-    matrix = whole - beyond(np.zeros(1), panels, width, degree)[0, functions]
+    matrix = whole - at
     source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     own = np.minimum(np.floor(x / width).astype(int), panels + 1)
@@ -407,6 +430,8 @@ def rise(
         e = d[rows, None, None]
         roots = np.sqrt(near - e), np.sqrt(near)
         values = (width / 4) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
+        if power:
+            values *= near**power
         blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
         last = np.searchsorted(functions, len(near) * (degree + 1))
         matrix[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]

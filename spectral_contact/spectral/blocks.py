@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from spectral_contact.spectral.abel import (
+    at_boundary,
     beyond,
     deeper,
     deeper_tail,
@@ -76,7 +77,7 @@ class Block(NamedTuple):
     Attributes
     ----------
     at : ndarray, shape (functions,)
-        At the boundary of the nodes; zero for the edge.
+        At the boundary of the nodes; zero for the edge, but see `_has_no_end`.
     more : ndarray or StripMatrix, shape (nodes or samples, functions)
         By how much it is more at the nodes.
     whole : ndarray or StripMatrix, shape (nodes or samples, functions)
@@ -181,8 +182,8 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     if way == "beyond":
         return _vanishing(outer(d, *form, panels.power, functions))
     whole = _own(panels, degrees, used, "beyond").dense(whole=True)
-    at = beyond(np.zeros(1), *form)[0, functions]
-    return Block(at, rise(whole, functions, d, *form), whole, False)
+    at = at_boundary(*form, panels.power)[functions]
+    return Block(at, rise(whole, at, functions, d, *form, panels.power), whole, False)
 
 
 @kept("half-integrals in strips", 128)
@@ -304,7 +305,7 @@ def block(
     """
     nodes = points_of(target.panels, used)
     if (source.boundary, source.sign) == (target.boundary, target.sign):
-        onward = "beyond" if target.boundary.from_edge == 0.0 else "away"
+        onward = "beyond" if _has_no_end(target) else "away"
         way = onward if side == source.sign else "toward"
         unit = _own(source.panels, degrees, used, way)
     else:
@@ -318,14 +319,23 @@ def block(
             and source.reach == target.reach
             and round(apart / source.reach) == 2
         ):
-            edge = target.boundary.from_edge == 0.0
-            unit = _halves(source.panels, degrees, target.panels, used, edge)
+            unit = _halves(source.panels, degrees, target.panels, used, _has_no_end(target))
         else:
             unit = _apart(source, degrees, target, nodes, side, apart)
     scale = unit.scale * float(np.sqrt(source.reach))
-    if target.boundary.from_edge == 0.0:
+    if _has_no_end(target):
         return unit._replace(at=np.zeros_like(unit.at), more=unit.whole, scale=scale)
     return unit._replace(scale=scale)
+
+
+def _has_no_end(target: Family) -> bool:
+    """Return whether integrals are not taken as their value at the boundary and a difference to it.
+
+    That is so at the edge. Only where the pressure there is a power of y above -1/2 the normal
+    misfit vanishes like ``sqrt(y)`` times it: the rounding of a value of order 1, which is no
+    difference, would be of its size then.
+    """
+    return target.boundary.from_edge == 0.0 and not -0.5 < target.panels.power < 0.0
 
 
 def across(coefficients: Array, half: Family, other: Family, side: int) -> Array:

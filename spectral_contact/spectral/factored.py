@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
+from spectral_contact.spectral.contact_matrix import system_matrix
 from spectral_contact.spectral.regularised import Cholesky
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.threads import cached_property
@@ -35,7 +36,7 @@ class Factored:
     """
 
     def __init__(self, system: ContactSystem) -> None:
-        self.system, matrix = system, system.matrix()
+        self.system, matrix = system, system_matrix(system)
         self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
         matrix *= self.scale
         matrix *= self.scale[:, None]
@@ -120,7 +121,7 @@ class Symmetric(Factored):
         lacking = np.bincount(tops, minlength=system.unknowns)[known:]
         self._order = known + np.argsort(lacking, kind="stable")
         self._kept = int((lacking < 1).sum()), int((lacking < 2).sum())
-        self._cholesky = Cholesky(system.matrix()[np.ix_(self._order, self._order)])
+        self._cholesky = Cholesky(system_matrix(system)[np.ix_(self._order, self._order)])
 
     def step(self, right: Array) -> Array:
         """Return the solution as factored, of right-hand sides as columns."""

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import lapack
+from scipy.special import roots_jacobi
 
 Array = NDArray[np.float64]
 
@@ -110,6 +111,21 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
         np.concatenate([-halves[0][lower], halves[0]]),
         np.concatenate([halves[1][lower], halves[1]]),
     )
+
+
+@lru_cache(maxsize=_RULES)
+def power_rule(points: int, power: float) -> tuple[Array, Array]:
+    """Return nodes and weights of ``int_0^1 v**power f(v) dv``, with ``power > -1``.
+
+    Of Gauss and Legendre where the power is a whole number, which is then of the polynomial that
+    is integrated, else of Gauss and Jacobi.
+    """
+    if power == round(power):
+        g, w = gauss_rule(points)
+        nodes = (1.0 + g) / 2.0
+        return _frozen(nodes, w / 2.0 * nodes**power)
+    g, w = roots_jacobi(points, 0.0, power)
+    return _frozen((1.0 + g) / 2.0, w / 2.0 ** (1.0 + power))
 
 
 def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_expansion_matrix,
     legendre_projection_matrix,
     legendre_values,
+    power_rule,
     tail_values,
 )
 
@@ -61,8 +62,8 @@ class LogPanels:
     degree : int
         Highest Legendre degree on each panel.
     power : float
-        Endpoint weight: the functions are ``d**power`` times polynomials. 0, or -1/2 for a
-        traction that is singular at the edge.
+        Endpoint weight: the functions are ``d**power`` times polynomials. 0, or for a traction
+        that is singular at the edge -1/2 or more.
     root_tail : bool
         The tail is polynomial in ``sqrt(d)``, for square roots at the boundary.
     """
@@ -140,12 +141,14 @@ class LogPanels:
 
     @kept("rules on tails", 256)
     def tail_rule(self) -> BasisRule:
-        """Return distances and ``dd`` weights on the tail, and the polynomials there (cached)."""
-        g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)
-        v = (1.0 + g) / 2.0
+        """Return distances and ``dd`` weights on the tail, and the polynomials there (cached).
+
+        For integrands with the endpoint weight: in ``d = end v**2`` it is ``v**(2 power)``.
+        """
+        v, w = power_rule(self.tail_terms + TAIL_EXTRA, 1.0 + 2.0 * self.power)
         d = self.end * v**2
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
-        return BasisRule(d, w * v * self.end, values)
+        return BasisRule(d, 2.0 * w * v ** (-2.0 * self.power) * self.end, values)
 
     def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Array:
         """Return ``int_0^1 phi psi (constant + rising d) dd``, block diagonal.

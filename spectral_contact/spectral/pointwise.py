@@ -95,6 +95,14 @@ class Sampling:
         parts = [piece.kept * (piece.at(values) @ piece.expand.T) for piece in self._pieces]
         return np.concatenate([part.ravel() for part in parts])
 
+    def bounds(self, coefficients: Array) -> Array:
+        """Return at every sampling point a bound of a function on its panel, (samples,)."""
+        parts = []
+        for piece in self._pieces:
+            sums = np.abs(coefficients[piece.own].reshape(piece.kept.shape)).sum(axis=1)
+            parts.append(np.repeat(sums, len(piece.evaluate)))
+        return np.concatenate(parts)
+
     def times(self, rows: Array, values: Array) -> Array:
         """Return rows times the matrix that multiplies a function with values, (n, size).
 

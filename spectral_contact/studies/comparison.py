@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from html import escape
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
 from spectral_contact.io.choices import instance
+from spectral_contact.layers.control import endless
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.solution import Solution
@@ -28,6 +30,10 @@ Numbers = Callable[..., Any] | ArrayLike
 _RTOL: Final = 1e-12
 _FIELDS: Final = ("pressure", "traction", "slip")
 _OF_MEAN: Final = ("load", "contact_radius")
+#: So far outside, over the contact radius, a rim may lie by rounding of radii and their units.
+_RIM: Final = 8.0 * float(np.finfo(np.float64).eps)
+#: Rings of one area on which the mean size of a field is taken.
+_RINGS: Final = 64
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
 
 
@@ -75,11 +81,14 @@ class Comparison:
         Where the truth is from.
     agreements : tuple of Agreement
         One for each quantity.
+    remarks : tuple of str
+        What was done with radii at and beyond the edge.
     """
 
     scene: Scene
     source: str
     agreements: tuple[Agreement, ...]
+    remarks: tuple[str, ...] = ()
 
     @property
     def error(self) -> float:
@@ -93,10 +102,11 @@ class Comparison:
         raise KeyError(quantity)
 
     def __str__(self) -> str:
-        return f"{table(self._cells())}\ntruth: {self.source}"
+        return "\n".join([table(self._cells()), f"truth: {self.source}", *self.remarks])
 
     def _repr_html_(self) -> str:
-        return table_html(self._cells())
+        remarks = "".join(f"<p>{escape(remark)}</p>" for remark in self.remarks)
+        return table_html(self._cells()) + remarks
 
     def _cells(self) -> list[tuple[str, ...]]:
         heads = ("quantity", "error", "median", "worst at 1 - s", "value", "truth", "known to")
@@ -148,8 +158,10 @@ def compare(
         A function of arrays of radii, or of distances if it takes ``from_edge``; or its values at
         `s` or `from_edge`.
     s, from_edge : array_like, optional
-        Radii, or distances from the edge, at which fields are compared; needed for arrays. By
-        default at radii that resolve the edge layer and every zone.
+        Radii, or distances from the edge, at which fields are compared, in any order; needed for
+        arrays. By default at radii that resolve the edge layer and every zone. Outside the contact
+        (distances below 0) pressure and traction are 0; a radius outside by no more than rounding
+        is the edge.
     truth : Solution or ReferenceSolution, optional
         What to compare with; by default `solve` to 1e-12, which takes a second.
 
@@ -160,13 +172,14 @@ def compare(
         coupling to the two together, see docs/coupling), those of the slip to its largest value.
         With a profile pressures are relative to the mean where they are smaller, and tractions to
         the largest.
-        Where the truth is infinite, at the edge of a smooth surface, nothing is compared.
+        Outside the contact they are relative to the mean over the contact, and slip is not
+        compared. Where the truth is infinite, at the edge of a smooth surface, nothing is compared.
 
     Raises
     ------
     SceneError
         For an argument that is no number, or out of its range; for an array without its radii; if
-        there is nothing to compare.
+        there is nothing to compare, such as a slip outside the contact alone.
     NotComputedError
         If the scene has no such quantity.
 
@@ -206,7 +219,8 @@ def compare(
             raise SceneError("s, from_edge", None, f"given with an array of {name}: either")
         else:
             agreements.append(problem.field(name, one, places))
-    return Comparison(scene, source, tuple(agreements))
+    remarks = problem.remarks(places, [name for name in given if name in fields])
+    return Comparison(scene, source, tuple(agreements), remarks)
 
 
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
@@ -224,6 +238,7 @@ class _ComparedScene:
         if not isinstance(own, Scene) or not same_problem(own, scene):
             raise SceneError("truth", own, f"that of {scene}")
         self.scene, self.truth = scene, truth
+        self.rounded = 0
         self.length = 1.0
         self.scale = dict.fromkeys((*_FIELDS, *_NUMBERS), 1.0)
         data = scene.physical
@@ -236,7 +251,10 @@ class _ComparedScene:
                 moved = 1.0
             else:
                 self.length = data.radius
-                load = data.load_for(checks.scalar("truth.approach", truth.approach), nu)
+                if data.load is None:
+                    load = data.load_for(checks.scalar("truth.approach", truth.approach), nu)
+                else:
+                    load = data.load
                 stress, moved = data.pressure_scale(load), data.displacement_scale(load, nu)
             of_profile = dict.fromkeys(PROFILE_QUANTITIES[1:], load)
             self.scale = {
@@ -257,17 +275,46 @@ class _ComparedScene:
         return Agreement(name, error, estimate_of(self.truth, name), given, true)
 
     def places(self, s: ArrayLike | None, from_edge: ArrayLike | None) -> Array:
-        """Return the distances from the edge at which fields are compared, dimensionless."""
+        """Return the distances from the edge at which fields are compared, dimensionless.
+
+        Those outside the contact are negative, those outside by rounding are 0.
+        """
         if s is None and from_edge is None:
             own = isinstance(self.truth, Solution)
             return graded_radii(self.truth).from_edge if own else PLACES
         checks.exactly_one("s", s, "from_edge", from_edge)
         name, given = ("s", s) if from_edge is None else ("from_edge", from_edge)
-        unit = "m" if self.scene.physical is not None else ""
-        share = np.ravel(checks.lengths(name, given, self.length, unit) / self.length)
-        if not share.size:
+        unit = " [m]" if self.scene.physical is not None else ""
+        high = f"{self.length:.16g}".removesuffix(".0")
+        allowed = f"finite and >= 0{unit}" if name == "s" else f"finite and <= {high}{unit}"
+        lengths = np.ravel(checks.reals(name, given, allowed))
+        if not lengths.size:
             raise SceneError(name, given, "at least one radius")
-        return np.asarray(1.0 - share if from_edge is None else share, dtype=np.float64)
+        shares = lengths / self.length
+        distances = np.asarray(1.0 - shares if name == "s" else shares, dtype=np.float64)
+        outside_range = ~(np.isfinite(distances) & (distances <= 1.0))
+        if outside_range.any():
+            raise SceneError(name, lengths[outside_range][0].item(), allowed)
+        self.rounded = int(np.sum((distances < 0.0) & (distances >= -_RIM)))
+        return np.where((distances < 0.0) & (distances >= -_RIM), 0.0, distances)
+
+    def remarks(self, places: Array, fields: list[str]) -> tuple[str, ...]:
+        """Return what was done with the radii at which fields were compared."""
+        if not fields:
+            return ()
+        found = []
+        if self.rounded:
+            many = f"{self.rounded} of {len(places)} radii"
+            found.append(f"{many} outside the contact by rounding: compared as the edge")
+        beyond = places[places < 0.0]
+        if beyond.size:
+            many = f"{beyond.size} of {len(places)} radii outside the contact"
+            where = f"the nearest at 1 - s = {beyond.max():.3g}"
+            zero = " and ".join(name for name in fields if name != "slip")
+            told = [f"{zero} compared with 0"] if zero else []
+            told += ["slip not compared"] if "slip" in fields else []
+            found.append(f"{many}, {where}: {', '.join(told)}")
+        return tuple(found)
 
     def field(self, name: str, given: Numbers, places: Array) -> Agreement:
         """Compare a field."""
@@ -275,13 +322,23 @@ class _ComparedScene:
             values = by_distance(name, given, self.length)(places * self.length)
         else:
             values = self._listed(name, given, places)
-        true = field_of(self.truth, name, "truth")(places)
+        inside = places >= 0.0
+        true = np.zeros(len(places))
+        sizes = np.ones(len(places))
+        if inside.any():
+            true[inside] = field_of(self.truth, name, "truth")(places[inside])
+            sizes[inside] = self._sizes(name, true[inside], places[inside])
+        if not inside.all():
+            sizes[~inside] = self._mean_size(name)
         there = np.isfinite(true)
+        if name == "slip":
+            there &= inside
         if not there.any():
-            raise SceneError("s, from_edge", places, "somewhere where the truth is finite")
+            told = "somewhere where the truth is finite"
+            raise SceneError("s, from_edge", places, told if inside.any() else "inside the contact")
         scale = self.scale[name]
         with np.errstate(over="ignore", invalid="ignore"):  # as wrong as can be, and said to be
-            errors = np.abs(values / scale - true)[there] / self._sizes(name, true, places)[there]
+            errors = np.abs(values / scale - true)[there] / sizes[there]
         errors = np.where(np.isnan(errors), np.inf, errors)
         worst = int(np.argmax(errors))
         return Agreement(
@@ -300,17 +357,32 @@ class _ComparedScene:
             raise SceneError(name, np.nan, "a number at each radius")
         return checks.values_at(name, lambda _: numbers, places)
 
+    def _mean_size(self, name: str) -> float:
+        """Return the mean of a field's absolute value over the contact; 1 where it vanishes."""
+        rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
+        sizes = np.abs(field_of(self.truth, name, "truth")(1.0 - rings))
+        return float(np.mean(sizes[np.isfinite(sizes)])) or 1.0
+
+    def _mean_pressure(self) -> float:
+        """Return the mean pressure over the contact of a profile."""
+        try:
+            load, a = (checks.scalar(f"truth.{of}", getattr(self.truth, of)) for of in _OF_MEAN)
+        except NotComputedError:
+            if endless(self.scene):  # there is no edge, within which a mean could be taken
+                raise
+            return self._mean_size("pressure")
+        return load / (np.pi * a**2)
+
     def _sizes(self, name: str, true: Array, places: Array) -> Array:
         """Return what errors are relative to."""
-        largest = np.max(np.abs(true[np.isfinite(true)])) or 1.0
+        largest = np.max(np.abs(true[np.isfinite(true)]), initial=0.0) or 1.0
         if name == "slip":
             return np.full(len(true), largest)
         sizes = np.abs(true)
         if self.scene.profile is not None:
             if name == "traction":
                 return np.full(len(true), largest)
-            load, a = (checks.scalar(f"truth.{of}", getattr(self.truth, of)) for of in _OF_MEAN)
-            sizes = np.maximum(sizes, load / (np.pi * a**2))
+            sizes = np.maximum(sizes, self._mean_pressure())
         if self.scene.couples:
             s = 1.0 - places
             p, q = (field_of(self.truth, one, "truth")(places) for one in _FIELDS[:2])

@@ -15,6 +15,7 @@ from spectral_contact.io.checks import scalar
 from spectral_contact.io.choices import names
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.studies.results import QUANTITIES
+from spectral_contact.testing.attributes import computed
 from spectral_contact.testing.checks import field_of
 
 _SCALARS = ("approach", "total_shear", "stick_radius")
@@ -167,11 +168,7 @@ def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
     for name in _SCALARS:
         if name == "stick_radius" and scene.friction == math.inf:
             continue
-        try:
-            value = getattr(truth, name, None)
-        except NotComputedError:
-            continue
-        number = 0.0 if value is None else scalar(f"{owner}.{name}", value)
+        number = scalar(f"{owner}.{name}", computed(truth, name, 0.0))
         if number != 0.0 and math.isfinite(number):
             values[name] = number
     return values

@@ -62,6 +62,12 @@ class Request:
         """Whether fields are wanted at the edge and nowhere else."""
         return bool((self.from_edge == 0.0).all())
 
+    @property
+    def values_of_a_scene(self) -> int:
+        """How many numbers the results of a scene are, those of its zones as of one."""
+        values = sum(len(self.s) if name in FIELDS else 1 for name in self.quantities)
+        return values + len(self.quantities) + 1  # their errors, and how it ended
+
     def describe(self) -> dict[str, Any]:
         """Return the request as an object of JSON, exact."""
         return {

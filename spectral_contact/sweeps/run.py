@@ -48,6 +48,8 @@ _LONGEST: Final = 1024
 _SLOW_CHUNK: Final = 8
 #: The same where the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
+#: The most numbers that the results of a sweep have, 8 bytes each.
+_MOST_VALUES: Final = 10**9
 #: From so many pairs of compliances on the spectra pay, which take a second or two.
 _MANY: Final = 500
 
@@ -126,7 +128,8 @@ def sweep(
     Raises
     ------
     SceneError
-        For an argument out of its range. A scene that cannot be solved raises nothing.
+        For an argument out of its range, or a grid whose results have more than 1e9 numbers. A
+        scene that cannot be solved raises nothing.
     SolutionFileError
         If the store cannot be written, is damaged, or belongs to another sweep or version.
     MissingDependencyError
@@ -145,6 +148,7 @@ def sweep(
     axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach, separation), strict=True))
     parameters = _parameters(scenes, axes, layer, coupling)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
+    _check_size(parameters, request)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
@@ -158,6 +162,18 @@ def sweep(
     with one_thread(), tell:
         table = _collected(parameters, request, size, kept, executor, tell)
     return assembled(parameters, request, table)
+
+
+def _check_size(parameters: SweepParameters, request: Request) -> None:
+    """Refuse a sweep whose results would not fit into memory, before anything of it is made."""
+    count = parameters.size * request.values_of_a_scene
+    if count > _MOST_VALUES:
+        lengths = " x ".join(map(str, parameters.shape))
+        allowed = (
+            f"at most {_MOST_VALUES // request.values_of_a_scene} with "
+            f"{request.values_of_a_scene} values of each: sweep parts of it"
+        )
+        raise SceneError(f"number of scenes, {lengths}", parameters.size, allowed)
 
 
 def _chunk(parameters: SweepParameters, request: Request) -> int:

@@ -28,6 +28,7 @@ from spectral_contact.io.documents import (
     key_complaint,
     path_text,
     read_file,
+    remove_leftovers,
     replace_file,
     reported,
 )
@@ -67,6 +68,7 @@ class Store:
             self._folder.mkdir(parents=True, exist_ok=True)
             if not manifest.exists():
                 self._begin(manifest, sweep)
+            remove_leftovers(self._folder)
         # also what was just written: another sweep may have been faster
         source, content = read_file(manifest)
         with reported(source, "damaged, or not a store of a sweep"):

@@ -11,6 +11,7 @@ from spectral_contact.fields import Array
 from spectral_contact.layers import Layer
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
+from spectral_contact.testing.attributes import computed
 
 #: Where between the edge and the centre a steep law may turn from contact to gap.
 _CUTS: Final = tuple(k / 30.0 for k in range(1, 30))
@@ -40,8 +41,8 @@ class LayerConditions:
         if self.flat:
             return self.scene.profile.radius
         if endless(self.scene):
-            return getattr(solution, "domain_radius", None)
-        return getattr(solution, "contact_radius", None) or self.scene.contact_radius
+            return computed(solution, "domain_radius")
+        return computed(solution, "contact_radius") or self.scene.contact_radius
 
     def cuts(self, largest: float, radius: float) -> list[float]:
         """Return distances from the edge between which the pressure is smooth."""

@@ -64,9 +64,13 @@ def of_solution(solution: Solution) -> str:
         parts += [zones_svg(solution.zones), table_html(zone_cells(solution))]
     if not solution.converged:
         parts.append(f"<p><b>not converged</b>: {escape(solution.ending.value)}</p>")
-    unsure = (f"{name} to {error:.1e}" for name, error in solution.less_certain.items())
+    unsure = (
+        f"{name} to {error:.1e}" if error < 1.0 else f"{name}, of which no digit is known"
+        for name, error in solution.less_certain.items()
+    )
     if solution.less_certain:
         parts.append(f"<p>less certain than rtol: {escape(', '.join(unsure))}</p>")
+    parts += [f"<p>{escape(remark)}</p>" for remark in solution.remarks]
     return _block([of_scene(solution.scene), *parts])
 
 

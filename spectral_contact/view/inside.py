@@ -55,7 +55,7 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
     far = (
         2.0 * radius
         if r_max is None
-        else checks.real("r_max", r_max, allowed="a length above 0", low=0.0, low_open=True)
+        else checks.positive("r_max", r_max, body.unit_names.si_length)
     )
     with style():
         figure = new_figure(figsize=(6.6, 6.8), layout="constrained")

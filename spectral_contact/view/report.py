@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 FIELDS = ("pressure", "traction", "slip")
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
 _PROFILE_UNITS = "s = r/a, lengths in L, p in E' = E / (4 (1 - nu^2)), loads in E' L^2"
-# Of a dimensionless compliance: beyond, another unit is likelier than such a surface.
-_LEAST, _MOST = 1e-9, 1e3
 
 
 def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
@@ -41,7 +39,7 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     parts = [_scene_text(solution), table(quantity_cells(solution))]
     if solution.scene.physical is not None:
         parts.append(table(si_cells(solution)))
-    remarks = [*remarks, *_odd_compliances(solution)]
+    remarks = [*remarks, *solution.remarks]
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
@@ -207,22 +205,6 @@ def _scene_text(solution: Solution) -> str:
     return text
 
 
-def _odd_compliances(solution: Solution) -> list[str]:
-    """Return a remark about every compliance in SI units that is far from that of roughness."""
-    scene, remarks = solution.scene, []
-    for name, symbol in (("normal_compliance", "alpha"), ("tangential_compliance", "beta")):
-        star = getattr(scene, name) / solution.values.get("contact_radius", 1.0)
-        if scene.physical is None or star == 0.0 or _LEAST <= star <= _MOST:
-            continue
-        limit = f"> {_MOST:g}" if star > _MOST else f"< {_LEAST:g}"
-        value = getattr(scene.physical, name)
-        remarks.append(
-            f"{symbol}* = {star:.3g} is {limit}: {symbol} = {value!r} is in m/Pa "
-            f"({1e15 * value:.3g} nm/MPa), is that what was meant?"
-        )
-    return remarks
-
-
 def quantity_cells(solution: Solution) -> list[tuple[str, ...]]:
     """Return the table of the dimensionless scalars."""
     return _quantity_cells(_rows(solution), "quantity")
@@ -299,7 +281,9 @@ def _digits(value: float | None, error: float | None) -> str:
 def _estimate(error: float | None) -> str:
     if error is None:
         return "-"
-    return "exact" if error == 0.0 else f"{error:.1e}"
+    if error == 0.0:
+        return "exact"
+    return f"{error:.1e}" if error < math.inf else f"{error}: no digit is known"
 
 
 def _csv_comments(solution: Solution) -> list[str]:

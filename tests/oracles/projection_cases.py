@@ -10,10 +10,10 @@ from functools import cache
 from math import log, pi, sqrt
 
 import numpy as np
+from spectral_contact.contact.drive import Drive
 
 from oracles.projection_oracle import Place, basis, entries, moments, mp, rows
 from oracles.whole_spaces import ordered
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem

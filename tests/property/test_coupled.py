@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from oracles.disk_integral import integral, places
 from oracles.property_settings import few
 from scipy.linalg import cholesky, solve_triangular, svdvals
+from spectral_contact.spectral.system import System
 
 from spectral_contact import Scene, solve
 from spectral_contact.equations.residuals import (
@@ -19,7 +20,6 @@ from spectral_contact.equations.residuals import (
 )
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.system import System
 from spectral_contact.testing import check_solution
 from spectral_contact.testing.strategies import (
     compliances,

@@ -336,3 +336,17 @@ def test_it_is_stored_as_it_is(scene, tmp_path):
     assert Solution.from_json(solution.to_json()) == solution
     solution.save(tmp_path / "slip.npz")
     assert Solution.load(tmp_path / "slip.npz") == solution
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 3.7e-12])
+def test_smooth_surfaces_under_much_friction_keep_their_digits_to_the_edge(rtol):
+    # p goes like y**(theta - 1/2) there, and fields like d**(1/2 - theta) at the rim
+    scene = Scene(-0.41112546415143303, 0.0, 0.0, 2.059924035516593, coupling=True)
+    solution = solve(scene, rtol, strict=False)
+    assert solution.converged
+    theta = math.atan(2.0 * scene.kappa * scene.friction) / math.pi
+    deep, deeper = (solution.pressure(from_edge=d) for d in (1e-16, 1e-40))
+    assert math.log(deeper / deep) == pytest.approx(
+        24.0 * math.log(10.0) * (0.5 - theta), abs=2.0 * solution.error.pressure + 1e-13
+    )
+    assert abs(solution.stick_radius - 0.95819544999718) < 1e-13 + solution.error.stick_radius

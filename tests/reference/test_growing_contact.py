@@ -2,12 +2,14 @@
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from oracles.growing_rings import march
 
 from spectral_contact import NotComputedError, Scene, Solution, plan, profiles, solve
+from spectral_contact.solving.stages import Stages
 
 NU = 0.3
 KAPPA = Scene(NU).kappa
@@ -168,6 +170,26 @@ def test_the_traction_past_a_corner_is_an_integral_of_elementary_functions(profi
     flat_shear = solve(Scene(NU, friction=math.inf), 1e-10, ["total_shear"]).total_shear
     off = abs(solution.total_shear / (flat_shear * solution.load) - 1.0)
     assert off <= min(solution.error.total_shear, 1e-6)
+
+
+def test_a_traction_is_not_known_better_than_those_of_the_flat_punches_in_it(monkeypatch):
+    """It is linear in them: if all are wrong by a factor, it is wrong by that factor."""
+    scene = Scene(NU, 0.2, 0.1, math.inf, profile=PARABOLA, contact_radius=1.0)
+    quantities, s, off = ("traction",), np.linspace(0.05, 1.0, 20), 1e-3
+    true = solve(scene, 1e-4, quantities)
+    original = Stages.flat
+
+    def wrong(stages, radius):
+        flat = original(stages, radius)
+        field = flat.traction_field.times(1.0 + off)
+        return replace(flat, traction_field=field, error=replace(flat.error, traction=off))
+
+    monkeypatch.setattr(Stages, "flat", wrong)
+    found = solve(scene, 1e-4, quantities, strict=False)
+    apart = np.abs(found.traction(s) - true.traction(s)).max() / np.abs(true.traction(s)).max()
+    assert apart == pytest.approx(off, rel=1e-6)
+    assert apart <= found.error.traction
+    assert true.error.traction < 0.1 * off
 
 
 def test_a_table_has_the_shear_of_every_profile():

@@ -79,6 +79,18 @@ def test_it_ends_with_the_solution_and_follows_the_stick_radius():
     assert share[-1] == pytest.approx(solution.stick_radius, rel=1e-9)
 
 
+@pytest.mark.parametrize("given", ["load", "approach"])
+def test_its_end_is_not_known_better_than_the_solution(given):
+    """Whatever is given, the error of the other one is that of normal contact, at all radii."""
+    scene = FullScene(0.3, 0.2, 0.1, 0.1, profile=PARABOLA, **{given: 1.0})
+    solution = solve(scene, 1e-5, NAMES)
+    history = solution.history
+    end = history.radii[-1]
+    [other] = {"load", "approach"} - {given}
+    assert getattr(solution.error, given) == 0.0
+    assert 0.0 < getattr(solution.error, other) <= history.error(other, end)
+
+
 def test_it_is_stored_with_the_solution_and_written_as_a_table(tmp_path):
     solution = hertzian()
     assert Solution.from_json(solution.to_json()) == solution

@@ -1,12 +1,13 @@
 """Stress and displacement in the body: closed forms, Hankel integrals, identities, bad input."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from oracles.inside_oracle import hankel, over_rings, stuck
 
-from spectral_contact import NotComputedError, Scene, SceneError, solve
+from spectral_contact import ErrorEstimates, NotComputedError, Scene, SceneError, solve
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
 
 SCENES = {
@@ -54,6 +55,22 @@ def test_sneddons_punch_is_met_everywhere_and_estimates_are_honest(nu):
     for true, estimate in deviations(solve(Scene(nu)).inside, expected, **points):
         assert np.all(true <= estimate)
         assert np.all(estimate < 1e-12)
+
+
+def test_under_an_exact_pressure_the_rounding_of_integrals_is_left():
+    """Two rules may agree to the last bit, and be wrong by more."""
+    solution = solve(Scene(0.3))
+    body = replace(solution, error=ErrorEstimates(pressure=0.0, approach=0.0)).inside
+    rng = np.random.default_rng(2)
+    size = 10.0 ** rng.uniform(-9.0, 0.0, (2, 60))
+    points = {"from_edge": np.concatenate([size[0], -100.0 * size[1]])}
+    points["z"] = 10.0 ** rng.uniform(-9.0, 2.0, 120)
+    stress, exact = body.stress(**points), flat_punch_stress(0.3, **points)
+    parts = zip((stress.rr, stress.tt, stress.zz, stress.rz), exact, strict=True)
+    true = np.max([np.abs(found - value) for found, value in parts], axis=0) / stress.norm
+    eps = 2.0**-52
+    assert np.all(true <= stress.error + eps)  # of the closed form
+    assert np.all(stress.error >= eps)
 
 
 def test_closed_form_has_the_stress_on_the_axis():
@@ -253,8 +270,35 @@ def test_what_was_not_computed_is_refused():
         _ = solve(Scene(0.3, 0.5), quantities=["approach"]).inside
 
 
-def test_no_points_are_no_error():
-    assert solve(Scene(0.3)).inside.stress([], 0.1).rr.shape == (0,)
+@pytest.mark.parametrize("rtol", [None, 1e-9, 1e-3])
+@pytest.mark.parametrize("shape", [(0,), (0, 3), (2, 0)])
+def test_no_points_are_no_error(solutions, rtol, shape):
+    none = np.zeros(shape)
+    for solution in solutions.values():
+        body = solution.inside
+        for found in (
+            body.stress(none, 0.1, rtol=rtol).rr,
+            body.stress(none, 0.0, rtol=rtol).error,
+            body.stress(from_edge=none, z=none, rtol=rtol).von_mises,
+            body.stress(0.5, none, rtol=rtol).principal[0],
+            body.displacement(none, 0.1, rtol=rtol).z,
+            body.displacement(0.5, none, rtol=rtol).modulus,
+            body.surface(none, rtol=rtol).gap,
+            body.surface(from_edge=none, rtol=rtol).error,
+            *body.to_table(none, 0.1, rtol=rtol).values(),
+        ):
+            assert found.shape == shape
+        assert body.to_xarray(none, [0.1, 0.2], rtol=rtol).sigma_zz.shape == (2, 0)
+        assert body.to_xarray([0.1], none, rtol=rtol).u_r.shape == (0, 1)
+
+
+def test_points_beyond_memory_are_refused_before_they_are_made():
+    body, axis = solve(Scene(0.3)).inside, np.linspace(0.0, 2.0, 10**6)
+    for evaluate in (body.to_xarray, lambda r, z: body.to_table(r, z[:, None])):
+        with pytest.raises(SceneError, match=r"number of points r, z = 1000000000000: must be"):
+            evaluate(axis, axis)
+    with pytest.raises(SceneError, match=r"number of points from_edge, z = 1000000000000"):
+        body.stress(from_edge=axis / 2.0, z=axis[:, None])
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -311,6 +355,15 @@ def test_work_is_stored_dissipated_or_the_defect_of_the_model(scene):
     assert energies.error < 1e-11
     uncoupled = bool(scene.friction) and not scene.coupling
     assert (energies.defect > 1e-4 * energies.external) == uncoupled
+
+
+def test_dissipation_is_not_known_better_than_the_slip():
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1), rtol=1e-10)
+    unsure = replace(solution, error=replace(solution.error, slip=1e-3))
+    known, found = solution.inside.energies(), unsure.inside.energies()
+    friction = known.friction / known.external
+    assert friction > 1e-4
+    assert known.error < 1e-3 * friction <= found.error
 
 
 def test_energies_of_sneddons_punch_and_their_units():

@@ -1,6 +1,7 @@
 """Stress and displacement under profiles: Huber's sphere, flat punches added up, identities."""
 
 import math
+from dataclasses import replace
 
 import mpmath as mp
 import numpy as np
@@ -227,6 +228,22 @@ def test_friction_under_a_profile():
         assert 1e-8 < stress.error < 0.05  # of the traction
     with pytest.raises(NotComputedError, match="final state does not know"):
         body.energies()
+
+
+def test_displacements_over_the_contact_radius_have_its_error():
+    """At s = r/a they are a times an integral of p(s): of the pressure alone if a is exact."""
+    exact, off = smooth(SPHERE), 1e-6
+    wrong = replace(
+        exact,
+        values=exact.values | {"contact_radius": A * (1.0 + off)},
+        error=replace(exact.error, contact_radius=off),
+    )
+    r, z = np.array([0.0, 0.4, 1.0, 3.0]), np.array([0.0, 0.2, 0.0, 1.0])
+    true, found = exact.inside.displacement(r, z), wrong.inside.displacement(r, z)
+    apart = np.hypot(found.r - true.r, found.z - true.z)
+    assert np.all(apart > 0.99 * off * true.modulus)
+    assert np.all(apart <= found.error * found.modulus)
+    assert np.all(found.error < 1.1 * off)
 
 
 def test_units_of_a_table_under_a_profile():

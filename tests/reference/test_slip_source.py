@@ -3,8 +3,8 @@
 import mpmath as mp
 import numpy as np
 import pytest
-
 from spectral_contact.contact.slip_source import SlipSource
+
 from spectral_contact.fields.series import EDGE, EdgeWeight, PressureField, Radius
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels

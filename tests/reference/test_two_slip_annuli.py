@@ -11,9 +11,9 @@ from math import inf
 
 import numpy as np
 import pytest
+from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact

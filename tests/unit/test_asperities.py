@@ -126,7 +126,7 @@ def test_a_scene_takes_the_compliances():
         ("height_deviation", float("nan")),
         ("youngs_modulus", float("inf")),
         ("poisson_ratio", 0.6),
-        ("pressure", "10 MPa"),
+        ("pressure", "10 MN"),
         ("pressure", 1e-90),
         ("pressure", 1e12),
         ("hardness", 0.0),

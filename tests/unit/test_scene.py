@@ -420,6 +420,17 @@ def test_compliances_become_dimensionless():
     )
 
 
+@pytest.mark.parametrize("parameter", ["normal_compliance", "tangential_compliance"])
+@pytest.mark.parametrize("end", [1e-14, 1e14])
+def test_the_ends_of_the_range_are_in_it_in_si_units_too(parameter, end):
+    """E = 4(1−ν²) with ν = 0.5, a = 1: compliances are what they are in m/Pa."""
+    unit = {"youngs_modulus": 3.0, "poisson_ratio": 0.5, "radius": 1.0, "load": 1.0}
+    assert getattr(Scene.from_physical(**unit, **{parameter: end}), parameter) == end
+    beyond = math.nextafter(end, end * (math.inf if end > 1.0 else 0.0))
+    with pytest.raises(SceneError, match=parameter):
+        Scene.from_physical(**unit, **{parameter: beyond})
+
+
 @given(physical_scenes())
 def test_compliances_are_correctly_rounded(scene):
     si = scene.physical

@@ -1,4 +1,4 @@
-"""Time the explorer, and take its picture: python validation/cost/explorer.py.
+"""Time the explorer, and take its picture: python validation/cost/explorer.py [--budget].
 
 Writes validation/results/explorer.md, and docs/explorer.png if there is a Chromium. Timed is what
 the server does for one move of a slider: the solve, the fields, the tables, and the update of the
@@ -18,7 +18,7 @@ import sys
 from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
-from time import process_time
+from time import perf_counter, process_time
 
 import numpy as np
 
@@ -29,6 +29,7 @@ import browser
 from spectral_contact import solve
 from spectral_contact.view.explorer.look import look_at
 from spectral_contact.view.explorer.page import Page
+from spectral_contact.view.explorer.solvers import LookRequest, Solvers
 from spectral_contact.view.explorer.state import KNOBS, texts_from
 
 ROOT = Path(__file__).parents[2]
@@ -48,6 +49,17 @@ CASES = {
     "load of a sphere, friction": ("?profile=Sphere&radius=2&load=1", "load", 0.1, 3.0),
 }
 MOVES, SECONDS = 30, 4.0
+#: The scenes whose times are the budget: a flat punch, and contacts that grow.
+BUDGET = {
+    "flat": ("?", "?normal_compliance=0.001&tangential_compliance=0.01"),
+    "growing": (
+        "?profile=Parabola&radius=1&load=1",
+        "?profile=Cone&half_angle=1.2&load=1",
+        "?profile=PowerLaw&coefficient=1&exponent=3.5&load=1",
+    ),
+}
+TOLERANCES = ("1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
+LONGEST_SOLVE = 600.0
 SHOWN = "?poisson_ratio=0.3&normal_compliance=0.05&tangential_compliance=1&friction=0.0328"
 SLIDERS = "[...Bokeh.documents[0]._all_models.values()].filter(one => one.type === 'Slider')"
 #: Moves a slider to and fro at 60 Hz, and counts how often the fields change.
@@ -70,7 +82,7 @@ DRIVE = """new Promise(done => {
 def in_the_server(query: str, name: str, low: float, high: float) -> list[float]:
     """Return the seconds of each move."""
     texts = texts_from(query)
-    page = Page(texts)
+    page = Page(texts, Solvers())
     page.view.get_root()
     found = []
     for value in np.geomspace(low or 0.01, high, MOVES):
@@ -112,6 +124,24 @@ async def in_a_browser(host: str, address: str) -> list[float]:
     return rates
 
 
+def budget() -> None:
+    """Print the median time of a solve of each kind to each tolerance, in seconds."""
+    solvers = Solvers(seconds=LONGEST_SOLVE)
+    for kind, queries in BUDGET.items():
+        for coupling in ("false", "true"):
+            for rtol in TOLERANCES:
+                seconds = []
+                for query in queries:
+                    texts = {**texts_from(query), "coupling": coupling, "rtol": rtol}
+                    start = perf_counter()
+                    # past the refusal that this is measured for
+                    solvers.serve(LookRequest(texts))
+                    seconds.append(perf_counter() - start)
+                print(
+                    f"{kind}, coupling={coupling}, rtol={rtol}: {median(seconds):.2f}", flush=True
+                )
+
+
 def main() -> None:
     """Time all cases and write the table."""
     times = [in_the_server(*case) for case in CASES.values()]
@@ -131,4 +161,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    budget() if "--budget" in sys.argv[1:] else main()

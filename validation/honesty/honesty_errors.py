@@ -132,3 +132,33 @@ def compare(
 def violates(error: float, estimate: float, own: float) -> bool:
     """Return whether a true error is above the estimate; what is no number violates, too."""
     return not error <= estimate + own + 20 * EPS
+
+
+def unexplained(solution: Solution, closest: Solution | None = None) -> list[str]:
+    """Return what a solution that converged says of slip that its estimates do not explain.
+
+    Parameters
+    ----------
+    solution : Solution
+    closest : Solution, optional
+        The same scene at the closest tolerance: where that knows a digit of the slip, an infinite
+        estimate is not the last resort.
+
+    Returns
+    -------
+    list of str
+        ``"violation"`` where the friction law is broken by more than the tolerance and all finite
+        estimates, ``"slip"`` where its estimate is infinite and need not be.
+    """
+    error, found = solution.error, []
+    if not solution.converged:
+        return found
+    fields = max(error.pressure or 0.0, error.traction or 0.0)
+    slip = error.slip if error.slip is not None and error.slip < math.inf else 0.0
+    slips = any(zone.kind == "slip" for zone in solution.zones)
+    explained = max(solution.rtol, 2.0 * fields, slip if slips else 0.0)
+    if (error.violation or 0.0) > explained:
+        found.append("violation")
+    if error.slip == math.inf and closest is not None and (closest.error.slip or 0.0) < math.inf:
+        found.append("slip")
+    return found

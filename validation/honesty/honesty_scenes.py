@@ -12,7 +12,7 @@ from typing import Any
 from unittest import mock
 
 import numpy as np
-from honesty_errors import compare, zones_alike
+from honesty_errors import compare, unexplained, zones_alike
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, solve
 from spectral_contact.contact import resolution, zone_spaces
@@ -166,6 +166,10 @@ def outcome(seed: int, number: int, exact: bool, coupled: bool) -> dict:
             row["unconverged"] = not solution.converged
             row["differing"] = not zones_alike(solution, truth)
             row["errors"] = compare(solution, truth)
+            closest = truth if isinstance(truth, Solution) else None
+            if closest is None and solution.error.slip == math.inf:
+                closest = solve(scene, 1e-12, strict=False)
+            row["unexplained"] = unexplained(solution, closest)
     except Exception as error:  # whatever it is, it is a violation
         row["raised"] = f"{type(error).__name__}: {error!s:.200}"
     return row

@@ -5,7 +5,8 @@ validation/results/honesty_thresholds.json and .md. Scenes lie at relative dista
 10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and from the second
 threshold, at which the edge begins to slip, too. The law is
 evaluated with the elliptic kernels, which share nothing with the solver, on both sides of all
-boundaries; a zone that must be there is looked for.
+boundaries; a zone that must be there is looked for. A broken law that no estimate explains is
+wrong, and so is an infinite estimate of the slip that a closer tolerance makes finite.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ sys.path.append(str(Path(__file__).parents[1] / "cost"))
 
 import numpy as np
 from bench_solve import dense_solve
+from honesty_errors import unexplained
 
 import spectral_contact
 from spectral_contact import NotComputedError, Scene, Solution, solve
@@ -141,6 +143,12 @@ def verdict(drawn: Record, solution: Solution) -> str:
     slips = any(zone.kind == "slip" for zone in solution.zones)
     certain = error.zones is not None and error.zones < 1.0
     absent = drawn["kind"] != "second" and slips != drawn["below"]
+    closest = None
+    if error.slip == math.inf:
+        closest = solve(solution.scene, 1e-12, strict=False)
+    drawn["unexplained"] = unexplained(solution, closest)
+    if drawn["unexplained"]:
+        return "wrong"
     if miss > 2.0 * rtol + FLOOR or (absent and certain):
         spared = not certain and miss <= max(error.violation or 0.0, 2.0 * rtol + FLOOR)
         return "room" if spared else "wrong"

@@ -28,6 +28,7 @@ from types import FunctionType, SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pint
 from bad_input_cases import Bench, Broken, Case
 from bad_input_examples import Examples
 
@@ -183,6 +184,29 @@ def constant(value: Any) -> Callable[..., Any]:
     return lambda *_, **__: value
 
 
+class Astropys(np.ndarray[Any, Any]):
+    """An array with a unit as astropy has them: NumPy takes its numbers and drops the unit."""
+
+    unit = "K"
+
+    def __iter__(self) -> Iterator[Any]:
+        """Return the elements with their unit."""
+        return (np.array(number).view(Astropys) for number in np.asarray(self))
+
+    @property
+    def value(self) -> Any:
+        """The numbers."""
+        return np.asarray(self)
+
+    def to(self, unit: str) -> Any:
+        """Refuse every unit but its own."""
+        if unit != self.unit:
+            raise ValueError(f"K is not {unit}")
+        return self
+
+
+#: No parameter of the library is a temperature.
+KELVIN = pint.UnitRegistry().kelvin
 NO_NUMBERS = (
     *(True, "0.5", None, 0.5 + 0j, math.nan, object(), Broken()),
     *(np.datetime64("NaT", "s"), Decimal("0.5"), [[0.5], [0.5, 0.5]], np.ma.masked),
@@ -240,6 +264,10 @@ def pool() -> list[tuple[str, Callable[[], Any], set[str]]]:
         ("lists in a list", [[0.5], [1.5]], {"array", "list of list"}),
         ("a broken one", Broken(), set()),
         ("a list of broken ones", [Broken()], set()),
+        ("a temperature", 0.5 * KELVIN, set()),
+        ("temperatures", np.array([0.5, 0.75]) * KELVIN, set()),
+        ("a list of temperatures", [0.5 * KELVIN, 0.75 * KELVIN], {"list of anything"}),
+        ("temperatures of astropy", np.array([0.5, 0.75]).view(Astropys), set()),
         ("a class", Broken, {"own"}),
         ("an error", Exception("x"), set()),
     ]

@@ -130,6 +130,7 @@ SPECIAL: dict[str, Any] = {
     "testing.tangential_displacement.pressure": one,
 }
 #: What goes along with a parameter, so that it is looked at, or the work is short.
+INSIDE = "equations.interior.Inside"
 COMPANY: dict[str, dict[str, Any]] = {
     "PhysicalData": {"load": 1.0, "radius": 1e-3},
     "PhysicalData.approach": {"radius": 1e-3},
@@ -144,6 +145,8 @@ COMPANY: dict[str, dict[str, Any]] = {
     "studies.convergence": {"stopwatch": None, "truth": Quarter(), "scene": NORMAL},
     "studies.work_precision": {"stopwatch": QUICK, "truths": [Quarter()], "scenes": NORMAL},
     "studies.truth_of": {"truth": Quarter(), "scene": NORMAL},
+    **{f"{INSIDE}.{name}.rtol": {"r": [0.5]} for name in ("displacement", "stress", "surface")},
+    **{f"{INSIDE}.{name}.rtol": {"r": [0.5], "z": [0.5]} for name in ("to_table", "to_xarray")},
     "testing.check_solution": {"strict": False},
     "sweeps.sweep": {"quantities": ["approach"]},
     "sweeps.sweep.s": {"quantities": ["pressure"]},

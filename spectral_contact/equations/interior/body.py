@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,8 @@ _LOOKS = 513
 _FARTHEST = 1e30
 #: What is closer to the edge, or to the surface, is at it.
 _NEAREST = 1e-100
+#: The most points of one call, which takes some 1 kB of memory for each.
+_MOST_POINTS = 10**8
 
 
 class Inside:
@@ -107,22 +110,24 @@ class Inside:
     def _points(
         self, r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None
     ) -> tuple[BodyPoints, tuple[int, ...]]:
-        length = self._units.length
-        depth = _length("z", z, length)
+        depth = _length("z", z, self._units)
         checks.exactly_one("r", r, "from_edge", from_edge)
         if from_edge is None:
-            radius = _length("r", r, length)
+            radius = _length("r", r, self._units)
             distance = 1.0 - radius
         else:
-            distance = _length("from_edge", from_edge, length, high=1.0)
+            distance = _length("from_edge", from_edge, self._units, high=1.0)
             radius = 1.0 - distance
+        name = "r, z" if from_edge is None else "from_edge, z"
         try:
-            radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
+            shape = np.broadcast_shapes(radius.shape, depth.shape)
         except ValueError:
             shapes = f"{np.shape(radius)} and {np.shape(depth)}"
-            name = "r, z" if from_edge is None else "from_edge, z"
             raise SceneError(name, shapes, "of shapes that broadcast") from None
-        shape = radius.shape
+        count = math.prod(shape)
+        if count > _MOST_POINTS:
+            raise SceneError(f"number of points {name}", count, f"at most {_MOST_POINTS}")
+        radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
         # squares of what is nearer to the edge or the surface would underflow
         distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
@@ -163,7 +168,7 @@ class Inside:
         ------
         SceneError
             For both or neither of `r` and `from_edge`, a point above the surface or at no finite
-            place, or shapes that do not broadcast.
+            place, shapes that do not broadcast, or more than 1e8 points.
         """
         points, shape = self._points(r, z, from_edge)
         sums = self._sampler.displacement(points, _tolerance(rtol))
@@ -252,11 +257,12 @@ class Inside:
         gap = self._approach - moved.z
         profile = self._solution.scene.profile
         if profile is not None:
-            radius = np.asarray(1.0 - np.asarray(from_edge) if r is None else r, dtype=float)
-            place = radius * self._solution.contact_radius
+            points, shape = self._points(r, 0.0, from_edge)
+            place = points.r.reshape(shape) * self._solution.contact_radius
+            outside = points.from_edge.reshape(shape) < 0.0
             known = place <= profile.reach
             height = profile.height(np.where(known, place, 0.0))
-            gap = np.where(known, np.where(radius <= 1.0, gap - height, height - gap), np.nan)[()]
+            gap = np.where(known, np.where(outside, height - gap, gap - height), np.nan)[()]
         return Surface(moved.r, moved.z, gap, moved.error)
 
     @property
@@ -307,8 +313,9 @@ class Inside:
         SceneError
             As `displacement`.
         """
+        r, z = (_checked_lengths(name, x, self._units) for name, x in (("r", r), ("z", z)))
         self._points(r, z, None)
-        radius, depth = np.broadcast_arrays(np.asarray(r, float), np.asarray(z, float))
+        radius, depth = np.broadcast_arrays(r, z)
         return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
 
     def to_xarray(self, r: ArrayLike, z: ArrayLike, *, rtol: float | None = None) -> xarray.Dataset:
@@ -333,8 +340,10 @@ class Inside:
         MissingDependencyError
             If xarray is not installed.
         """
-        self._points(np.ravel(r), np.ravel(z)[:, None], None)
-        return dataset(self, np.ravel(np.asarray(r, float)), np.ravel(np.asarray(z, float)), rtol)
+        radii = np.ravel(_checked_lengths("r", r, self._units))
+        depths = np.ravel(_checked_lengths("z", z, self._units))
+        self._points(radii, depths[:, None], None)
+        return dataset(self, radii, depths, rtol)
 
     def largest(self, measure: str) -> Extreme:
         """Return the largest von Mises stress, shear stress or tension of the surface, and where.
@@ -421,15 +430,21 @@ def _nothing(s: Array, from_edge: Array) -> Array:
     return np.zeros(np.shape(s))
 
 
-def _length(name: str, values: Any, unit: float, high: float = _FARTHEST) -> Array:
-    """Return lengths over the radius of the punch; only `from_edge` may be negative."""
-    low = -_FARTHEST if name == "from_edge" else 0.0
-    allowed = f"in [{low * unit:.17g}, {high * unit:.17g}]"
-    given = np.asarray(checks.reals(name, values, allowed), dtype=np.float64)
-    bad = ~((given >= low * unit) & (given <= high * unit))
+def _length(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
+    """Return lengths over the radius of the punch."""
+    return np.asarray(_checked_lengths(name, values, units, high) / units.length + 0.0)
+
+
+def _checked_lengths(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
+    """Return lengths as doubles in their units; only `from_edge` may be negative."""
+    largest = high * units.length
+    smallest = -_FARTHEST * units.length if name == "from_edge" else 0.0
+    allowed = f"in [{smallest:.17g}, {largest:.17g}]"
+    given = checks.reals(name, values, allowed, unit=units.names.si_length).astype(np.float64)
+    bad = ~((given >= smallest) & (given <= largest))
     if bad.any():
         raise SceneError(name, given[bad].flat[0], allowed)
-    return np.asarray(given / unit + 0.0)
+    return given
 
 
 def _tolerance(rtol: float | None) -> float:

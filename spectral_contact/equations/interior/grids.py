@@ -43,6 +43,11 @@ class UnitNames(NamedTuple):
     displacement: str
     stress: str
 
+    @property
+    def si_length(self) -> str:
+        """The SI unit of places; "" if they are dimensionless."""
+        return "m" if self.place == "m" else ""
+
 
 _PAPER = UnitNames("a", "4 (1 - nu^2) P / (a E)", "P / a^2")
 

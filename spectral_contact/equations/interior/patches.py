@@ -68,7 +68,9 @@ def _toroidal(points: BodyPoints) -> Array:
 
 
 def _first(at: Array) -> list[_Cell]:
-    """Return the cells to begin with, each with its points."""
+    """Return the cells to begin with, each with its points; without points there are none."""
+    if at.shape[1] == 0:
+        return []
     number = np.floor(at / _WIDTH[:, None]).astype(int)
     number[1] = np.minimum(number[1], 1)
     _, owner = np.unique(2 * number[0] + number[1], return_inverse=True)

@@ -12,7 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from spectral_contact.io import checks, choices
-from spectral_contact.io.documents import Refused, path_text, read_file, replace_file, reported
+from spectral_contact.io.documents import (
+    Refused,
+    path_text,
+    read_file,
+    remove_leftovers,
+    replace_file,
+    reported,
+)
 from spectral_contact.studies.paper.figures import FIGURES, paper_figure
 from spectral_contact.studies.paper.pictures import check, draw
 from spectral_contact.studies.paper.statements import Statement, statements, statements_table
@@ -99,6 +106,7 @@ def reproduce(
     folder = Path(path_text(folder))
     with reported(str(folder), "cannot be written"):
         folder.mkdir(parents=True, exist_ok=True)
+    remove_leftovers(folder)
     with told:
         return _reproduced(folder, wanted, rtol, pictures, progress if callable(progress) else told)
 

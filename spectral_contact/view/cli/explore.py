@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.options import number, whole
-from spectral_contact.view.explorer.page import serve
+from spectral_contact.view.explorer.server import serve
 
 
 def add_options(command: argparse.ArgumentParser) -> None:

@@ -11,11 +11,13 @@ import numpy as np
 from spectral_contact.equations.interior import Extreme, Inside
 from spectral_contact.equations.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.errors import NotComputedError
-from spectral_contact.fields import Array
-from spectral_contact.io.documents import netcdf, read_file, replace_file, reported
+from spectral_contact.io.columns import Expected, NumberTable
+from spectral_contact.io.documents import netcdf, replace_file, reported
+from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
+from spectral_contact.view.cli.files import add_reading, read, reading_given
 from spectral_contact.view.cli.options import UsageError, number, values
 from spectral_contact.view.cli.profile import any_scene
 from spectral_contact.view.report import table
@@ -36,8 +38,11 @@ def add_options(command: argparse.ArgumentParser) -> None:
             "in m for a scene in SI units (default: 0 to two radii)",
         )
     group.add_argument(
-        "--points", metavar="FILE", help="instead: a .csv file whose first columns are r and z"
+        "--points",
+        metavar="FILE",
+        help="instead: a text file with columns r and z, in these units or those of its headings",
     )
+    add_reading(group, "r=2,z=3 [mm]")
     group = command.add_argument_group("request")
     group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
     group.add_argument(
@@ -56,14 +61,16 @@ def run(arguments: argparse.Namespace) -> str:
     points = arguments.points
     if points is not None and (arguments.r or arguments.z):
         raise UsageError("--points is instead of --r and --z")
+    if points is None and reading_given(arguments):
+        raise UsageError(f"{reading_given(arguments)[0]} goes with --points")
     output = arguments.output
     suffix = "" if output is None else Path(output).suffix.lower()
     if points is not None and suffix == ".nc":
         raise UsageError("a .nc file holds a grid: not with --points")
-    given = None if points is None else _read(points)
     if arguments.plot is not None:
         plotting.require()
     scene = any_scene(arguments)
+    given = None if points is None else read(points, _expected(scene), arguments)
     solution = solve(scene, min(arguments.rtol, 1e-10))
     body = solution.inside if scene.physical is None else solution.physical.inside
     if output is not None:
@@ -72,39 +79,29 @@ def run(arguments: argparse.Namespace) -> str:
             replace_file(output, content)
     if arguments.plot is not None:
         plotting.save(plotting.plot_inside(body, arguments.quantity), arguments.plot)
-    return _summary(body, solution)
+    summary = _summary(body, solution)
+    return summary if given is None else f"{given}\n{summary}"
 
 
 def _content(
-    body: Inside, arguments: argparse.Namespace, given: tuple[Array, Array] | None, suffix: str
+    body: Inside, arguments: argparse.Namespace, given: NumberTable | None, suffix: str
 ) -> bytes:
     default = np.linspace(0.0, 2.0 * body.radius, 81)
     r, z = (default if one is None else np.array(one) for one in (arguments.r, arguments.z))
     if suffix == ".nc":
         return netcdf(body.to_xarray(r, z, rtol=arguments.rtol))
-    places = np.meshgrid(r, z) if given is None else given
+    if given is None:
+        places = list(np.meshgrid(r, z, sparse=True))
+    else:
+        places = [given.values["r"], given.values["z"]]
     found = body.to_table(*places, rtol=arguments.rtol)
     return as_npz(found) if suffix == ".npz" else as_csv(found, body.unit_names)
 
 
-def _read(path: str) -> tuple[Array, Array]:
-    """Return the points of a file; lines that are no numbers may stand before them."""
-    source, content = read_file(path)
-    with reported(source, "is no table of r and z"):
-        rows = [line.split(",")[:2] for line in content.decode().splitlines()]
-        rows = [row for row in rows if row and not row[0].startswith("#")]
-        if rows and not _is_number(rows[0][0]):
-            rows = rows[1:]
-        r, z = np.array([[float(cell) for cell in row] for row in rows]).T
-    return r, z
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def _expected(scene: Scene) -> tuple[Expected, ...]:
+    """Return the columns of a file of points."""
+    unit = "" if scene.physical is None else "m"
+    return tuple(Expected(name, unit, at_least=0.0) for name in ("r", "z"))
 
 
 def _summary(body: Inside, solution: Solution) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from spectral_contact.errors import SceneError, SolutionFileError
+from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.io.units import in_si
 from spectral_contact.layers import (
     CalculixExponential,
@@ -31,7 +31,7 @@ _NAMED: Final[dict[str, tuple[Callable[..., Layer], tuple[str, ...], tuple[str, 
         ("density", "tip_radius", "height_deviation"),
         ("heights",),
     ),
-    "table": (Table, ("table",), ()),
+    "table": (Table, ("table",), ("columns",)),
 }
 #: Numbers of laws, with their SI unit and meaning; a power of a unit is not converted.
 _NUMBERS: Final = {
@@ -58,7 +58,8 @@ def add_layer(
     group = command.add_argument_group(
         "nonlinear layer",
         "Under a profile, in place of --normal-compliance and without friction. Pressures are in "
-        "E' and lengths in L; with --youngs-modulus in Pa and m.",
+        "E' and lengths in L"
+        + ("; with --youngs-modulus in Pa and m." if control is None else "."),
     )
     group.add_argument(
         "--layer", choices=_NAMED, default=argparse.SUPPRESS, help="the law (default: linear)"
@@ -71,8 +72,13 @@ def add_layer(
         default=argparse.SUPPRESS,
         help="of asperities: how their heights are distributed (default: gaussian)",
     )
-    of_table = "of a table: a file of text with an overclosure and a pressure on each line"
+    of_table = (
+        "of a table: a text file with columns overclosure and pressure, in this order or named "
+        "(see docs/files.md)"
+    )
     add_option(group, "layer_table", str, of_table, "FILE")
+    of_columns = "of the table: which column is which, overclosure=2,pressure=1 say"
+    add_option(group, "layer_columns", str, of_columns, "NAMES")
 
 
 def layer_given(given: Mapping[str, Any]) -> bool:
@@ -96,7 +102,7 @@ def law(given: Mapping[str, Any], si: bool) -> Layer | None:
     if alien:
         raise UsageError(f"--layer {named} does not take {alien[0]}")
     if named == "table":
-        return kind(*_columns(own["table"]))
+        return _table(own["table"], own.get("columns"), si)
     values = {name: _value(name, one, si) for name, one in own.items()}
     try:
         return kind(**values)
@@ -115,14 +121,18 @@ def _value(name: str, value: Any, si: bool) -> Any:
     return in_si(name, value, unit)
 
 
-def _columns(path: str) -> Any:
-    """Return the two columns of a file of text, which spaces or commas part."""
+def _table(path: str, columns: str | None, si: bool) -> Table:
+    """Return the law of a file; in SI units its headings may have units."""
+    units = {"overclosure": "m", "pressure": "Pa"}
+    expected = [Expected(name, unit if si else "") for name, unit in units.items()]
+    found = read_columns(path, expected, columns=columns, option="--layer-columns")
+    for name, values in found.values.items():
+        falls = np.flatnonzero(np.diff(values) <= 0.0)
+        if falls.size:
+            line, before = found.lines[falls[0] + 1], found.lines[falls[0]]
+            told = f"line {line}: {name} does not increase from line {before}"
+            raise SolutionFileError(path, f"{told} ({name} from {found.sources[name]})")
     try:
-        lines = Path(path).read_text(encoding="utf-8").replace(",", " ").splitlines()
-        rows = np.loadtxt(lines, ndmin=2)
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise SolutionFileError(path, f"no table of a layer: {reason}") from error
-    if rows.shape[1] != 2:
-        raise SolutionFileError(path, f"no table of a layer: {rows.shape[1]} columns, not 2")
-    return rows.T
+        return Table(*(tuple(found.values[name].tolist()) for name in units))
+    except SceneError as error:
+        raise SolutionFileError(path, str(error)) from error

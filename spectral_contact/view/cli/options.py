@@ -15,16 +15,21 @@ from typing import Any, Final
 import numpy as np
 
 from spectral_contact.errors import SpectralContactError
+from spectral_contact.io.checks import decimal_number, is_decimal
 from spectral_contact.io.units import has_unit
 
-# Narrower than float() and int(), which take 1_000 and the digits of every script.
-_DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
-_NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
+# Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+#: The most values that a range stands for.
+_MOST_VALUES: Final = 10**7
 
 
 class UsageError(SpectralContactError):
     """The options do not make a request."""
+
+
+class NothingSolved(SpectralContactError):
+    """The request was done, and not one scene of it was solved."""
 
 
 def add_option(
@@ -47,22 +52,23 @@ def flag(name: str) -> str:
 
 def measured(text: str) -> float | str:
     """Return a number, or text with a unit as it is."""
-    return text if has_unit(text) else number(text)
+    if has_unit(text):
+        return text
+    try:
+        return number(text)
+    except argparse.ArgumentTypeError as error:
+        if text.strip()[:1] not in tuple("0123456789.+-"):
+            raise
+        told = f"{error}, nor a number and a unit, as '5 mm' or '50 nm/MPa'"
+        raise argparse.ArgumentTypeError(told) from error
 
 
 def number(text: str) -> float:
     """Return a number; decimals beyond the doubles are refused, as in Python's interface."""
-    stripped = text.strip(" ")
-    if _NO_DECIMAL.fullmatch(stripped):
-        return float(stripped)
-    if not _DECIMAL.fullmatch(stripped):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
-    value = float(stripped)
-    # exact, whatever the exponent: a decimal is zero if all digits before it are
-    is_zero = not set("123456789") & set(stripped.lower().partition("e")[0])
-    if math.isinf(value) or (value == 0.0) != is_zero:
-        raise argparse.ArgumentTypeError(f"{text!r} is not within the range of a double")
-    return value
+    try:
+        return decimal_number(text.strip(" "))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"{text!r} {error}") from None
 
 
 def whole(text: str) -> int:
@@ -95,6 +101,9 @@ def values(text: str) -> list[float]:
     start, high, count = number(low), number(rest[0]), whole(rest[1])
     if count < 1 or not math.isfinite(high - start):
         raise refusal
+    if count > _MOST_VALUES:
+        told = f"{text!r}: COUNT must be at most {_MOST_VALUES}"
+        raise argparse.ArgumentTypeError(told)
     if rest[2:] != ["log"]:
         return list(map(float, np.linspace(start, high, count)))
     if min(start, high) <= 0.0:
@@ -125,5 +134,4 @@ def joined(argv: Sequence[str]) -> list[str]:
 
 def _negative(text: str) -> bool:
     stripped = text.strip(" ")
-    is_number = _DECIMAL.fullmatch(stripped) or _NO_DECIMAL.fullmatch(stripped)
-    return text.startswith("-") and bool(is_number)
+    return text.startswith("-") and is_decimal(stripped)

@@ -10,7 +10,7 @@ from spectral_contact.io.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.layer import add_layer, law, layer_given
-from spectral_contact.view.cli.options import UsageError, add_option, flag, number
+from spectral_contact.view.cli.options import UsageError, add_option, flag, measured, number
 from spectral_contact.view.cli.scene import add_physical, add_scene, scene, si_given
 
 #: Profiles that numbers describe, by the name on the command line.
@@ -32,7 +32,15 @@ _OWN: Final = {
     "coefficient": "of a power law",
     "exponent": "of a power law",
 }
-_SHARED: Final = {"radius": "m", "load": "N", "approach": "m"}
+#: Numbers that may have a unit where the scene is in SI units. An angle may have one in any scene.
+_UNITS: Final = {
+    "radius": "m",
+    "load": "N",
+    "approach": "m",
+    "contact_radius": "m",
+    "separation": "m",
+    "flat_radius": "m",
+}
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_ONLY: Final = ("youngs_modulus", *(f"{name}_si" for name in _COMPLIANCES))
 
@@ -57,12 +65,17 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
 
     What tells how far it is pressed in is read by `control`.
     """
+    si = control is number  # several values of an option have no units
+    units = (
+        "With --youngs-modulus in SI units, lengths in m. Else all lengths" if si else "All lengths"
+    )
+    numbers = ": --radius, --load and --approach are numbers then" if si else ""
+    required = " (in SI units it is required)" if si else ""
     group = command.add_argument_group(
         "scene with a profile",
-        "With --youngs-modulus in SI units, lengths in m. Else all lengths are in one length L, "
-        "loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances in L / E': --radius, --load and "
-        "--approach are numbers then. Poisson's ratio defaults to 0.3 (in SI units it is "
-        "required) and the compliances to 0; there is no friction unless it is given.",
+        f"{units} are in one length L, loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances "
+        f"in L / E'{numbers}. Poisson's ratio defaults to 0.3{required} and the compliances to 0; "
+        "there is no friction unless it is given.",
     )
     group.add_argument(
         "--profile",
@@ -70,9 +83,12 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         default=argparse.SUPPRESS,
         help="what the punch looks like (default: flat; flat itself is for a nonlinear layer)",
     )
-    add_layer(command, None if control is number else control)
+    add_layer(command, None if si else control)
     for name, meaning in _OWN.items():
-        add_option(group, name, control if name in ALL_CONTROLS else number, meaning)
+        kind: Callable[[str], Any] = measured if name in (*_UNITS, "half_angle") else number
+        if name in ALL_CONTROLS and control is not number:
+            kind = control
+        add_option(group, name, kind, meaning)
 
 
 def profile_given(arguments: argparse.Namespace) -> bool:
@@ -130,10 +146,13 @@ def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:
     """Return what is given of profile and contact; a unit is understood in SI units alone."""
     values = {
         name: in_si(name, given[name], unit) if si else _plain(name, given[name])
-        for name, unit in _SHARED.items()
+        for name, unit in _UNITS.items()
         if name in given
     }
-    return {**values, **{name: given[name] for name in _OWN if name in given}}
+    return {
+        **values,
+        **{name: given[name] for name in _OWN if name in given and name not in values},
+    }
 
 
 def _check_complete(profile: str, needed: tuple[str, ...], values: dict[str, float]) -> None:

@@ -14,7 +14,7 @@ from spectral_contact.studies.solvers import named_solver
 from spectral_contact.studies.study import OwnSolver, convergence, work_precision
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
-from spectral_contact.view.cli.options import resolution
+from spectral_contact.view.cli.options import NothingSolved, resolution
 
 #: The studies, and what they do.
 KINDS: Final = {
@@ -117,6 +117,15 @@ def write(study: Study, arguments: argparse.Namespace) -> None:
         study.save(arguments.output)
     if arguments.plot is not None:
         study.plot(arguments.plot)
+
+
+def check_some_solved(study: Study) -> None:
+    """Raise `NothingSolved` with the first reason, if no solve of a study was done."""
+    points = study.points
+    if points and all(point.failure for point in points):
+        first = points[0]
+        told = f"{first.solver} at {first.resolution:g}: {first.failure}"
+        raise NothingSolved(f"none of {len(points)} solves was done; the first one: {told}")
 
 
 def _asked(quantities: list[str] | None) -> tuple[str, ...] | None:

@@ -18,6 +18,7 @@ from spectral_contact.sweeps.run import sweep
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.layer import LAW_NUMBERS
 from spectral_contact.view.cli.options import (
+    NothingSolved,
     UsageError,
     add_option,
     friction,
@@ -154,6 +155,15 @@ def summary(dataset: xarray.Dataset) -> str:
             numbers = (column.min(), column.max(), error.max())
             cells.append((str(name), *(f"{float(one):.4g}" for one in numbers)))
     return f"{dataset.ending.size} scenes: {counts}\n" + table(cells)
+
+
+def check_some_solved(dataset: xarray.Dataset) -> None:
+    """Raise `NothingSolved` with the first reason, if no scene of a sweep was solved."""
+    endings = dataset.ending.values.ravel().tolist()
+    if "converged" not in endings:
+        message = dataset.message.values.ravel().tolist()[0]
+        told = f"none of {len(endings)} scenes was solved; the first one: {endings[0]}, {message}"
+        raise NothingSolved(told)
 
 
 def _content(dataset: xarray.Dataset, suffix: str) -> bytes:

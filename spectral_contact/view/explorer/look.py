@@ -1,10 +1,9 @@
-"""What the explorer shows of a scene: its fields, tables and what it cost. No browser here."""
+"""Solve a scene, and make of it what the explorer shows. No browser here."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
@@ -12,57 +11,13 @@ import numpy as np
 from spectral_contact.errors import SpectralContactError
 from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
+from spectral_contact.view.explorer.shown import Look
 from spectral_contact.view.explorer.state import Texts, code_of, rtol_of, scene_of
 from spectral_contact.view.html import table_html, zones_svg
 from spectral_contact.view.radii import bulk_limits, graded_radii, known_zones, layer_depth
 from spectral_contact.view.report import quantity_cells
 
 _RADII = 240
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Look:
-    """A state as it is shown; one that is refused has its complaint and nothing else.
-
-    Attributes
-    ----------
-    complaint : str
-        Why the scene is refused, in the words of the library.
-    solution : Solution or None
-    columns : dict of ndarray
-        Over the radii ``s``: ``d`` = 1 − s, ``p``, ``q``, ``fp``, ``slip``; NaN where infinite.
-    limits : dict
-        Of the axes: ``d``, and each of ``p``, ``q`` and ``slip`` over s and, as ``log p`` and so
-        on, over d.
-    cost : str
-    code : str
-    """
-
-    complaint: str = ""
-    solution: Solution | None = None
-    columns: Mapping[str, Array] | None = None
-    limits: Mapping[str, tuple[float, float]] | None = None
-    cost: str = ""
-    code: str = ""
-
-    @property
-    def zones(self) -> tuple[tuple[float, float], ...]:
-        """Inner and outer radius of each zone that slips."""
-        zones = () if self.solution is None else known_zones(self.solution)
-        return tuple((one.inner, one.outer) for one in zones if one.kind == "slip")
-
-    @property
-    def tables(self) -> str:
-        """Quantities with the estimates of their errors, zones and plan, in HTML."""
-        if self.solution is None:
-            return ""
-        zones = known_zones(self.solution)
-        steps = self.solution.plan.steps
-        plan = [("plan", "", ""), *((one.name, one.state.value, one.reason) for one in steps)]
-        parts = [zones_svg(zones)] if zones else []
-        if not self.solution.converged:
-            parts.append(table_html([("not converged",), (self.solution.ending.value,)]))
-        return "".join([*parts, table_html(quantity_cells(self.solution)), table_html(plan)])
 
 
 def look_at(texts: Texts, solve: Callable[..., Solution]) -> Look:
@@ -78,7 +33,19 @@ def look_at(texts: Texts, solve: Callable[..., Solution]) -> Look:
     unknowns = sum(step.unknowns for step in solution.work.steps)
     columns, limits = _drawn(solution)
     cost = f"solved in {1e3 * seconds:.3g} ms, {unknowns:,} unknowns, rtol = {rtol:g}"
-    return Look("", solution, columns, limits, cost, code_of(texts))
+    zones = tuple((one.inner, one.outer) for one in known_zones(solution) if one.kind == "slip")
+    return Look("", solution, columns, limits, zones, tables_of(solution), cost, code_of(texts))
+
+
+def tables_of(solution: Solution) -> str:
+    """Return quantities with the estimates of their errors, zones and plan, in HTML."""
+    zones = known_zones(solution)
+    steps = solution.plan.steps
+    plan = [("plan", "", ""), *((one.name, one.state.value, one.reason) for one in steps)]
+    parts = [zones_svg(zones)] if zones else []
+    if not solution.converged:
+        parts.append(table_html([("not converged",), (solution.ending.value,)]))
+    return "".join([*parts, table_html(quantity_cells(solution)), table_html(plan)])
 
 
 def _drawn(solution: Solution) -> tuple[dict[str, Array], dict[str, tuple[float, float]]]:

@@ -1,23 +1,19 @@
-"""The explorer as a page of Panel and Bokeh, served on this machine alone, or in a notebook."""
+"""The explorer as a page of Panel and Bokeh, in a notebook or for `server` to serve."""
 
 from __future__ import annotations
 
 import asyncio
-import socket
 from collections.abc import Callable, Mapping
 from html import escape
 from typing import Any, Final
 
-from spectral_contact.errors import SceneError, optional
-from spectral_contact.io.checks import whole
+from spectral_contact.errors import optional
 from spectral_contact.scene import Scene
-from spectral_contact.solving.solver import solve
-from spectral_contact.view.explorer.look import Look, look_at
-from spectral_contact.view.explorer.state import query_of, texts_from, texts_of
+from spectral_contact.view.explorer.shown import Look
+from spectral_contact.view.explorer.solvers import LookRequest, Solvers
+from spectral_contact.view.explorer.state import query_of, texts_of
 from spectral_contact.view.explorer.widgets import Controls, Figures, grid
 
-#: The loopback address: nobody else on the network reaches the page.
-ADDRESS: Final = "127.0.0.1"
 _COMPLAINT: Final = {
     "background": "#FBE5D6",
     "border-left": "4px solid #D55E00",
@@ -35,13 +31,9 @@ svg { max-width: 100%; }
 _PATIENCE: Final = 0.2
 #: So many seconds after the last move the address has the state: each is a step of "back".
 _REST: Final = 0.3
-_TEMPLATE: Final = """
-{% extends base %}
-{% block preamble %}
-<meta name="viewport" content="width=device-width, initial-scale=1">
-{% endblock %}
-{% block contents %}{{ embed(roots.explorer) }}{{ embed(roots.location) }}{% endblock %}
-"""
+#: A solve that is still running so many seconds after its scene was changed is ended. Ending it at
+#: once would show nothing while a slider moves, and a new process imports the library for a second.
+_GRACE: Final = 2.0
 
 
 def explore(scene: Scene | None = None, *, rtol: float | None = None) -> Any:
@@ -71,97 +63,12 @@ def explore(scene: Scene | None = None, *, rtol: float | None = None) -> Any:
     panel = optional("panel", "explore")
     if panel.state.curdoc is None:
         panel.extension()
-    return Page(texts).view
-
-
-def serve(
-    scene: Scene | None = None,
-    *,
-    started: Callable[[str], object],
-    rtol: float | None = None,
-    port: int = 0,
-    show: bool = True,
-) -> None:
-    """Serve the explorer on the loopback address until it is interrupted.
-
-    Parameters
-    ----------
-    scene, rtol
-        As of `explore`.
-    started : callable
-        Is told the address when the page can be opened.
-    port : int
-        0 is any that is free.
-    show : bool
-        Whether to open it in the user's browser.
-
-    Raises
-    ------
-    SceneError
-        As `explore` does, and for a port that cannot be had.
-    MissingDependencyError
-        If Panel is not installed (extra: explore).
-    """
-    query = query_of(texts_of(scene, rtol))
-    panel = optional("panel", "explore")
-    port = _free_port(port)
-    origins = [f"{ADDRESS}:{port}", f"localhost:{port}"]
-    server = panel.io.server.get_server(
-        {"/": lambda: _session(panel)},
-        port=port,
-        address=ADDRESS,
-        websocket_origin=origins,
-        title="spectral_contact explorer",
-        index=None,
-    )
-    address = f"http://{ADDRESS}:{port}/{query}"
-    server.io_loop.asyncio_loop.set_exception_handler(_unless_gone)
-    server.start()
-    started(address)
-    if show:
-        import webbrowser
-
-        webbrowser.open_new_tab(address)
-    try:
-        server.io_loop.start()
-    finally:
-        server.stop()
-
-
-def _unless_gone(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Say nothing of a visitor who leaves while he is told something."""
-    from tornado.websocket import WebSocketClosedError
-
-    if not isinstance(context.get("exception"), WebSocketClosedError):
-        loop.default_exception_handler(context)
-
-
-def _session(panel: Any) -> Any:
-    """Return the page of one visitor, in the state that the address has."""
-    location = panel.state.location
-    complaint = ""
-    try:
-        texts = texts_from(location.search or "")
-    except SceneError as error:
-        texts, complaint = texts_of(None), str(error)
-    page = Page(texts, follow=lambda query: setattr(location, "search", query))
-    if complaint:
-        page.complain(complaint)
-    template = panel.Template(_TEMPLATE, location=True)
-    template.add_panel("explorer", page.view)
-    return template
-
-
-def _free_port(port: int) -> int:
-    """Return a port of the loopback address that is free now."""
-    number = whole("port", port, 0)
-    try:
-        with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            probe.bind((ADDRESS, number))
-            return int(probe.getsockname()[1])
-    except (OSError, OverflowError) as error:
-        raise SceneError("port", port, f"a port of {ADDRESS} that is free ({error})") from error
+    solvers = Solvers()
+    page = Page(texts, solvers)
+    look = solvers.request(texts).future.result()
+    assert look is not None
+    page.show(texts, look)
+    return page.view
 
 
 class Page:
@@ -170,7 +77,8 @@ class Page:
     Parameters
     ----------
     texts : mapping
-        The state to begin with.
+        The state to begin with; it is shown when `begin` is called.
+    solvers : Solvers
     follow : callable, optional
         Is told the query of the link to every state that is shown.
 
@@ -183,31 +91,58 @@ class Page:
     """
 
     def __init__(
-        self, texts: Mapping[str, str], follow: Callable[[str], object] | None = None
+        self,
+        texts: Mapping[str, str],
+        solvers: Solvers,
+        follow: Callable[[str], object] | None = None,
     ) -> None:
-        self._panel, self._follow = optional("panel", "explore"), follow
+        self._panel = optional("panel", "explore")
+        self._solvers = solvers
+        self._follow = follow
         self._wanted: dict[str, str] | None = None
-        self._busy, self._shown = False, texts
-        self.controls = Controls(self._panel, texts, self._refresh)
+        self._request: LookRequest | None = None
+        self._superseded = False
+        self._busy = False
+        self._shown = texts
+        self.controls = Controls(self._panel, texts, self.begin)
         self._figures = Figures(self._panel)
         pane = self._panel.pane
-        self.message = pane.HTML("", visible=False, styles=_COMPLAINT, sizing_mode="stretch_width")
+        self.message = pane.HTML(
+            "",
+            visible=False,
+            styles=_COMPLAINT,
+            stylesheets=[_TABLES],
+            sizing_mode="stretch_width",
+        )
         self._tables = pane.HTML("", stylesheets=[_TABLES], sizing_mode="stretch_width")
         self._waits = pane.HTML("solving …", visible=False)
         self._cost = pane.HTML("", sizing_mode="stretch_width")
         self.code = pane.HTML("", stylesheets=[_TABLES], sizing_mode="stretch_width")
         self._copied = self._panel.widgets.TextInput(visible=False)
         self.view = self._layout()
-        self.show(texts, look_at(texts, solve))
 
     @property
     def texts(self) -> dict[str, str]:
         """The state that the widgets have."""
         return self.controls.texts
 
-    def complain(self, message: str) -> None:
-        """Show why something is refused; the last scene that was not stays where it is."""
-        self.message.param.update(object=escape(message), visible=True)
+    def complain(self, message: str, code: str = "") -> None:
+        """Show why something is refused; the last scene that was not stays where it is.
+
+        Parameters
+        ----------
+        message : str
+        code : str
+            Python lines that do it elsewhere, if there are any.
+        """
+        lines = f"<pre>{escape(code)}</pre>" if code else ""
+        self.message.param.update(object=escape(message) + lines, visible=True)
+
+    def close(self, *_: Any) -> None:
+        """End the solve that is running: nobody looks at the page any more."""
+        self._wanted = None
+        if self._request is not None:
+            self._request.cancel()
 
     def _layout(self) -> Any:
         panel = self._panel
@@ -237,27 +172,43 @@ class Page:
         )
         return panel.FlexBox(left, right, sizing_mode="stretch_width", styles={"gap": "12px"})
 
-    async def _refresh(self, *_: Any) -> None:
+    async def begin(self, *_: Any) -> None:
         """Show what is set. What is set while a scene is solved waits, and only the last of it."""
         self._wanted = self.texts
         if self._busy:
+            self._supersede()
             return
         self._busy = True
         try:
             while self._wanted is not None:
                 texts, self._wanted = self._wanted, None
-                loop = asyncio.get_running_loop()
-                work = loop.run_in_executor(None, look_at, texts, solve)
-                await asyncio.wait([work], timeout=_PATIENCE)
-                if not work.done():
-                    self._panel.state.execute(self._wait)
-                look = await work
-                self._panel.state.execute(lambda t=texts, one=look: self.show(t, one))
+                look = await self._look(texts)
+                if look is not None:
+                    self._panel.state.execute(lambda t=texts, one=look: self.show(t, one))
         finally:
             self._busy = False
         await asyncio.sleep(_REST)
         if self._follow is not None and texts == self._shown and not self._busy:
             self._panel.state.execute(self._tell)
+
+    async def _look(self, texts: Mapping[str, str]) -> Look | None:
+        """Return what is to be shown of a state, None if the solve was ended for a later one."""
+        self._superseded = False
+        self._request = self._solvers.request(texts)
+        try:
+            answer = asyncio.wrap_future(self._request.future)
+            await asyncio.wait([answer], timeout=_PATIENCE)
+            if not answer.done():
+                self._panel.state.execute(self._wait)
+            return await answer
+        finally:
+            self._request = None
+
+    def _supersede(self) -> None:
+        """End the solve that is running in a while: another state is set."""
+        if self._request is not None and not self._superseded:
+            self._superseded = True
+            asyncio.get_running_loop().call_later(_GRACE, self._request.cancel)
 
     def _wait(self) -> None:
         """Say that what is shown is not what is set, yet."""
@@ -267,7 +218,7 @@ class Page:
         """Show a state that was looked at, or why it is refused."""
         self._waits.visible = False
         if look.complaint:
-            self.complain(look.complaint)
+            self.complain(look.complaint, look.code)
             return
         with self._panel.io.hold():
             self.message.param.update(object="", visible=False)

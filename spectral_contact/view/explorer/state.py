@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Final
 from urllib.parse import parse_qsl, urlencode
 
+from spectral_contact.errors import SceneError
 from spectral_contact.io.choices import instance, one_of
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles import Profile
@@ -25,6 +26,11 @@ Texts = Mapping[str, str]
 RTOL: Final = "1e-8"
 #: What is asked for, of which the pressure limits the tolerance.
 _FIELDS: Final = ("pressure",)
+
+
+#: The longest text of a parameter; the digits of a double are 17, and its shortest text has at most
+#: 24 characters.
+LONGEST_TEXT: Final = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +63,10 @@ class Knob:
 
     def place(self, text: str) -> float:
         """Return the place of a value: an end of the slider for what is beyond, or no number."""
-        value = _number(text)
-        inside = min(max(value if isinstance(value, float) else self.low, self.low), self.high)
+        value = _parsed(text)
+        if not isinstance(value, float) or math.isnan(value):
+            value = self.low
+        inside = min(max(value, self.low), self.high)
         return math.log10(inside) if self.logarithmic else inside
 
 
@@ -114,8 +122,10 @@ def texts_from(query: str) -> dict[str, str]:
     mended in the page.
     """
     told = dict(parse_qsl(query.removeprefix("?"), keep_blank_values=True))
-    for name in told:
+    for name, text in told.items():
+        check_length("the name of a parameter", name)
         one_of("the name of a parameter", name, _NAMES)
+        check_length(name, text)
     for name, known in (("coupling", _YES_NO), ("profile", SHAPES)):
         if name in told:
             one_of(name, told[name], known)
@@ -130,14 +140,14 @@ def query_of(texts: Texts) -> str:
 
 def scene_of(texts: Texts) -> Scene:
     """Return the scene of a state; what is none, text that is no number too, is a `SceneError`."""
-    values: dict[str, Any] = {name: _number(texts[name]) for name in FLAT if name in texts}
+    values: dict[str, Any] = {name: _number(name, texts[name]) for name in FLAT if name in texts}
     if "coupling" in texts:
         values["coupling"] = _YES_NO[one_of("coupling", texts["coupling"], _YES_NO)]
     if "profile" in texts:
         kind = one_of("profile", texts["profile"], SHAPES)
-        shape = {name: _number(texts.get(name, "")) for name in SHAPES[kind]}
+        shape = {name: _number(name, texts.get(name, "")) for name in SHAPES[kind]}
         values["profile"] = KINDS[kind](**shape)
-    values |= {name: _number(texts[name]) for name in CONTROLS if name in texts}
+    values |= {name: _number(name, texts[name]) for name in CONTROLS if name in texts}
     return Scene(**values)
 
 
@@ -161,15 +171,26 @@ def code_of(texts: Texts) -> str:
 
 def rtol_of(texts: Texts) -> float:
     """Return the tolerance of a state."""
-    return checked_tolerance(_number(texts.get("rtol", RTOL)), _FIELDS)
+    return checked_tolerance(_number("rtol", texts.get("rtol", RTOL)), _FIELDS)
 
 
 def _text(value: float | None) -> str:
     return "none" if value is None else repr(value).removesuffix(".0")
 
 
-def _number(text: str) -> float | str | None:
+def _number(name: str, text: str) -> float | str | None:
     """Return the number of a text; what is none stays text, for the library to refuse."""
+    check_length(name, text)
+    return _parsed(text)
+
+
+def check_length(name: str, text: str) -> None:
+    """Refuse a text that is longer than any number needs, before anything reads it."""
+    if len(text) > LONGEST_TEXT:
+        raise SceneError(name, text, f"at most {LONGEST_TEXT} characters long")
+
+
+def _parsed(text: str) -> float | str | None:
     stripped = text.strip()
     if stripped.lower() == "none":
         return None

@@ -12,7 +12,7 @@ from spectral_contact.view.explorer.state import FLAT, KNOBS, RTOL
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, SLIP_GREY, VERMILION
 
 if TYPE_CHECKING:
-    from spectral_contact.view.explorer.look import Look
+    from spectral_contact.view.explorer.shown import Look
 
 _HINT: Final = (
     "Type what the sliders do not reach: a compliance of 0 is a smooth surface, friction "
@@ -173,6 +173,7 @@ class Figures:
             x_range=Range1d(0.0, 1.0),
             y_range=Range1d(0.0, 1.0),
             x_axis_label="radius s" if over == "s" else "distance from the edge 1 − s",
+            visible=False,  # before there is anything to show
             tools="box_zoom,reset,save",
             toolbar_location="right",
         )

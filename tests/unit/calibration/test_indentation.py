@@ -1,13 +1,15 @@
 """Fits of force-indentation curves: exact data give their parameters back, errors are honest."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from spectral_contact import ConvergenceError, Scene, SceneError, profiles, solve
-from spectral_contact.calibration import IndentationData, fit
+from spectral_contact import ConvergenceError, Scene, SceneError, layers, profiles, solve
+from spectral_contact.calibration import IndentationData, fit, indentation, layered
 from spectral_contact.calibration.indentation import curve_load
+from spectral_contact.calibration.layered import layered_load
 
 FREE = ("reduced_modulus", "normal_compliance", "zero_point")
 BALL = {"poisson_ratio": 0.2, "profile": profiles.Parabola(1e-5), "load": 5e-3}
@@ -65,6 +67,26 @@ def test_without_a_layer_and_without_contact():
     assert flat.value == pytest.approx(16 / 3 * 0.125)
     assert flat.by_approach == pytest.approx(4.0)
     assert curve_load(profiles.Parabola(1.0), -0.1, 0.0, 1e-10) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", ["load_error", "stiffness_error"])
+@pytest.mark.parametrize(
+    ("module", "load"),
+    [
+        (indentation, lambda: curve_load(profiles.Parabola(1.0), 0.2, 0.1, 1e-6)),
+        (layered, lambda: layered_load(profiles.Flat(1.0), layers.PowerLaw(5.0, 2.0), 0.3, 1e-6)),
+    ],
+    ids=["linear", "power law"],
+)
+def test_a_load_or_a_stiffness_that_is_not_known_well_enough_is_refused(
+    monkeypatch, module, load, name
+):
+    """The stiffness is the derivative by the approach: a fit with a wrong one goes astray."""
+    load()  # is known well enough
+    original = module.value_of
+    monkeypatch.setattr(module, "value_of", lambda one: replace(original(one), **{name: 1.1e-5}))
+    with pytest.raises(ConvergenceError, match=r"are known to 1\.1e-05; loosen rtol"):
+        load()
 
 
 def test_the_error_bars_cover_what_they_say():

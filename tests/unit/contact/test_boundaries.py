@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from spectral_contact.contact.zone_assessment import zones_error
+from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState, longest, through_secants
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.stick_radius import differences
-from spectral_contact.contact.zone_assessment import zones_error
-from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState, longest, through_secants
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.factored import factored

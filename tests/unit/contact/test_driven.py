@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 from oracles.family_integrals import half_integral
+from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem

@@ -210,6 +210,34 @@ def test_altered_tables_are_refused(place, to, message, tmp_path):
         assert message in refusal(path)
 
 
+@pytest.mark.parametrize("side", ["inner", "inner_from_edge"])
+def test_a_zone_begins_where_the_one_before_it_ends_from_the_centre_and_from_the_edge(
+    side, tmp_path
+):
+    table = small()
+    zone = table["scenes"][0]["zones"][1]
+    zone[side] = zone[side][:-1] + str((int(zone[side][-1]) + 1) % 10)
+    assert "zone 2: it does not begin where" in refusal(written(tmp_path, table))
+
+
+def test_a_number_without_its_last_digits_is_refused_and_zeros_before_it_are_no_digits(tmp_path):
+    table = small()
+    scene = table["scenes"][0]
+    digits = scene["total_shear"].removeprefix("0.0")
+    scene["total_shear"] = "0.0" + digits[: scene["digits"]]
+    gold.load(written(tmp_path, table))
+    scene["total_shear"] = "0.0" + digits[: scene["digits"] - 1]
+    assert "has 26 digits of 27: rounded" in refusal(written(tmp_path, table))
+
+
+@pytest.mark.parametrize("exact", ["0", "0.0", "1", "1.0"])
+def test_nought_and_one_need_no_more_digits(exact, tmp_path):
+    table = small()
+    table["scenes"][0]["total_shear"] = exact
+    [scene] = gold.load(written(tmp_path, table)).solutions
+    assert scene.total_shear == float(exact)
+
+
 def test_two_scenes_of_one_name_are_refused(tmp_path):
     table = small()
     table["scenes"] *= 2

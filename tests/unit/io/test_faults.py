@@ -284,6 +284,7 @@ def test_nothing_in_the_library_writes_in_another_way():
     assert found == [
         "processes.py: open(os.devnull, 'w', encoding='utf-8')",
         "worker.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
+        "worker.py: os.fdopen(os.dup(1), 'wb')",  # of the explorer: a pipe
     ]
 
 

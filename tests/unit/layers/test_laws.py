@@ -36,6 +36,12 @@ def test_stiffness_is_the_derivative_and_energy_the_integral(name):
     np.testing.assert_allclose(rise, law.pressure(w), rtol=1e-6)
 
 
+def test_a_linear_layer_is_stiff_from_the_first_touch_on():
+    law = layers.Linear(0.25)
+    assert law.stiffness([-1.0, -1e-300, 0.0, 1e-300, 1.0]).tolist() == [0.0, 0.0, 4.0, 4.0, 4.0]
+    assert law.pressure([-1.0, 0.0, 1.0]).tolist() == [0.0, 0.0, 4.0]
+
+
 @pytest.mark.parametrize("name", LAWS)
 def test_overclosure_is_the_inverse(name):
     law = LAWS[name]

@@ -67,6 +67,10 @@ def test_a_layer_with_friction_is_the_same_in_other_units(theirs, known):
     for name in ("pressure", "traction"):
         expected = getattr(theirs, name)(s) * unit
         assert getattr(found, name)(r) == pytest.approx(expected, rel=1e-3)
+    slipping = (1.0 + theirs.stick_radius) / 2.0
+    slip = theirs.slip(slipping)
+    assert slip < 0.0
+    assert found.slip(slipping * found.contact_radius) == pytest.approx(slip * R, rel=1e-2)
     assert found.stick_radius == pytest.approx(theirs.stick_radius * theirs.contact_radius * R)
     assert found.zones[-1].outer == found.contact_radius
 
@@ -171,3 +175,38 @@ def test_inside_the_body_it_is_huber_on_the_axis():
     assert stress.zz == pytest.approx(-largest / (1.0 + (z / a) ** 2), rel=1e-10)
     moved = found.inside.displacement(0.0, 0.0)
     assert moved.z == pytest.approx(found.approach, rel=1e-10)
+
+
+def test_the_gap_at_the_surface_is_zero_in_the_contact_and_that_of_the_solution_outside():
+    solution = solve(made(), 1e-10)
+    body, a = solution.physical.inside, solution.contact_radius
+    inside, outside = [0.0, 0.3 * a, 0.9 * a], [1.1 * a, 1.7 * a]
+    for found in (body.surface(inside), body.surface(from_edge=[a - r for r in inside])):
+        assert abs(found.gap).max() < 1e-8 * solution.approach
+    expected = solution.gap([1.1, 1.7])
+    for found in (body.surface(outside), body.surface(from_edge=[a - r for r in outside])):
+        assert found.gap == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_command_line_takes_units_of_a_profile(capsys):
+    pytest.importorskip("pint")
+    flat = ("--profile", "rounded-flat", "--flat-radius", "1 mm", "--radius", "1 m")
+    body = ("--youngs-modulus", "70 kN/mm²", "--poisson-ratio", "0.2", "--rtol", "1e-3")
+    assert main(["solve", *flat, *body, "--contact-radius", "2000 µm"]) == 0
+    printed = capsys.readouterr().out
+    assert "RoundedFlat(flat_radius=0.001, radius=1.0), contact radius = 0.002" in printed
+    assert "E = 70000000000.0 Pa" in printed
+    cone = ("--profile", "cone", "--half-angle", "70.3 deg", "--rtol", "1e-3")
+    assert main(["solve", *cone, "--load", "1"]) == 0
+    assert "Cone(half_angle=1.22696646415" in capsys.readouterr().out
+    for options, said in (
+        ((*cone, "--contact-radius", "1 mm"), "must be a number without a unit"),
+        ((*cone, "--load", "5 ??"), "is not a number, nor a number and a unit, as '5 mm'"),
+        ((*cone[:2], "--half-angle", "70.3 N", "--load", "1"), "a number in rad"),
+        (
+            (*flat, *body, "--contact-radius", "2 N"),
+            "--contact-radius = '2 N': must be a number in m",
+        ),
+    ):
+        assert main(["solve", *options]) == 2
+        assert said in capsys.readouterr().err

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from oracles.kept import Kept
 
 from spectral_contact.spectral.abel import (
+    at_boundary,
     beyond,
     deeper,
     deeper_blocks,
@@ -262,6 +263,13 @@ def against(function, low, high, kernel, cut=None):
     return mp.quad(lambda d: function(d) * kernel(d), cuts) / 2
 
 
+def risen(d, panels, width, degree, power=0.0):
+    """Return by how much the outer integral is more than at the boundary, of all functions."""
+    every = np.arange(panels * (degree + 1) + TAIL_TERMS)
+    mesh = panels, width, degree, power
+    return rise(outer(d, *mesh), at_boundary(*mesh), every, d, *mesh)
+
+
 @pytest.mark.parametrize("place", [0.3, 2e-5, 1e-9])
 @pytest.mark.parametrize("column", [0, 7, 12, 21, 24, 25])
 def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(column, place):
@@ -272,7 +280,7 @@ def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(colum
     assert_allclose(plain, beyond(d, *mesh), rtol=4e-15, atol=1e-17)
     found = {
         "fall": less[0, column],
-        "rise": rise(outer(d, *mesh), np.arange(4 * 6 + TAIL_TERMS), d, *mesh)[0, column],
+        "rise": risen(d, *mesh)[0, column],
     }
     if column < 24:
         found["far"] = far_fall(d, 2.0, every)[0, column]
@@ -295,3 +303,36 @@ def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(colum
         # points are not asked for far inside the tail, which is not resolved there
         scale = max(place, math.exp(-8.0)) if name == "rise" else place
         assert abs(found[name] - wanted) < 4e-15 * math.sqrt(scale), name
+
+
+@pytest.mark.parametrize("column", [0, 12, 21])
+def test_differences_with_an_endpoint_weight_are_right_to_the_root_of_the_distance(column):
+    place, power = 2e-5, -0.3
+    function, low, high = basis(*divmod(column, 6), 4, 2.0)
+
+    def kernel(s):
+        return s ** mp.mpf(power) * ((1 / mp.sqrt(s - place) if s > place else 0) - 1 / mp.sqrt(s))
+
+    wanted = against(function, low, high, kernel, mp.mpf(place))
+    found = risen(np.array([place]), 4, 2.0, 5, power)[0, column]
+    assert abs(found - wanted) < 4e-15 * place ** (0.5 + power)
+
+
+def test_tail_integrals_with_an_endpoint_weight_are_right_to_rounding():
+    power, end = -0.3, math.exp(-8.0)
+
+    def integral(kernel, n):
+        """Return half the integral of a weighted function, in the fifth root of the distance."""
+
+        def integrand(v):
+            s = end * v**5
+            return 5 * end * v**4 * s ** mp.mpf(power) * mp.legendre(n, 2 * v**5 - 1) * kernel(s)
+
+        return float(mp.quad(integrand, [0, 1]) / 2)
+
+    for n in range(TAIL_TERMS):
+        at_end = at_boundary(4, 2.0, 5, power)[24 + n]
+        assert integral(lambda s: 1 / mp.sqrt(s), n) == pytest.approx(at_end, rel=1e-13)
+        deep = deeper_tail(np.array([2.0 * end]), end, power=power)[0, n]
+        wanted = integral(lambda s: 1 / mp.sqrt(2.0 * end - s), n)
+        assert wanted == pytest.approx(deep, rel=1e-12, abs=1e-16)

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from oracles.family_integrals import half_integral, inner_integral, sources
+from spectral_contact.spectral.system import System
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Points
-from spectral_contact.spectral.system import System
 
 PARAMETERS = Parameters(0.1, 0.2, 0.3, 0.4)
 STATES = [(0, 1), (0, 1, 0), (0, 1, 0, -1), (0, -1, 0, 1, 0)]

@@ -106,6 +106,70 @@ def test_si_scenes_take_si_numbers():
     assert sc.compare(STEEL.replace(load=1.0), approach=1.0)["approach"].truth < 1e-6
 
 
+def test_outside_the_contact_the_truth_is_zero(true):
+    s = np.array([1.5, 0.2, 1.01, 0.9])  # in any order
+    p, q, u = (np.array([0.0, *field([0.2]), 0.0, *field([0.9])]) for field in fields(true))
+    found = sc.compare(SLIPPING, s=s, pressure=p, traction=q, slip=u, truth=true)
+    assert found.error < 1e-12
+    told = "2 of 4 radii outside the contact, the nearest at 1 - s = -0.01: pressure and traction "
+    assert found.remarks == (told + "compared with 0, slip not compared",)
+    assert str(found).endswith(found.remarks[0])
+    assert found.remarks[0] in found._repr_html_()
+    # what is not zero there is an error, relative to the mean
+    p[0], q[2], u[0] = 0.1 / np.pi, -0.1, 7.0
+    found = sc.compare(SLIPPING, s=s, pressure=p, traction=q, slip=u, truth=true)
+    assert found["pressure"].error == pytest.approx(0.1, rel=0.01)
+    assert (found["pressure"].truth, found["pressure"].from_edge) == (0.0, -0.5)
+    rings = np.sqrt((np.arange(400) + 0.5) / 400)
+    assert found["traction"].error == pytest.approx(0.1 / true.traction(rings).mean(), rel=0.01)
+    assert found["slip"].error < 1e-12
+    # distances below zero are the same, functions may be given, and all may be outside
+    found = sc.compare(
+        SLIPPING, from_edge=[-0.5, 0.5], pressure=lambda s: 0.0 * s + 1.0, truth=true
+    )
+    assert found["pressure"].value == 1.0
+    assert sc.compare(SLIPPING, s=[2.0], pressure=[0.0], truth=true).error == 0.0
+
+
+def fields(solution):
+    """Return the three fields of a solution."""
+    return solution.pressure, solution.traction, solution.slip
+
+
+def test_the_rim_may_be_a_few_roundings_outside(true):
+    s = [1.0 + 2.0**-52, 1.0 + 2.0**-50, 0.5]
+    found = sc.compare(SLIPPING, s=s, pressure=true.pressure([1.0, 1.0, 0.5]), truth=true)
+    assert found.error < 1e-12
+    assert found.remarks == ("2 of 3 radii outside the contact by rounding: compared as the edge",)
+    assert sc.compare(SLIPPING, s=[1.0, 0.5], pressure=[0.3, 0.3], truth=true).remarks == ()
+    assert sc.compare(SLIPPING, approach=0.3, s=[1.5], truth=true).remarks == ()
+    # nodes in SI units: 5 mm as the sum of sixty elements
+    rim = sum([5e-3 / 60] * 60)
+    assert rim > 5e-3
+    steel = solve(STEEL, 1e-11)
+    p = steel.physical.pressure(5e-3)
+    for radius in (rim, np.nextafter(5e-3, 1.0)):
+        assert sc.compare(STEEL, s=[radius], pressure=[p], truth=steel).error < 1e-9
+    beyond = sc.compare(STEEL, s=[5e-3 * (1.0 + 1e-9)], pressure=[p], truth=steel)
+    assert beyond.error > 0.1
+    assert "the nearest at 1 - s = -1e-09" in beyond.remarks[0]
+
+
+def test_a_truth_may_have_what_is_compared_alone():
+    scene = Scene(0.3, 0.5, friction=None)
+    pressure = solve(scene, 1e-11, ["pressure"])
+    found = sc.compare(scene, pressure=pressure.pressure, truth=pressure)
+    assert found.error == 0.0
+    ball = Scene(0.3, profile=sc.profiles.Parabola(1.0), load=1.0, friction=None)
+    pressure = solve(ball, 1e-11, ["pressure"])
+    found = sc.compare(ball, s=[0.2, 1.5], pressure=[pressure.pressure(0.2), 0.0], truth=pressure)
+    assert found.error == 0.0
+    loaded = STEEL.replace(friction=None, load=10.0)
+    pressure = solve(loaded, 1e-11, ["pressure"])
+    p = pressure.pressure(0.5) * 10.0 / 5e-3**2
+    assert sc.compare(loaded, s=[2.5e-3], pressure=[p], truth=pressure).error < 1e-14
+
+
 def test_where_the_truth_is_infinite_nothing_is_compared():
     smooth = Scene(0.3)
     p = [solve(smooth).pressure(0.0), 1.0]
@@ -152,7 +216,10 @@ def test_it_is_a_table(true):
         ({"pressure": [0.3]}, "s, from_edge"),
         ({"pressure": [0.3, 0.3], "s": [0.1, 0.2, 0.3]}, "pressure"),
         ({"pressure": [0.3], "s": [0.1], "from_edge": [0.9]}, "s, from_edge"),
-        ({"pressure": [0.3], "s": [1.1]}, "s = 1.1"),
+        ({"pressure": [0.3], "s": [-0.1]}, "s = -0.1"),
+        ({"pressure": [0.3], "s": [math.inf]}, "s = inf"),
+        ({"pressure": [0.3], "from_edge": [1.1]}, "from_edge = 1.1"),
+        ({"slip": [0.0], "s": [1.1]}, "inside the contact"),
         ({"pressure": [], "s": []}, "at least one radius"),
         ({"approach": "0.3"}, "approach"),
         ({"approach": 0.3, "truth": 7}, "truth"),

@@ -9,6 +9,7 @@ from spectral_contact import QUANTITIES, Scene, SceneError, SolutionFileError, s
 from spectral_contact.gold import tables
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import error_maps, lines, run, shortcuts, sweep
+from spectral_contact.sweeps.parameters import SweepParameters
 from spectral_contact.sweeps.request import SCALARS
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -289,6 +290,21 @@ def test_ratios_are_honest_where_estimates_are_sharp(alpha, beta):
     assert abs(abs(edge) * scene.kappa / truth.edge_ratio - 1.0) <= edge_error
 
 
+@pytest.mark.parametrize(
+    ("alpha", "beta"),
+    [(6.1033578544772e8, 1.863151026216861e-12), (1.328809025646723e-9, 1.809642739524527e-12)],
+)
+def test_the_edge_ratio_is_honest_where_two_degrees_agree_by_accident(alpha, beta):
+    """At the nearest compliances of the lattice they do, and not within a decade around."""
+    spectra = error_maps.certified_stick(1e-8)
+    (_, [edge]), (_, [estimate]) = spectra.shear_and_edge(np.array([alpha]), np.array([beta]))
+    scene = Scene(0.3, alpha, beta, math.inf)
+    truth = solve(scene, 1e-12, ["edge_ratio"])
+    error = abs(abs(edge) * scene.kappa / truth.edge_ratio - 1.0)
+    assert truth.error.edge_ratio < 0.1 * error
+    assert error <= estimate
+
+
 @pytest.mark.parametrize("rtol", [1e-8, 1e-12])
 def test_one_decomposition_has_the_approach_and_the_edge_pressure_of_solve(always_shared, rtol):
     alphas = np.sort(random_compliances(40)[0])
@@ -394,3 +410,22 @@ def test_the_spectra_are_taken_for_many_compliances_alone():
     axes = {"normal_compliance": [0.1, 0.2], "tangential_compliance": [0.1, 0.2, 0.3]}
     assert run.grid(BASE, axes | {"friction": [0.1, 0.2]}).pairs == 6
     assert run.listed([BASE, Scene(0.1, 0.5, 0.5), Scene(0.1, 0.5, 0.4)]).pairs == 2
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({}, "number of scenes, 10000 x 10000 x 10000 = 1000000000000: must be at most"),
+        ({"quantities": ["pressure"], "s": np.zeros(10**6)}, "at most 999 with 1000002 values of"),
+    ],
+)
+def test_a_grid_beyond_memory_is_refused_before_it_is_made(monkeypatch, asked, said):
+    def made(*_):
+        raise AssertionError("made")
+
+    monkeypatch.setattr(SweepParameters, "order", made)
+    monkeypatch.setattr(SweepParameters, "columns", made)
+    axis = np.linspace(0.1, 0.3, 10_000)
+    with pytest.raises(SceneError) as refusal:
+        sweep(BASE, friction=axis, poisson_ratio=axis, normal_compliance=axis, **asked)
+    assert said in str(refusal.value)

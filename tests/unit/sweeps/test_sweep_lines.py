@@ -5,16 +5,17 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from spectral_contact.contact.drive import Drive
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.drive import Drive
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import solve_given_radius
 from spectral_contact.fields.series import Radius
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.sweeps import sweep
-from spectral_contact.sweeps.lines import LEAST, between, lines
+from spectral_contact.sweeps.curves import Placed
+from spectral_contact.sweeps.lines import LEAST, _disks, between, lines
 from spectral_contact.sweeps.parameters import listed
 from spectral_contact.sweeps.request import requested
 
@@ -72,6 +73,23 @@ def test_a_line_with_slip_inside_is_given_up_after_three_scenes():
     columns = listed([Scene(0.3, 0.05, 1.0, 0.01)] * 100).columns(np.arange(100))
     assert not between(columns, requested(NUMBERS, 1e-8, 100, None, None), Solver()).mask.any()
     assert asked == [0, 99, LEAST - 1]
+
+
+@pytest.mark.parametrize("logit", [-20.0, -2.0, 0.0, 2.0, 20.0])
+def test_a_stick_radius_has_the_error_that_its_logit_makes(logit):
+    """From a small stick disk to a narrow slip annulus: c**2 = 1/(1 + exp(-logit))."""
+    moved = 1e-4
+    nothing = np.zeros((1, 1))
+    placed = Placed(np.array([logit]), np.array([moved]), nothing, nothing, nothing)
+    values, errors = _disks(placed)
+    with mpmath.workdps(40):
+        low, centre, high = (
+            1 / mpmath.sqrt(1 + mpmath.exp(-mpmath.mpf(logit) - step))
+            for step in (-moved, 0, moved)
+        )
+        assert float(values["stick_radius"][0]) == pytest.approx(float(centre), rel=1e-15)
+        exact = float((high - low) / centre) / 2.0
+    assert errors["stick_radius"][0] == pytest.approx(exact, rel=1e-6, abs=1e-14)
 
 
 def test_what_friction_does_not_change_is_that_of_solve():

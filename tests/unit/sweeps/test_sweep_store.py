@@ -31,6 +31,7 @@ from spectral_contact import Scene
 from spectral_contact.sweeps import chunk, sweep
 signal.signal(signal.SIGINT, signal.default_int_handler)  # where it is ignored, as after nohup
 original, begun = chunk.solve_chunk, []
+original_solve = original
 def slow(*arguments):
     begun.append(1)
     time.sleep(60.0 if len(begun) > 3 else 0.05)  # there it waits to be stopped
@@ -44,6 +45,21 @@ sweep(Scene(0.3, 0.5, 0.5, 0.1), normal_compliance=np.linspace(0.1, 1.0, 10),
 
 def files(folder):
     return sorted(one.name for one in folder.iterdir() if one.name[0] != ".")
+
+
+#: The same, ended by TERM without a chance to tidy up, while its third chunk is written.
+KILLED = """
+import os, signal
+from spectral_contact.io import documents
+original, written = os.fsync, []
+def die(descriptor):
+    written.append(1)
+    if len(written) > 8:
+        os.kill(os.getpid(), signal.SIGTERM)
+    original(descriptor)
+os.fsync = die
+chunk.solve_chunk = original_solve
+"""
 
 
 @pytest.fixture
@@ -98,6 +114,34 @@ def test_a_sweep_that_was_stopped_repeats_one_chunk_at_most(tmp_path, solved, nu
     found = sweep(BASE, **ASKED, store=folder)
     assert solved == [2] * (5 - there)
     assert found.identical(sweep(BASE, **ASKED))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are not known by their number")
+def test_what_a_killed_sweep_was_writing_is_removed_by_the_next(tmp_path):
+    command = [sys.executable, "-c", SLEEPY.format(more=KILLED), str(tmp_path)]
+    assert subprocess.run(command, check=False, timeout=120.0).returncode == -signal.SIGTERM
+    assert len(list(tmp_path.glob(".spectral_contact-*.tmp"))) == 1
+    assert len(files(tmp_path)) > 1
+    sweep(BASE, **ASKED, store=tmp_path)
+    assert [one.name for one in tmp_path.iterdir() if one.name[0] == "."] == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are not known by their number")
+def test_what_a_process_may_be_writing_is_not_removed(tmp_path):
+    sweep(BASE, **ASKED, store=tmp_path)
+    own = f"{documents._host()}-{os.getpid()}-0123.tmp"
+    other = f"{1 - int(documents._host() == '00000001'):08x}-{2**22 + 1}-0123.tmp"
+    old, foreign = "0123456789abcdef.tmp", "notes.tmp"
+    paths = [tmp_path / f".spectral_contact-{name}" for name in (own, other, old, foreign)]
+    for path in paths:
+        path.touch()
+    documents.remove_leftovers(tmp_path)
+    assert all(path.exists() for path in paths)
+    yesterday = time.time() - 100_000.0
+    for path in paths:
+        os.utime(path, (yesterday, yesterday))
+    documents.remove_leftovers(tmp_path)
+    assert [path.exists() for path in paths] == [True, False, False, False]
 
 
 def test_a_full_disk_is_said_and_the_store_goes_on_where_there_is_room(tmp_path, solved):

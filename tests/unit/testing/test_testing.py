@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, SceneError, solve
+from spectral_contact import NotComputedError, Scene, SceneError, profiles, solve
 from spectral_contact.testing import (
     Check,
     CheckReport,
@@ -110,6 +110,36 @@ def test_what_is_wrong_by_ten_times_the_least_tolerance_fails(field):
 )
 def test_the_solution_of_another_scene_fails(other):
     assert failed(solve(PARTIAL, 1e-11), other)
+
+
+@pytest.mark.parametrize(
+    ("scene", "quantities"),
+    [
+        (Scene(0.3, 0.5, friction=None), ["pressure"]),
+        (PARTIAL.replace(friction=math.inf), ["pressure", "traction"]),
+        (
+            Scene(0.3, profile=profiles.Parabola(1.0), contact_radius=1.0, friction=None),
+            ["pressure"],
+        ),
+    ],
+)
+def test_a_solution_needs_no_more_than_its_fields(scene, quantities):
+    report = check_solution(solve(scene, 1e-11, quantities), scene, RTOL)
+    assert report.passed
+    assert report.remarks == ()
+
+
+def test_a_solution_without_its_zones_is_told_what_it_lacks():
+    solution = solve(PARTIAL, 1e-11, ["pressure", "traction"])
+    report = check_solution(solution, PARTIAL, 1e-4)
+    assert report.passed
+    assert "zones are not known" in report.remarks[0]
+    assert str(report).endswith("give that place with breaks")
+    zones = solve(PARTIAL, 1e-11).zones
+    cuts = [zone.outer_from_edge for zone in zones if zone.outer < 1.0]
+    assert check_solution(solution, PARTIAL, RTOL, breaks=cuts).remarks == ()
+    with pytest.raises(NotComputedError, match="traction"):
+        check_solution(solve(PARTIAL, 1e-11, ["pressure"]), PARTIAL, RTOL)
 
 
 def test_fields_of_s_alone_will_do():

@@ -10,6 +10,7 @@ from spectral_contact import SceneError
 from spectral_contact.io.checks import real
 
 pytest.importorskip("matplotlib")
+pytest.importorskip("pint")
 pytest.importorskip("xarray")
 
 VALIDATION = Path(__file__).parents[3] / "validation" / "input"

@@ -26,7 +26,7 @@ import net_checks
 import net_commit
 import net_coupled
 import net_speed
-from honesty_errors import compare, violates
+from honesty_errors import compare, unexplained, violates
 from honesty_scenes import outcome
 from net import Section
 from net_kept import Kept, kept_row, row_of, scene_of
@@ -59,6 +59,25 @@ def test_a_truth_that_is_not_known_decides_nothing(own, violations, undecided):
     row = {"errors": {"approach": (1e-7, 1e-9, own), "pressure": (1e-12, 1e-9, own)}}
     assert len(honesty.violations_of(row)) == violations
     assert honesty.undecided(row) is undecided
+
+
+@pytest.mark.parametrize(
+    ("changed", "known", "found"),
+    [
+        ({}, 1e-3, []),
+        ({"violation": 1e-4}, 1e-3, ["violation"]),
+        ({"violation": 1e-4, "slip": 1e-3}, 1e-3, []),
+        ({"violation": 1e-4, "slip": math.inf}, 1e-3, ["violation", "slip"]),
+        ({"slip": math.inf}, math.inf, []),
+    ],
+)
+def test_an_infinite_estimate_of_slip_explains_nothing(changed, known, found):
+    solution = solve(SLIPPING, 1e-6)
+    solution = replace(solution, error=replace(solution.error, **changed))
+    closest = replace(solution, error=replace(solution.error, slip=known))
+    assert unexplained(solution, closest) == found
+    row = {"errors": {}, "unexplained": found}
+    assert [one["unexplained"] for one in honesty.violations_of(row)] == found
 
 
 @pytest.mark.parametrize("coupled", [False, True])

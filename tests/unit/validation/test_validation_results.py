@@ -40,6 +40,7 @@ def record(study):
         ("coupled_slip_honesty", "scenes", 120),
         ("coupled_uniqueness", "scenes", 600),
         ("coupling", "count", 450),
+        ("edge_stick", "count", 9),
         ("hard_cases", "count", 19),
         ("honesty_thresholds", "scenes", 2_000),
         ("honesty", "scenes", 10_000),

@@ -7,6 +7,9 @@ import socket
 import subprocess
 import sys
 import threading
+import time
+from urllib.error import HTTPError
+from urllib.request import Request, urlopen
 
 import browser
 import numpy as np
@@ -14,9 +17,13 @@ import pytest
 
 import spectral_contact as sc
 from spectral_contact import Scene, SceneError, profiles
-from spectral_contact.view.explorer.look import Look, look_at
+from spectral_contact.solving.planning import plan
+from spectral_contact.view.explorer.budget import refusal
+from spectral_contact.view.explorer.look import look_at, tables_of
+from spectral_contact.view.explorer.solvers import Solvers
 from spectral_contact.view.explorer.state import (
     KNOBS,
+    LONGEST_TEXT,
     code_of,
     query_of,
     scene_of,
@@ -70,6 +77,8 @@ def test_what_a_link_leaves_out_is_as_at_the_start():
         ("?coupling=perhaps", "must be out of true, false"),
         ("?rtol=1e-20", "rtol = 1e-20: must be in"),
         ("?rtol=small", "rtol = 'small': must be"),
+        (f"?friction={'9' * 50_000}", "must be at most 100 characters long"),
+        (f"?{'f' * 50_000}=1", "must be at most 100 characters long"),
     ],
 )
 def test_a_link_that_means_nothing_is_refused(query, complaint):
@@ -131,7 +140,14 @@ def test_what_is_infinite_or_absent_is_not_drawn():
 def test_what_is_not_converged_is_said():
     capped = sc.solve(SCENES[0], 1e-12, max_unknowns=20, strict=False)
     assert not capped.converged
-    assert "not converged" in Look(solution=capped).tables
+    assert "not converged" in tables_of(capped)
+
+
+def test_a_number_is_refused_if_it_is_longer_than_any_number_needs():
+    longest = texts_of(None) | {"friction": "0." + "1" * (LONGEST_TEXT - 2)}
+    assert look_at(longest, sc.solve).complaint == ""
+    longer = longest | {"friction": longest["friction"] + "1"}
+    assert look_at(longer, sc.solve).complaint.endswith("must be at most 100 characters long")
 
 
 @pytest.mark.parametrize("knob", KNOBS.values(), ids=KNOBS)
@@ -140,22 +156,123 @@ def test_a_slider_reaches_its_ends_and_the_start(knob):
         assert float(knob.text(knob.place(repr(value)))) == pytest.approx(value, rel=1e-3)
     assert knob.place("no number") == knob.place("-1e9") == knob.place(repr(knob.low))
     assert knob.place("inf") == knob.place(repr(knob.high))
+    assert knob.place("nan") == knob.place("1" * 10_000 + "x") == knob.place(repr(knob.low))
+
+
+# --- solves in processes of their own -------------------------------------------------------------
+
+DEAR = "?profile=PowerLaw&coefficient=1&exponent=3.5&load=1&coupling=true&rtol=1e-12"
+#: It takes minutes as well, but nobody knows before it is solved.
+SLOW = texts_from("?profile=PowerLaw&coefficient=1&exponent=3.5&load=1&coupling=true&rtol=3e-11")
+
+
+@pytest.fixture
+def solvers():
+    """Return solvers whose processes are gone afterwards."""
+    found = Solvers()
+    yield found
+    found.close()
+
+
+def test_a_scene_that_is_too_dear_is_refused_with_the_lines_that_solve_it(solvers):
+    look = solvers.request(texts_from(DEAR)).future.result(timeout=0.0)
+    assert look.complaint.startswith("not solved here: the traction is a superposition")
+    assert "at rtol = 1e-12 that takes some 600 s" in look.complaint
+    assert look.code == code_of(texts_from(DEAR))
+    assert (look.columns, look.tables) == (None, "")
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=repr)
+@pytest.mark.parametrize("rtol", [1e-2, 1e-8, 1e-12])
+def test_what_is_done_in_seconds_is_not_refused(scene, rtol):
+    assert refusal(plan(scene), rtol) == ""
+
+
+def test_a_process_solves_what_this_one_does(solvers):
+    texts = texts_from("?friction=0.07")
+    for _ in range(2):
+        look, here = solvers.request(texts).future.result(timeout=60.0), look_at(texts, sc.solve)
+        np.testing.assert_array_equal(look.columns["q"], here.columns["q"])
+        assert (look.code, look.zones, look.limits) == (here.code, here.zones, here.limits)
+        assert look.solution is None
+    assert len(solvers._processes) == 1
+
+
+def test_a_solve_ends_at_its_time_limit_and_the_next_is_solved():
+    solvers = Solvers(seconds=2.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("spectral_contact.view.explorer.solvers.refusal", lambda *_: "")
+        look = solvers.request(SLOW).future.result(timeout=60.0)
+    assert look.complaint.startswith("ended after 2 s")
+    assert look.code == code_of(SLOW)
+    assert solvers.request(texts_of(None)).future.result(timeout=60.0).complaint == ""
+    solvers.close()
+
+
+def test_a_solve_that_is_cancelled_makes_room_for_the_next(solvers):
+    slow, waits = solvers.request(SLOW), solvers.request(texts_of(None))
+    until_now(lambda: slow._process is not None)
+    process = slow._process
+    assert not waits.future.done()
+    slow.cancel()
+    assert slow.future.result(timeout=0.0) is None
+    assert waits.future.result(timeout=60.0).complaint == ""
+    assert not process.alive
+    slow.cancel()  # and does not end what its process would do now
+    assert solvers.request(texts_of(None)).future.result(timeout=60.0).complaint == ""
+
+
+def test_a_process_that_is_lost_is_replaced(solvers):
+    request = solvers.request(SLOW)
+    until_now(lambda: request._process is not None)
+    request._process._process.kill()
+    look = request.future.result(timeout=60.0)
+    assert look.complaint.startswith("the process that solved this scene has ended")
+    assert look.code == code_of(SLOW)
+
+    assert solvers.request(texts_of(None)).future.result(timeout=60.0).complaint == ""
+    (idle,) = solvers._processes
+    idle._process.kill()
+    idle._process.wait()
+    assert solvers.request(texts_of(None)).future.result(timeout=60.0).complaint == ""
+
+
+def test_no_process_outlives_its_solvers():
+    solvers = Solvers()
+    request = solvers.request(SLOW)
+    until_now(lambda: request._process is not None)
+    process = request._process._process
+    solvers.close()
+    assert process.wait(30.0) != 0
+    assert request.future.result(timeout=30.0) is None
+
+
+def until_now(condition):
+    """Wait until a condition holds."""
+    for _ in range(6000):
+        if condition():
+            return
+        time.sleep(0.01)
+    raise AssertionError("it never came")
 
 
 # --- with Panel -----------------------------------------------------------------------------------
 
 
-def test_the_page_follows_its_widgets_and_refuses_bad_values():
+def test_the_page_follows_its_widgets_and_refuses_bad_values(solvers):
     pytest.importorskip("panel", reason="part of the extra: explore")
     from spectral_contact.view.explorer.page import Page
 
-    asyncio.run(moves_the_page(Page))
+    asyncio.run(moves_the_page(Page, solvers))
 
 
-async def moves_the_page(page_of):
+async def moves_the_page(page_of, solvers):
     told = []
-    page = page_of(texts_of(None), told.append)
+    page = page_of(texts_of(None), solvers, told.append)
     box, slider = page.controls.boxes["friction"], page.controls.sliders["friction"]
+    await page.begin()
+    assert "friction=0.1," in page.code.object
+    told.clear()
     slider.value = math.log10(0.05)
     assert box.value == "0.05"
     await until(lambda: "friction=0.05" in page.code.object)
@@ -175,25 +292,62 @@ async def moves_the_page(page_of):
     assert ["friction=0.07" in one for one in told] == [False, True]
 
 
-def test_the_page_says_that_it_waits(monkeypatch):
+def test_a_later_state_ends_the_solve_of_the_one_before(solvers, monkeypatch):
     pytest.importorskip("panel", reason="part of the extra: explore")
     from spectral_contact.view.explorer import page as module
 
-    go = threading.Event()
+    monkeypatch.setattr(module, "_GRACE", 0.1)
 
-    def slow(texts, _):
+    async def moves_on():
+        page = module.Page(SLOW, solvers)
+        solve = asyncio.ensure_future(page.begin())
+        await until(lambda: page._waits.visible)
+        await until(lambda: page._request._process is not None)
+        page.controls.boxes["exponent"].value = "3"
+        page.controls.boxes["exponent"].value = "none"
+        await until(lambda: page.message.visible)
+        assert page.message.object.startswith("exponent = None: must be")
+        assert not page._waits.visible
+        await solve
+
+    asyncio.run(moves_on())
+
+
+def test_a_page_that_is_left_solves_no_more(solvers):
+    pytest.importorskip("panel", reason="part of the extra: explore")
+    from spectral_contact.view.explorer.page import Page
+
+    async def leaves():
+        page = Page(SLOW, solvers)
+        solve = asyncio.ensure_future(page.begin())
+        await until(lambda: page._request is not None and page._request._process is not None)
+        process = page._request._process
+        page.close()
+        await solve
+        assert not process.alive
+
+    asyncio.run(leaves())
+
+
+def test_the_page_says_that_it_waits(solvers, monkeypatch):
+    pytest.importorskip("panel", reason="part of the extra: explore")
+    from spectral_contact.view.explorer.page import Page
+
+    go, look = threading.Event(), solvers._look
+
+    def slow(request):
         assert go.wait(60.0)
-        return look_at(texts, sc.solve)
+        return look(request)
 
     async def waits(page):
-        monkeypatch.setattr(module, "look_at", slow)
-        page.controls.boxes["friction"].value = "-3"
+        monkeypatch.setattr(solvers, "_look", slow)
+        page.controls.boxes["friction"].value = "0.3"
         await until(lambda: page._waits.visible)
         go.set()
-        await until(lambda: page.message.visible)
+        await until(lambda: "friction=0.3" in page.code.object)
         assert not page._waits.visible
 
-    asyncio.run(waits(module.Page(texts_of(None))))
+    asyncio.run(waits(Page(texts_of(None), solvers)))
 
 
 async def until(condition):
@@ -204,14 +358,15 @@ async def until(condition):
     raise AssertionError("it never came")
 
 
-def test_a_page_begins_with_any_scene():
+def test_a_page_begins_with_any_scene(solvers):
     pytest.importorskip("panel", reason="part of the extra: explore")
     from spectral_contact.view.explorer.page import Page
 
     for scene in SCENES:
         texts = texts_of(scene, 3e-7)
-        assert Page(texts).texts == texts
-    bare = Page(texts_of(Scene(0.3)))
+        assert Page(texts, solvers).texts == texts
+    bare = Page(texts_of(Scene(0.3)), solvers)
+    bare.show(bare.texts, look_at(bare.texts, sc.solve))
     drawn = [key for key, plot in bare._figures._plots.items() if plot.visible]
     assert drawn == [("p", "s"), ("p", "d")]
     with pytest.raises(SceneError, match="rtol"):
@@ -260,6 +415,57 @@ def test_the_page_is_for_this_machine_alone(address):
         asyncio.run(connect("http://elsewhere.example"))
 
 
+def test_what_comes_from_elsewhere_is_refused(address):
+    """Pages elsewhere can make a browser send requests here, under a name that leads here, too."""
+    host = address.split("/")[2]
+    port = host.partition(":")[2]
+    assert status(address) == 200
+    assert status(address, {"Host": f"localhost:{port}"}) == 200
+    for name in ("elsewhere.example", f"elsewhere.example:{port}", "127.0.0.1", "127.0.0.1:1"):
+        assert status(address, {"Host": name}) == 403
+        assert status(f"http://{host}/static/js/bokeh.min.js", {"Host": name}) == 403
+    assert status(address, {"Origin": f"http://{host}"}) == 200
+    assert status(address, {"Origin": "http://elsewhere.example"}) == 403
+    assert status(address, {"Origin": "null"}) == 403
+    cross = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Dest": "iframe"}
+    assert status(address, cross) == 403
+    assert status(address, cross | {"Sec-Fetch-Dest": "document"}) == 200  # a link
+
+
+@pytest.mark.parametrize(
+    ("query", "reason"),
+    [
+        ("friction=" + "9" * 50_000, "at most 2000 characters"),
+        ("friction=" + "9" * 101, "at most 100 characters long"),
+        ("f" * 101 + "=1", "at most 100 characters long"),
+        ("friction=%C2%B2", "friction = '²': must be plain ASCII text"),
+    ],
+    ids=["query", "number", "name", "digit"],
+)
+def test_an_address_that_nobody_reads_is_refused(address, query, reason):
+    with pytest.raises(HTTPError) as refusal:
+        urlopen(f"{address.split('?')[0]}?{query}", timeout=60.0)
+    assert refusal.value.code == 400
+    assert reason in refusal.value.read().decode()
+
+
+def test_a_dear_address_holds_up_nobody(address):
+    start = time.monotonic()
+    assert status(address.split("?")[0] + DEAR) == 200
+    assert status(address.split("?")[0] + query_of(SLOW)) == 200
+    assert status(address) == 200
+    assert time.monotonic() - start < 60.0
+
+
+def status(address, headers=None):
+    """Return the status that a server answers with."""
+    try:
+        with urlopen(Request(address, headers=headers or {}), timeout=60.0) as answer:
+            return answer.status
+    except HTTPError as refusal:
+        return refusal.code
+
+
 @pytest.mark.skipif(browser.found() is None, reason="no Chromium: not opened in a browser")
 def test_in_a_browser_all_of_it_works(address):
     with browser.browser() as host:
@@ -297,6 +503,10 @@ async def uses_the_page(tab, address):
     query = await tab.run("location.search")
     await tab.open(address.split("?")[0] + query.replace("poisson_ratio=0.1", "poisson_ratio=0.7"))
     await said(tab, "poisson_ratio = 0.7: must be in (-1, 0.5]")
+
+    await tab.open(address.split("?")[0] + DEAR)
+    await said(tab, "not solved here: the traction is a superposition")
+    assert "solution = solve(scene, rtol=1e-12)" in await tab.text()
     assert [one for one in tab.requests if "127.0.0.1" not in one and "data:" not in one] == []
 
 

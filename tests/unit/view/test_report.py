@@ -69,7 +69,11 @@ def test_nothing_is_named_where_everything_is_as_certain_as_asked():
 
 
 def test_what_no_digit_is_known_of_is_said_to_be_so():
-    unsure = replace(
-        solve(Scene(0.3, 0.5, 0.5, 0.1), 1e-6), error=ErrorEstimates(slip=float("inf"))
-    )
-    assert "slip: no digit is known" in report(unsure)
+    solution = solve(Scene(0.3, 0.5, 0.5, 0.1), 1e-6)
+    unsure = replace(solution, error=replace(solution.error, slip=float("inf")))
+    text = unsure.summary()
+    assert "slip: no digit is known" in text
+    [row] = [line for line in text.splitlines() if line.startswith("  slip, edge ")]
+    assert row.endswith("   inf: no digit is known")
+    assert repr(unsure).endswith("but for slip, of which no digit is known>")
+    assert "slip, of which no digit is known" in unsure._repr_html_()

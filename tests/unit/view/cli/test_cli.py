@@ -1,3 +1,4 @@
+import argparse
 import csv
 import io
 import re
@@ -515,3 +516,36 @@ def test_the_report_says_where_the_contact_would_open(capsys, tmp_path):
     assert value_of(out, "contact would open within") == "6.7e-05"
     assert "would open within 6.71e-05 of the edge" in out
     assert (tmp_path / "coupled.png").stat().st_size > 10_000
+
+
+def parsers(parser, name):
+    """Yield every command, and every kind of a command, with its name."""
+    yield name, parser
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command, below in action.choices.items():
+                yield from parsers(below, f"{name} {command}")
+
+
+COMMANDS = dict(parsers(cli._parser(), "spectral-contact"))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_speaks_of_options_that_the_command_has(name):
+    parser = COMMANDS[name]
+    known = {option for action in parser._actions for option in action.option_strings}
+    assert set(re.findall(r"--[a-z][a-z-]*[a-z]", parser.format_help())) <= known
+
+
+def test_the_command_line_names_what_no_digit_is_known_of(capsys, monkeypatch):
+    def unsure(*arguments, **options):
+        solution = solve(*arguments, **options)
+        return replace(solution, error=replace(solution.error, slip=float("inf")))
+
+    monkeypatch.setattr(cli, "solve", unsure)
+    layers = "--normal-compliance", "0.5", "--tangential-compliance", "0.5"
+    status, out, _ = run(capsys, "--poisson-ratio", "0.3", *layers, "--friction", "0.1", *QUICK)
+    assert status == 0
+    [row] = [line for line in out.splitlines() if line.startswith("  slip, edge ")]
+    assert row.endswith("   inf: no digit is known")
+    assert "  slip: no digit is known\n" in out

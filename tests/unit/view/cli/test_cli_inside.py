@@ -45,6 +45,58 @@ def test_the_nodes_of_a_mesh_from_a_file(capsys, tmp_path):
     assert np.allclose([float(row["u_r"]) for row in rows], expected.r, rtol=1e-7)
 
 
+POINT_FILES = {
+    "labels first": b"node,r,z\n1,0.5,0.25\n2,1.5,0\n",
+    "swapped": b"z,r\n0.25,0.5\n0,1.5\n",
+    "a byte-order mark, no names": b"\xef\xbb\xbf0.5,0.25\n1.5,0\n",
+    "a blank line at the end": b"r,z\n0.5,0.25\n1.5,0\n\n",
+    "tabs": b"r\tz\n0.5\t0.25\n1.5\t0\n",
+    "semicolons": b"r;z\n0,5;0,25\n1,5;0\n",
+    "UTF-16": "r\tz\n0.5\t0.25\n1.5\t0\n".encode("utf-16"),
+}
+
+
+@pytest.mark.parametrize("content", POINT_FILES.values(), ids=POINT_FILES.keys())
+def test_the_points_are_those_of_the_file(capsys, tmp_path, content):
+    nodes, output = tmp_path / "nodes.csv", tmp_path / "fields.csv"
+    nodes.write_bytes(content)
+    status, out, err = run(capsys, "--points", str(nodes), "--output", str(output))
+    assert (status, err) == (0, "")
+    assert out.startswith(f"{nodes}: 2 rows, r from column ")
+    rows = list(csv.DictReader(output.read_text().splitlines()[1:]))
+    assert [(row["r"], row["z"]) for row in rows] == [("0.5", "0.25"), ("1.5", "0.0")]
+    # what the command writes it reads
+    assert run(capsys, "--points", str(output), "--output", str(tmp_path / "again.csv"))[0] == 0
+    assert (tmp_path / "again.csv").read_text() == output.read_text()
+
+
+def test_points_in_millimetres(capsys, tmp_path):
+    pytest.importorskip("pint", reason="part of the extra: units")
+    nodes, output = tmp_path / "nodes.csv", tmp_path / "fields.csv"
+    nodes.write_text("r [mm],z [mm]\n0.5,0.25\n#N/A,1\n")
+    scene = ("--youngs-modulus", "2e11", "--radius", "0.01", "--load", "1e3", "--friction", "none")
+    command = ["inside", *scene, "--poisson-ratio", "0.3", "--points", str(nodes)]
+    assert main([*command, "--output", str(output)]) == 2
+    assert "line 3, column 1 (r): #N/A is no value" in capsys.readouterr().err
+    assert main([*command, "--output", str(output), "--skip-invalid"]) == 0
+    assert "1 rows left out: line 3, column 1 (r): #N/A is no value" in capsys.readouterr().out
+    assert output.read_text().splitlines()[2].startswith("0.0005,0.00025,")
+    # of a scene without units they are no points
+    status, _, err = run(capsys, "--points", str(nodes))
+    assert (status, "is in mm: the scene has no units" in err) == (2, True)
+
+
+def test_columns_of_points_may_be_named(capsys, tmp_path):
+    nodes, output = tmp_path / "nodes.csv", tmp_path / "fields.csv"
+    nodes.write_text("1 0.5 0.25\n2 1.5 0\n")
+    status, _, err = run(capsys, "--points", str(nodes))
+    assert status == 2
+    assert "say which they are, such as --columns r=1,z=2" in err
+    named = ("--points", str(nodes), "--columns", "r=2,z=3")
+    assert run(capsys, *named, "--output", str(output))[0] == 0
+    assert output.read_text().splitlines()[2].startswith("0.5,0.25,")
+
+
 def test_si_units_are_those_of_the_points(capsys, tmp_path):
     path = tmp_path / "si.csv"
     options = ("--youngs-modulus", "2e11", "--radius", "0.01", "--load", "1e3")
@@ -92,6 +144,8 @@ def test_a_grid_as_a_dataset_and_a_plot(capsys, tmp_path):
     [
         (("--points", "p.csv", "--r", "1"), "--points is instead of"),
         (("--points", "p.csv", "--output", "x.nc"), "holds a grid"),
+        (("--columns", "r,z"), "--columns goes with --points"),
+        (("--skip-invalid",), "--skip-invalid goes with --points"),
         (("--points", "absent.csv"), "cannot be read"),
         (("--quantity", "tresca"), "tresca"),
         (("--z", "-1", "--output", "x.csv"), "--z"),
@@ -111,4 +165,4 @@ def test_a_file_that_is_no_table_is_refused(capsys, tmp_path):
     path = tmp_path / "nodes.csv"
     path.write_text("r,z\n0.5,half\n")
     status, _, err = run(capsys, "--points", str(path))
-    assert (status, "is no table of r and z" in err) == (2, True)
+    assert (status, "line 2, column 2 (z): half is not a number" in err) == (2, True)

@@ -2,8 +2,9 @@
 
 import pytest
 
-from spectral_contact import Scene, Solution, layers, profiles
+from spectral_contact import Scene, Solution, SolutionFileError, layers, profiles
 from spectral_contact.__main__ import main
+from spectral_contact.view.cli.layer import law
 
 BALL = ("--profile", "parabola", "--radius", "1", "--approach", "0.2", "--rtol", "1e-4")
 POWER = ("--layer", "power-law", "--layer-coefficient", "5", "--layer-exponent", "2")
@@ -36,14 +37,14 @@ LAWS = [
 ]
 
 
-@pytest.mark.parametrize(("options", "law"), LAWS, ids=[one[0][0] for one in LAWS])
-def test_a_law_makes_a_scene(capsys, tmp_path, options, law):
+@pytest.mark.parametrize(("options", "expected"), LAWS, ids=[one[0][0] for one in LAWS])
+def test_a_law_makes_a_scene(capsys, tmp_path, options, expected):
     path = tmp_path / "solution.json"
     status, out, err = run(capsys, "solve", *BALL, "--layer", *options, "--output", str(path))
     assert (status, err) == (0, "")
-    assert law.brief in out
+    assert expected.brief in out
     assert Solution.load(path).scene == Scene(
-        0.3, layer=law, profile=profiles.Parabola(1.0), approach=0.2
+        0.3, layer=expected, profile=profiles.Parabola(1.0), approach=0.2
     )
 
 
@@ -55,6 +56,44 @@ def test_a_table_is_a_file(capsys, tmp_path):
     assert (status, err) == (0, "")
     expected = layers.Table((0.0, 0.1, 0.3, 1.0), (0.0, 0.2, 1.0, 9.0))
     assert Solution.load(path).scene.layer == expected
+
+
+POINTS = ((0.0, 0.1, 0.3, 1.0), (0.0, 0.2, 1.0, 9.0))
+TABLES = {
+    "pressures first": ("pressure;overclosure\n0;0\n0,2;0,1\n1;0,3\n9;1\n\n", ()),
+    "Abaqus": (
+        "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR\n 0., 0.\n 0.2, 0.1\n 1., 0.3\n 9., 1.\n",
+        ("--layer-columns", "pressure,overclosure"),
+    ),
+    "three columns": ("n w p\n1 0 0\n2 0.1 0.2\n3 0.3 1\n4 1 9\n", ()),
+}
+
+
+@pytest.mark.parametrize(("content", "options"), TABLES.values(), ids=TABLES.keys())
+def test_columns_of_a_table_are_those_named(tmp_path, content, options):
+    path = tmp_path / "law.txt"
+    path.write_text(content)
+    given = {"layer": "table", "layer_table": str(path)}
+    given |= dict(zip(["layer_columns"], options[1:], strict=False))
+    assert law(given, si=False) == layers.Table(*POINTS)
+
+
+def test_a_table_may_have_units(tmp_path):
+    pytest.importorskip("pint", reason="part of the extra: units")
+    path = tmp_path / "law.txt"
+    path.write_bytes("w [µm];p [MPa]\n0;0\n0,1;0,2\n0,3;1\n1;9\n".encode("cp1252"))
+    given = {"layer": "table", "layer_table": str(path)}
+    expected = layers.Table((0.0, 1e-7, 3e-7, 1e-6), (0.0, 2e5, 1e6, 9e6))
+    assert law(given, si=True) == expected
+    with pytest.raises(SolutionFileError, match="is in µm: the scene has no units"):
+        law(given, si=False)
+
+
+def test_a_table_that_does_not_increase_is_refused_with_its_line(tmp_path):
+    path = tmp_path / "law.txt"
+    path.write_text("w,p\n0,0\n\n0.1,0.2\n0.2,0.2\n1,9\n")
+    with pytest.raises(SolutionFileError, match="line 5: pressure does not increase from line 4"):
+        law({"layer": "table", "layer_table": str(path)}, si=False)
 
 
 def test_a_separation_from_the_command_line(capsys, tmp_path):
@@ -103,8 +142,8 @@ FAULTS = [
     ((*BALL, *POWER[:-1], "2 m"), "--layer-exponent 2 m: must be a number without a unit"),
     ((*BALL, *POWER, "--normal-compliance", "1"), "--normal-compliance = 1.0: must be 0 with a"),
     ((*BALL, *POWER, "--friction", "0.1"), "superposition"),
-    ((*BALL, "--layer", "table", "--layer-table", "nowhere.txt"), "nowhere.txt: no table of a"),
-    ((*BALL, "--layer", "table", "--layer-table", __file__), "no table of a layer"),
+    ((*BALL, "--layer", "table", "--layer-table", "nowhere.txt"), "nowhere.txt: cannot be read"),
+    ((*BALL, "--layer", "table", "--layer-table", __file__), "text that names no column"),
     ((*BALL, "--layer", "power"), "invalid choice: 'power'"),
     (
         ("--profile", "flat", "--radius", "1", "--load", "1"),

@@ -187,3 +187,12 @@ def test_a_solver_in_the_current_folder(tmp_path):
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert (done.returncode, done.stderr) == (0, "")
         assert said in done.stdout
+
+
+def test_a_study_in_which_every_solve_fails_says_why(capsys):
+    options = ("--solver", "peers:fails", "--resolutions", "10", "20", "--no-times")
+    status, out, err = run(capsys, "convergence", *FRICTIONLESS, *options)
+    assert status == 1
+    assert "it never converges" in out
+    assert err.startswith("spectral-contact: none of 2 solves was done; the first one: peers:fail")
+    assert err.count("\n") == 1

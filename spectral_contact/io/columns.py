@@ -1,0 +1,239 @@
+"""NumberTable of numbers from text files as other programs write them: the one reader of them.
+
+A caller says which quantities it expects; which column holds each of them is found by the headings,
+or said by the user. Nothing is guessed where two readings make sense, and no row is left out
+without being named.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import MissingDependencyError, SceneError, SolutionFileError
+from spectral_contact.io.checks import whole
+from spectral_contact.io.choices import listed, one_of
+from spectral_contact.io.delimited import (
+    Sheet,
+    TextRow,
+    decimal_sign,
+    is_missing,
+    looks_like_a_number,
+    number,
+    read_sheet,
+)
+from spectral_contact.io.documents import Refused, read_file, reported
+from spectral_contact.io.headings import (
+    Expected,
+    Source,
+    abridged,
+    column_count,
+    find_sources,
+    name_all,
+)
+
+__all__ = ["Expected", "NumberTable", "Source", "read_columns"]
+
+# A comma, but for one in brackets.
+_ITEM: Final = re.compile(r",(?![^\[(]*[\])])")
+#: Characters of a cell that an error shows.
+_LONGEST_CELL: Final = 48
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NumberTable:
+    """NumberTable of numbers.
+
+    Attributes
+    ----------
+    path : str
+        Of the file.
+    values : dict of ndarray
+        By the name of the quantity, in SI units, or dimensionless; of one length.
+    lines : ndarray of int
+        Line of each row in the file, from 1.
+    sources : dict of Source
+        Where each quantity is from.
+    unread : tuple of str
+        What is wrong with each row that was left out, with its line; empty unless that was
+        asked for.
+    """
+
+    path: str
+    values: dict[str, NDArray[np.float64]]
+    lines: NDArray[np.int64]
+    sources: dict[str, Source]
+    unread: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Return how the file was read, on one line."""
+        read = ", ".join(f"{name} from {source}" for name, source in self.sources.items())
+        told = f"{self.path}: {len(self.lines)} rows, {read}"
+        if self.unread:
+            told += f"; {len(self.unread)} rows left out: {abridged(self.unread, '; ')}"
+        return told
+
+
+def read_columns(
+    path: str | os.PathLike[str],
+    expected: Sequence[Expected],
+    *,
+    columns: str | Sequence[str] | None = None,
+    header: int | None = None,
+    decimal: str | None = None,
+    invalid: str = "raise",
+    option: str = "columns",
+) -> NumberTable:
+    """Read columns of numbers from a text file.
+
+    Cells may be parted by tabs, semicolons, commas or white space, with decimal points or commas;
+    the text may be UTF-8 or UTF-16, with or without a byte-order mark, or Windows'. Blank lines,
+    rules, and comments after ``#``, ``%``, ``!``, ``//`` or ``**`` are passed over.
+
+    Parameters
+    ----------
+    path : path-like
+    expected : sequence of Expected
+    columns : str or sequence of str, optional
+        Which column is which. Either ``"r=2, z=Depth [mm]"``: numbers, from 1, or headings, with
+        units where the file has none. Or a list of names, ``"node, r [mm], z [mm]"``: of a file
+        without headings all of its columns in order, else the headings of those to be read.
+        By default headings tell; without headings the columns are the required ones in order.
+    header : int, optional
+        Line of the headings; those above are passed over. By default the last line above the
+        numbers that names a quantity.
+    decimal : str, optional
+        ``"."`` or ``","``; by default the one that the numbers have.
+    invalid : str
+        ``"raise"``, or ``"skip"`` for rows that cannot be read, or have no value where one is
+        expected, to be left out and named in `NumberTable.unread`.
+    option : str
+        What `columns` is called where the user gave it, for errors.
+
+    Returns
+    -------
+    NumberTable
+
+    Raises
+    ------
+    SolutionFileError
+        If the file cannot be read, lacks a quantity, or has two of it; for a row or a cell that is
+        not as it should be, with its line and column; for a unit of something else.
+    SceneError
+        If `header`, `decimal` or `invalid` is something else.
+    MissingDependencyError
+        If a column has another than its SI unit, and pint is not installed.
+    """
+    if header is not None:
+        whole("header", header, 1)
+    if decimal is not None:
+        one_of("decimal", decimal, (".", ","))
+    one_of("invalid", invalid, ("raise", "skip"))
+    asked = None if columns is None else _items(columns)
+    source, content = read_file(path)
+    try:
+        with reported(source, "cannot be read"):
+            sheet = read_sheet(content, lambda cells: name_all(cells, expected), header)
+            found = find_sources(sheet, expected, asked, header, option)
+            return _values(source, sheet, expected, found, decimal, skip=invalid == "skip")
+    except SolutionFileError as error:
+        if isinstance(error.__cause__, MissingDependencyError):
+            raise error.__cause__ from None
+        raise
+
+
+def _items(columns: str | Sequence[str]) -> list[str]:
+    parts = _ITEM.split(columns) if isinstance(columns, str) else listed("columns", columns, "text")
+    for part in parts:
+        if not isinstance(part, str):
+            raise SceneError("columns", part, "text")
+    return [part.strip() for part in parts]
+
+
+def _values(
+    path: str,
+    sheet: Sheet,
+    expected: Sequence[Expected],
+    sources: dict[str, Source],
+    decimal: str | None,
+    *,
+    skip: bool,
+) -> NumberTable:
+    """Return the numbers of the columns, converted."""
+    width = len(sheet.rows[0].cells)
+    used = [source.index for source in sources.values()]
+    sign = decimal or decimal_sign(_cells(sheet, used))
+    spare = [
+        index
+        for index, cell in enumerate(sheet.rows[0].cells)
+        if index not in used and looks_like_a_number(cell)
+    ]
+    asked = [(one, sources[one.name]) for one in expected if one.name in sources]
+    kept: list[list[float]] = []
+    lines: list[int] = []
+    unread: list[str] = []
+    for row in sheet.rows:
+        try:
+            _check_shape(row, width, spare)
+            values = [_value(row, one, source, sign) for one, source in asked]
+        except Refused as error:
+            if not skip:
+                raise
+            unread.append(str(error))
+        else:
+            kept.append(values)
+            lines.append(row.line)
+    if not kept:
+        raise Refused(f"no row can be read: {unread[0]}")
+    table = np.array(kept, dtype=np.float64)
+    return NumberTable(
+        path,
+        {one.name: table[:, k].copy() for k, (one, _) in enumerate(asked)},
+        np.array(lines, dtype=np.int64),
+        sources,
+        tuple(unread),
+    )
+
+
+def _cells(sheet: Sheet, used: Sequence[int]) -> Iterator[tuple[int, str]]:
+    for row in sheet.rows:
+        for index in used:
+            if index < len(row.cells):
+                yield row.line, row.cells[index]
+
+
+def _check_shape(row: TextRow, width: int, spare: Iterable[int]) -> None:
+    """Refuse a row that is not like the first one: a sum below the table, say."""
+    if len(row.cells) != width:
+        raise Refused(
+            f"line {row.line}: {column_count(len(row.cells))}, where there are {width} above"
+        )
+    for index in spare:
+        cell = row.cells[index]
+        if not (is_missing(cell) or looks_like_a_number(cell)):
+            told = "text, where there are numbers above"
+            raise Refused(f"line {row.line}, column {index + 1}: {cell[:_LONGEST_CELL]} is {told}")
+
+
+def _value(row: TextRow, one: Expected, source: Source, decimal: str) -> float:
+    cell = row.cells[source.index]
+    where = f"line {row.line}, column {source.index + 1} ({one.name})"
+    if is_missing(cell):
+        raise Refused(f"{where}: {f'{cell} is' if cell else 'there is'} no value")
+    try:
+        value, text = number(cell, decimal)
+        if value != 0.0 and source.factor != 1:
+            value = float(Fraction(text) * source.factor)  # exact, and rounded once
+    except (OverflowError, ValueError) as error:
+        told = "is not within the range of a double" if isinstance(error, OverflowError) else error
+        raise Refused(f"{where}: {cell[:_LONGEST_CELL]} {told}") from None
+    if value < one.at_least:
+        raise Refused(f"{where}: {cell} must be at least {one.at_least:g}")
+    return value

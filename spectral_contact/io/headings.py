@@ -1,0 +1,427 @@
+"""Which column of a file holds which quantity, and in which unit: by its headings, or as asked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Final
+
+import numpy as np
+
+from spectral_contact.errors import SceneError
+from spectral_contact.io.delimited import Sheet, TextRow, split_headings
+from spectral_contact.io.documents import Refused
+from spectral_contact.io.units import has_unit, in_si
+
+#: Headings by which quantities are known. Single letters are told by their case: P is a load, p a
+#: pressure. Words may have blanks, hyphens or underscores between them.
+_HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
+    "r": ("r", "R", "radius", "radial coordinate", "radial position"),
+    "z": ("z", "Z", "depth"),
+    "overclosure": ("w", "overclosure", "interference", "penetration"),
+    "pressure": ("p", "pressure", "contact pressure", "cpress"),
+    "traction": ("q", "traction", "shear traction", "cshear1"),
+    "slip": ("u", "slip"),
+    "displacement": ("u", "h", "displacement", "indentation", "depth", "approach"),
+    "load": ("P", "F", "load", "force", "normal force"),
+}
+#: More of them where columns have no units: lengths over the contact radius.
+_RATIOS: Final[Mapping[str, tuple[str, ...]]] = {
+    "r": ("s", "r/a", "r/R"),
+    "z": ("z/a", "z/R"),
+}
+#: What dimensionless columns may have for a unit: L and E' are the units of scenes with a profile.
+_DIMENSIONLESS: Final = frozenset(("", "-", "1", "a", "L", "E'"))
+# As in "r [mm]", "r (mm)".
+_IN_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>.*)\]|\((?P<round>.*)\))\s*")
+# As in "r / mm", "r, mm", "r in mm", "r_mm".
+_APPENDED: Final = re.compile(r"(?P<name>.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|_|\s+)(?P<unit>\S+)")
+#: Units of lengths, pressures and forces, as they are appended to a name without brackets.
+_PLAIN_UNIT: Final = re.compile(r"[fpnuµμmcdkMG]?(?:m|Pa|N)|Å|psi|bar")
+#: Words of a comment that is a sentence and no row of headings.
+_PROSE: Final = frozenset(("and", "are", "for", "in", "is", "of", "the", "with"))
+_MOST_SHOWN: Final = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """A quantity that a file should have a column of.
+
+    Attributes
+    ----------
+    name : str
+        Under which the numbers are returned.
+    unit : str
+        Its SI unit; empty if it is dimensionless.
+    headings : tuple of str
+        By which its column is known; by default those of its name.
+    required : bool
+        Whether a file without it is refused.
+    at_least : float
+        Smallest value allowed.
+    """
+
+    name: str
+    unit: str = ""
+    headings: tuple[str, ...] = ()
+    required: bool = True
+    at_least: float = -np.inf
+
+    def is_called(self, heading: str) -> bool:
+        """Return whether a heading, without its unit, is one of this quantity."""
+        known = self.headings or (self.name, *_HEADINGS.get(self.name, ()))
+        if not (self.unit or self.headings):
+            known += _RATIOS.get(self.name, ())
+        return _plain(heading) in map(_plain, known)
+
+    def is_ratio(self, heading: str) -> bool:
+        """Return whether a heading says that this length is over the contact radius."""
+        return _plain(heading) in map(_plain, _RATIOS.get(self.name, ()))
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """The column that a quantity is read from.
+
+    Attributes
+    ----------
+    index : int
+        From 0.
+    heading : str
+        As the file has it; empty if it has none.
+    unit : str
+        As it is written, or the SI unit; empty if the quantity is dimensionless.
+    factor : Fraction
+        By which numbers are multiplied.
+    """
+
+    index: int
+    heading: str
+    unit: str
+    factor: Fraction
+
+    def __str__(self) -> str:
+        heading = f" ({self.heading})" if self.heading else ""
+        return f"column {self.index + 1}{heading}{f' in {self.unit}' if self.unit else ''}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Heading:
+    """A heading: as it is written, and what it says."""
+
+    text: str
+    name: str
+    unit: str | None
+
+    @classmethod
+    def read(cls, text: str, expected: Sequence[Expected]) -> _Heading:
+        """Return what a heading says; names that are expected have their slashes and blanks."""
+        bracketed = _IN_BRACKETS.fullmatch(text)
+        if bracketed and bracketed["name"]:
+            unit = bracketed["square"] or bracketed["round"] or ""
+            return cls(text, bracketed["name"], unit.strip())
+        if any(one.is_called(text) or one.is_ratio(text) for one in expected):
+            return cls(text, text, None)
+        appended = _APPENDED.fullmatch(text)
+        if appended and _PLAIN_UNIT.fullmatch(appended["unit"]):
+            return cls(text, appended["name"], appended["unit"])
+        return cls(text, text, None)
+
+
+def find_sources(
+    sheet: Sheet,
+    expected: Sequence[Expected],
+    asked: list[str] | None,
+    header: int | None,
+    option: str,
+) -> dict[str, Source]:
+    """Return the column of each quantity, as far as there is one."""
+    width = len(sheet.rows[0].cells)
+    headings = _headings(sheet, expected, width, header)
+    if asked is None:
+        if headings is None:
+            places = _in_order(sheet, expected, width, option)
+        else:
+            places = _by_headings(headings, expected, option)
+        units: dict[str, str | None] = {}
+    else:
+        places, units = _as_asked(asked, headings, expected, width, option)
+    missing = [one.name for one in expected if one.required and one.name not in places]
+    if missing:
+        told = f"no column of {' and '.join(missing)}"
+        raise Refused(f"{told}: {_shown(headings, width)}; {_remedy(expected, option)}")
+    found = {}
+    for one in expected:
+        if one.name in places:
+            index = places[one.name]
+            heading = None if headings is None else headings[index]
+            found[one.name] = _source(one, index, heading, units.get(one.name))
+    return found
+
+
+def _headings(
+    sheet: Sheet, expected: Sequence[Expected], width: int, header: int | None
+) -> list[_Heading] | None:
+    """Return the headings of all columns, None if there are none.
+
+    They are the lowest line of text above the numbers that names a quantity, or else the last
+    comment if it does; units may be in the line below, or in a comment with the same names.
+    """
+    texts = [row for row in sheet.texts if header is None or row.line == header]
+    for k in range(len(texts) - 1, -1, -1):
+        found = _named(texts[k], sheet.delimiter, expected, width)
+        if found is not None and (header is not None or _names_any(found, expected)):
+            below = texts[k + 1 :]
+            if below:
+                return _with_units(found, below, sheet.delimiter)
+            return _with_commented_units(found, sheet, expected, texts[k].line)
+    if texts:
+        # Headings that name nothing expected are there for the user to choose from.
+        return _named(texts[-1], sheet.delimiter, expected, width)
+    for comment in reversed(sheet.comments):
+        found = _named(comment, sheet.delimiter, expected, width)
+        if found is not None and _names_any(found, expected) and not _is_prose(found):
+            return found
+    return None
+
+
+def _named(
+    row: TextRow, delimiter: str, expected: Sequence[Expected], width: int
+) -> list[_Heading] | None:
+    if row.text.lstrip().startswith("*"):  # a keyword of Abaqus' input files
+        return None
+    cells = split_headings(row.text, delimiter, width)
+    return None if cells is None else [_Heading.read(cell, expected) for cell in cells]
+
+
+def _names_any(headings: Iterable[_Heading], expected: Sequence[Expected]) -> bool:
+    return any(
+        one.is_called(heading.name) or one.is_ratio(heading.name)
+        for heading in headings
+        for one in expected
+    )
+
+
+def name_all(cells: Sequence[str], expected: Sequence[Expected]) -> bool:
+    """Whether these are headings of all that is required."""
+    names = [_Heading.read(cell, expected).name for cell in cells]
+    return all(
+        any(one.is_called(name) or one.is_ratio(name) for name in names)
+        for one in expected
+        if one.required
+    )
+
+
+def _is_prose(headings: Iterable[_Heading]) -> bool:
+    return any(heading.name.lower() in _PROSE for heading in headings)
+
+
+def _with_units(
+    headings: list[_Heading], below: Sequence[TextRow], delimiter: str
+) -> list[_Heading]:
+    """Return headings with the units of the line below them."""
+    cells = split_headings(below[0].text, delimiter, len(headings))
+    if len(below) > 1 or cells is None:
+        raise Refused(f"{_lines(below)}: text between the headings and the numbers")
+    units = [cell.strip("[]()").strip() for cell in cells]
+    return [
+        heading
+        if not unit and heading.unit is not None
+        else _Heading(heading.text, heading.name, unit)
+        for heading, unit in zip(headings, units, strict=True)
+    ]
+
+
+def _with_commented_units(
+    headings: list[_Heading], sheet: Sheet, expected: Sequence[Expected], line: int
+) -> list[_Heading]:
+    """Return headings with the units of the comment above that repeats them, as ours have it."""
+    names = [heading.name for heading in headings]
+    for comment in reversed(sheet.comments):
+        found = _named(comment, sheet.delimiter, expected, len(headings))
+        if comment.line < line and found is not None and [one.name for one in found] == names:
+            return [
+                own if own.unit is not None else replace(own, unit=other.unit)
+                for own, other in zip(headings, found, strict=True)
+            ]
+    return headings
+
+
+def _in_order(
+    sheet: Sheet, expected: Sequence[Expected], width: int, option: str
+) -> dict[str, int]:
+    """Return the columns of a file without headings: the required ones in order."""
+    required = [one.name for one in expected if one.required]
+    if sheet.texts:
+        above = f"above numbers in {column_count(width)}"
+        told = f"{_lines(sheet.texts)}: text that names no column, {above}"
+        raise Refused(f"{told}; {_remedy(expected, option)}")
+    if width != len(required):
+        told = f"line {sheet.rows[0].line}: {column_count(width)} without headings, where "
+        names = " and ".join(required)
+        raise Refused(f"{told}{names} are expected; {_remedy(expected, option)}")
+    return {name: index for index, name in enumerate(required)}
+
+
+def _by_headings(
+    headings: list[_Heading], expected: Sequence[Expected], option: str
+) -> dict[str, int]:
+    """Return the columns whose headings name a quantity."""
+    places: dict[str, int] = {}
+    for one in expected:
+        named = [k for k, heading in enumerate(headings) if one.is_called(heading.name)]
+        if len(named) > 1:
+            several = " and ".join(f"column {k + 1} ({headings[k].text})" for k in named)
+            raise Refused(f"{several} are both {one.name}; {_remedy(expected, option)}")
+        if named:
+            places[one.name] = named[0]
+        elif one.required:
+            _refuse_ratio(one, headings)
+    twice = _first_repeated(list(places.values()))
+    if twice is not None:
+        names = " and ".join(name for name, index in places.items() if index == twice)
+        told = f"column {twice + 1} ({headings[twice].text}) may be {names}"
+        raise Refused(f"{told}; {_remedy(expected, option)}")
+    return places
+
+
+def _refuse_ratio(one: Expected, headings: Iterable[_Heading]) -> None:
+    """Refuse a column of lengths over the contact radius where one in SI units is expected."""
+    for heading in headings:
+        if one.is_ratio(heading.name):
+            told = f"{heading.text} is over the contact radius"
+            raise Refused(f"{told}, where {one.name} in {one.unit} is expected")
+
+
+def _first_repeated(places: Sequence[int]) -> int | None:
+    return next((place for place in places if places.count(place) > 1), None)
+
+
+def _as_asked(
+    asked: list[str],
+    headings: list[_Heading] | None,
+    expected: Sequence[Expected],
+    width: int,
+    option: str,
+) -> tuple[dict[str, int], dict[str, str | None]]:
+    """Return the columns that the user says, and their units if they are said, too."""
+    places: dict[str, int] = {}
+    units: dict[str, str | None] = {}
+    if headings is None and not any("=" in item for item in asked) and len(asked) != width:
+        told = f"{option}: {len(asked)} names for {column_count(width)} without headings"
+        raise Refused(f"{told}; {_remedy(expected, option)}")
+    for order, item in enumerate(asked):
+        name, is_pair, column = (part.strip() for part in item.partition("="))
+        said = _Heading.read(column if is_pair else name, expected)
+        if is_pair:
+            quantity = _quantity(name, expected, f"{option} {item}")
+        else:
+            quantity = _quantity(said.name, expected)
+        if quantity in places:
+            raise Refused(f"{option}: {quantity} is given twice")
+        if is_pair or headings is not None:
+            index = _place_of(said, headings, width, option, by_number=bool(is_pair))
+        else:
+            index = order
+        if quantity is not None:
+            places[quantity], units[quantity] = index, said.unit
+    twice = _first_repeated(list(places.values()))
+    if twice is not None:
+        raise Refused(f"{option}: column {twice + 1} is given twice")
+    return places, units
+
+
+def _quantity(name: str, expected: Sequence[Expected], item: str = "") -> str | None:
+    """Return which quantity is called so; if none is, None, or an error about an item."""
+    for one in expected:
+        if one.name == name or one.is_called(name):
+            return one.name
+    if item:
+        known = ", ".join(one.name for one in expected)
+        raise Refused(f"{item}: {name} is none of {known}")
+    return None
+
+
+def _place_of(
+    said: _Heading, headings: list[_Heading] | None, width: int, option: str, *, by_number: bool
+) -> int:
+    """Return the place of the column of this number or heading, with or without its unit."""
+    if by_number and said.name.isascii() and said.name.isdigit():
+        place = int(said.name) - 1
+        if not 0 <= place < width:
+            raise Refused(f"{option} {said.text}: there are {column_count(width)}")
+        return place
+    there = headings or []
+    places = [k for k, heading in enumerate(there) if heading.text == said.text]
+    places = places or [k for k, one in enumerate(there) if _plain(one.name) == _plain(said.name)]
+    if len(places) != 1:
+        several = "more than one column" if places else "no column"
+        raise Refused(f"{option}: {several} {said.text}: {_shown(headings, width)}")
+    return places[0]
+
+
+def _source(one: Expected, index: int, heading: _Heading | None, said: str | None) -> Source:
+    """Return a column with the factor of its unit, said by the user or by the heading."""
+    text, written = ("", None) if heading is None else (heading.text, heading.unit)
+    where = f"column {index + 1}{f' ({text})' if text else ''}"
+    if said is not None and written and said != written:
+        raise Refused(f"{where} is in {written}, not in {said}")
+    unit = (said if said is not None else written) or ""
+    if one.unit:
+        ratio = heading is not None and one.is_ratio(heading.name)
+        if ratio or unit in _DIMENSIONLESS - {""}:
+            told = f"is dimensionless, where {one.name} in {one.unit} is expected"
+            raise Refused(f"{where} {told}")
+        return Source(index, text, unit or one.unit, _factor(one, unit or one.unit, where))
+    if unit not in _DIMENSIONLESS:
+        told = f"the scene has no units, and {one.name} none of its own"
+        raise Refused(f"{where} is in {unit}: {told}")
+    return Source(index, text, unit, Fraction(1))
+
+
+def _factor(one: Expected, unit: str, where: str) -> Fraction:
+    """Return a unit over the SI unit of a quantity."""
+    if unit == one.unit:
+        return Fraction(1)
+    measure = f"1 {unit}"
+    try:
+        if has_unit(measure):
+            return Fraction(in_si(one.name, measure, one.unit))
+    except SceneError:  # of another dimension, or no unit
+        pass
+    raise Refused(f"{where}: {unit} is no unit of {one.name}, which is in {one.unit}")
+
+
+def _plain(heading: str) -> str:
+    """Return a heading as it is compared: words alike however they are joined and capitalised."""
+    text = " ".join(re.split(r"[\s_-]+", heading.strip()))
+    return text if len(text) < 2 or "/" in text else text.lower()
+
+
+def column_count(width: int) -> str:
+    """Return a number of columns in words."""
+    return f"{width} column{'' if width == 1 else 's'}"
+
+
+def _lines(rows: Sequence[TextRow]) -> str:
+    numbers = abridged([str(row.line) for row in rows], ", ")
+    return f"line{'' if len(rows) == 1 else 's'} {numbers}"
+
+
+def _shown(headings: list[_Heading] | None, width: int) -> str:
+    if headings is None:
+        return f"there are {column_count(width)} without headings"
+    return f"the headings are {abridged([one.text for one in headings], ', ')}"
+
+
+def abridged(texts: Sequence[str], between: str) -> str:
+    """Return texts in a row, of very many the first and how many more there are."""
+    more = len(texts) - _MOST_SHOWN
+    return between.join(texts[:_MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _remedy(expected: Sequence[Expected], option: str) -> str:
+    pairs = ",".join(f"{one.name}={k}" for k, one in enumerate(expected, 1) if one.required)
+    return f"say which they are, such as {option} {pairs}"

@@ -1,0 +1,426 @@
+"""Pressure and traction on the parts of a contact: what is known, what is unknown, and where.
+
+The disk is cut at the boundaries between zones. On each part the pressure p and ``u = q/s`` are
+expanded in the functions of a mesh that is graded to a boundary. A *vector* holds what is unknown;
+this module maps vectors to the coefficients of both fields on every part, and what acts on these
+coefficients to rows that act on vectors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, PressureField, Radius
+from spectral_contact.spectral.abel import moments_on
+from spectral_contact.spectral.blocks import disk_shear
+from spectral_contact.spectral.blockwise import Blockwise
+from spectral_contact.spectral.jacobi import (
+    gauss_rule,
+    legendre_expansion_matrix,
+    legendre_values,
+)
+from spectral_contact.spectral.moments import moments
+from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.transforms import series_of
+from spectral_contact.threads import cached_property
+
+Array = NDArray[np.float64]
+Degrees = tuple[int, ...]
+
+#: Degrees that ``p / s`` is given on a panel beyond those of p.
+_EXTRA_DEGREES = 4
+
+
+class MeshPart(NamedTuple):
+    """The central disk, or one half of a zone around it, with its mesh.
+
+    Attributes
+    ----------
+    zone : int
+        Number of the zone, from the centre outward.
+    state : int
+        0 for stick, +1 or -1 for slip with this sign of the traction.
+    boundary : int
+        Number of the boundary that the mesh is graded to; -1 for the edge of the contact.
+    family, shear : Family
+        The mesh with the functions of p, and with those of u. They differ in the endpoint weight.
+    degrees : tuple of int
+        Highest degree of an unknown on every panel.
+    pressure_degrees, shear_degrees : tuple of int
+        Highest degrees of the expansions of p and of u, whether they are known or not.
+    """
+
+    zone: int
+    state: int
+    boundary: int
+    family: Family
+    shear: Family
+    degrees: Degrees
+    pressure_degrees: Degrees
+    shear_degrees: Degrees
+
+    @property
+    def sticks(self) -> bool:
+        """Whether the zone sticks."""
+        return self.state == 0
+
+
+class UnknownField(NamedTuple):
+    """An unknown field on a part.
+
+    Attributes
+    ----------
+    part : int
+        Number of the part.
+    panels : LogPanels
+    degrees : tuple of int
+    functions : ndarray of int
+        The functions of the panels that are in use.
+    place : slice
+        Where the coefficients are in a vector.
+    is_shear : bool
+        Whether the field is u, else it is p.
+    """
+
+    part: int
+    panels: LogPanels
+    degrees: Degrees
+    functions: NDArray[np.int_]
+    place: slice
+    is_shear: bool
+
+    def coefficients(self, values: Array) -> Array:
+        """Return the coefficients of all functions of the panels, from those in a vector."""
+        whole = np.zeros((self.panels.size, *values.shape[1:]))
+        whole[self.functions] = values[self.place]
+        return whole
+
+
+class ContactFields:
+    """The two fields on zones with given boundaries.
+
+    A *vector* holds `pressure_terms` coefficients of the pressure, then those of u on the parts
+    that stick, outward. If the pressure is unknown the first are its coefficients on the parts; if
+    it is known they are the factors of the known pressures: 1 for the pressure itself, and 0 or 1
+    for its changes.
+
+    Parameters
+    ----------
+    radii : tuple of Radius
+        Boundaries between zones, outward.
+    states : tuple of int
+        0 for stick, +1 or -1 for slip with this sign of the traction; the first is 0.
+    spaces : sequence of Resolution
+        Meshes and degrees: of the central disk, then toward the inner and the outer end of every
+        zone around it.
+    parameters : Parameters
+    pressures : sequence of PressureField
+        The known pressure of unit load and its changes, whose load is zero, on the same panels. If
+        there is none the pressure is unknown.
+    truncated : bool
+        Whether two changes of a known pressure, by two degrees less in its own space and by one,
+        are to lose as many degrees on the parts of this mesh, too.
+
+    Attributes
+    ----------
+    parts : list of MeshPart
+    stick_parts : list of int
+        Numbers of the parts that stick.
+    fields : list of UnknownField
+        What is unknown, in the order of a vector.
+    pressure_terms, unknowns : int
+        How many coefficients of a vector belong to the pressure, and how many there are in all.
+    load_row : ndarray, shape (pressure_terms,)
+        ``int p s ds``.
+    """
+
+    def __init__(
+        self,
+        radii: tuple[Radius, ...],
+        states: tuple[int, ...],
+        spaces: Sequence[Resolution],
+        parameters: Parameters,
+        pressures: Sequence[PressureField] = (),
+        *,
+        truncated: bool = False,
+    ) -> None:
+        self.radii = radii
+        self.states = states
+        self.parameters = parameters
+        self.pressure_known = bool(pressures)
+        self.parts = self._cut(spaces)
+        self.stick_parts = [k for k, part in enumerate(self.parts) if part.sticks]
+        self._place_fields(pressures, truncated=truncated)
+        self._assemble_loads()
+
+    def _cut(self, spaces: Sequence[Resolution]) -> list[MeshPart]:
+        """Return the parts of the disk."""
+        boundaries = len(self.radii)
+        parts = []
+        ends = Parts(self.radii, pointed=False).ends
+        for k, (end, (panels, degrees)) in enumerate(zip(ends, spaces, strict=True)):
+            zone = (k + 1) // 2
+            state = self.states[zone]
+            boundary = k // 2 if k < 2 * boundaries else -1
+            power = panels.power
+            if state == 0:
+                # without compliance the traction is singular at an edge that sticks
+                singular = self.parameters.beta == 0.0 and boundary < 0
+                power = -0.5 if singular else 0.0
+            # a tail of roots is that of a traction at the rim of a disk
+            family = Family(*end, replace(panels, root_tail=False))
+            shear = family
+            if power != panels.power or panels.root_tail:
+                shear = family._replace(panels=replace(panels, power=power))
+            pressure_degrees = degrees
+            if self.pressure_known:
+                # it costs nothing to hold a known pressure in all functions of the panels
+                pressure_degrees = (panels.degree,) * panels.panels
+            shear_degrees = degrees if state == 0 else _quotient_degrees(pressure_degrees, panels)
+            parts.append(
+                MeshPart(
+                    zone, state, boundary, family, shear, degrees, pressure_degrees, shear_degrees
+                )
+            )
+        return parts
+
+    # the two fields in a vector
+
+    def _place_fields(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
+        """Give the unknown fields their places, and expand the known ones."""
+        self.fields: list[UnknownField] = []
+        #: where the pressure of a part is in a vector, if it is unknown
+        self.pressure_places: list[slice] = []
+        #: coefficients of the known pressures on the parts, and of ``u = state f p/s`` in slip
+        self.known_pressure: list[Array] = []
+        self.known_slip: dict[int, Array] = {}
+        #: maps from p to ``p/s`` on the parts that slip under an unknown pressure
+        self._over_radius: dict[int, Blockwise] = {}
+        place = 0
+        if self.pressure_known:
+            place = len(pressures)
+            self._expand(pressures, truncated=truncated)
+        else:
+            for k, part in enumerate(self.parts):
+                field = self._unknown(k, part.family.panels, place, is_shear=False)
+                self.fields.append(field)
+                self.pressure_places.append(field.place)
+                place = field.place.stop
+                if not part.sticks:
+                    self._over_radius[k] = _over_radius(part.family, part.pressure_degrees)
+        self.pressure_terms = place
+        #: where u of a part that sticks is in a vector
+        self.shear_places: dict[int, slice] = {}
+        for k in self.stick_parts:
+            field = self._unknown(k, self.parts[k].shear.panels, place, is_shear=True)
+            self.fields.append(field)
+            self.shear_places[k] = field.place
+            place = field.place.stop
+        self.unknowns = place
+
+    def _unknown(self, k: int, panels: LogPanels, start: int, *, is_shear: bool) -> UnknownField:
+        degrees = self.parts[k].degrees
+        functions = panels.functions(degrees)
+        place = slice(start, start + len(functions))
+        return UnknownField(k, panels, degrees, functions, place, is_shear)
+
+    def _expand(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
+        """Expand known pressures on every part, and the traction that they bear in slip."""
+        for k, part in enumerate(self.parts):
+            panels = part.family.panels
+            points = part.family.sampling()
+            values = PressureField.several(pressures, points.y)
+            if panels.power != 0.0:
+                values = values / panels.distances**panels.power
+            self.known_pressure.append(_expansion(part, values, truncated=truncated))
+            if not part.sticks:
+                slip = part.state * self.parameters.friction * values / np.sqrt(points.z)
+                self.known_slip[k] = _expansion(part, slip, truncated=truncated)
+
+    def pressure_on(self, k: int, values: Array) -> Array:
+        """Return the coefficients of p on a part, of vectors as columns."""
+        if self.pressure_known:
+            return np.asarray(self.known_pressure[k] @ values[: self.pressure_terms])
+        return values[self.pressure_places[k]]
+
+    def shear_on(self, k: int, values: Array) -> Array:
+        """Return the coefficients of u on a part, of vectors as columns."""
+        part = self.parts[k]
+        if part.sticks:
+            return values[self.shear_places[k]]
+        if self.pressure_known:
+            return np.asarray(self.known_slip[k] @ values[: self.pressure_terms])
+        friction = part.state * self.parameters.friction
+        return friction * self._over_radius[k].of(values[self.pressure_places[k]])
+
+    def add_pressure(self, rows: Array, columns: Array, k: int) -> None:
+        """Add to rows that act on vectors what acts on the coefficients of p on a part."""
+        if self.pressure_known:
+            rows[:, : self.pressure_terms] += columns @ self.known_pressure[k]
+        else:
+            rows[:, self.pressure_places[k]] += columns
+
+    def add_shear(self, rows: Array, columns: Array, k: int) -> None:
+        """Add to rows that act on vectors what acts on the coefficients of u on a part."""
+        part = self.parts[k]
+        if part.sticks:
+            rows[:, self.shear_places[k]] += columns
+        elif self.pressure_known:
+            rows[:, : self.pressure_terms] += columns @ self.known_slip[k]
+        else:
+            friction = part.state * self.parameters.friction
+            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].after(columns)
+
+    def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
+        """Return p on all parts, and ``q/s`` on those that stick, of one vector."""
+        pressures = []
+        for k, part in enumerate(self.parts):
+            panels = part.family.panels
+            whole = np.zeros(panels.size)
+            whole[panels.functions(part.pressure_degrees)] = self.pressure_on(k, values)
+            pressures.append(series_of(panels, whole))
+        shears = {
+            field.part: series_of(field.panels, field.coefficients(values))
+            for field in self.fields
+            if field.is_shear
+        }
+        return pressures, shears
+
+    # the mesh
+
+    @property
+    def bounds(self) -> tuple[Radius, ...]:
+        """Ends of the zones, from the centre to the edge."""
+        return CENTRE, *self.radii, EDGE
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the matrix is symmetric and positive definite: no unknown p is in slip."""
+        return self.pressure_known or not self.radii
+
+    @cached_property
+    def top_degree_indices(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+        """Places in a vector of the top two degrees of every panel, and of the top one."""
+        top_two, top_one = (
+            np.concatenate(
+                [field.place.start + field.panels.top(field.degrees, n) for field in self.fields]
+            )
+            for n in (2, 1)
+        )
+        return top_two, top_one
+
+    def _assemble_loads(self) -> None:
+        """Assemble ``int p s ds`` and ``int q ds`` of the parts, and the load of a vector."""
+        #: of p and of u on every part
+        self.loads: list[Array] = []
+        self.pulls: list[Array] = []
+        for part in self.parts:
+            half = 0.5 * part.family.reach
+            of_pressure = moments(part.family.panels)
+            of_shear = moments(part.shear.panels)
+            self.loads.append(
+                half * of_pressure[part.family.panels.functions(part.pressure_degrees)]
+            )
+            self.pulls.append(half * of_shear[part.shear.panels.functions(part.shear_degrees)])
+        self.load_row = np.zeros(self.pressure_terms)
+        if self.pressure_known:
+            self.load_row[0] = 1.0 / (2.0 * np.pi)
+        else:
+            self.load_row[:] = np.concatenate(self.loads)
+
+    # rows that act on vectors
+
+    @cached_property
+    def shear_row(self) -> Array:
+        """``2 pi int q s ds``."""
+        row = np.zeros((1, self.unknowns))
+        friction = self.parameters.friction
+        for k, part in enumerate(self.parts):
+            if not part.sticks:
+                load = 2.0 * np.pi * friction * part.state * self.loads[k]
+                self.add_pressure(row, load[None], k)
+            elif part.zone == 0:
+                unit = disk_shear(part.shear.panels, part.degrees)
+                self.add_shear(row, part.family.boundary.value**3 * unit[None], k)
+            else:
+                on_panels = moments_on(part.shear.panels, part.degrees)
+                s = np.sqrt(part.shear.points(on_panels.d).z)
+                moment = 2.0 * np.pi * part.shear.reach * on_panels.with_densities(s[None])
+                self.add_shear(row, moment, k)
+        return np.asarray(row[0])
+
+    def total_shear(self, values: Array) -> float:
+        """Return ``2 pi int q s ds`` of a vector."""
+        return float(self.shear_row @ values)
+
+    @cached_property
+    def jump_rows(self) -> Array:
+        """The jump of ``q - f p`` from slip to stick at every boundary."""
+        rows = np.zeros((len(self.radii), self.unknowns))
+        for k in self.stick_parts:
+            part = self.parts[k]
+            j = part.boundary
+            if j < 0:
+                continue
+            row = rows[j : j + 1]
+            at_tail = _tail_at_boundary(part.shear.panels)
+            row[:, self._tail_of(k)] = part.family.boundary.value * at_tail
+            friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
+            at_boundary = np.zeros((1, len(self.loads[k])))
+            at_tail = _tail_at_boundary(part.family.panels)
+            at_boundary[:, -len(at_tail) :] = -friction * at_tail
+            self.add_pressure(row, at_boundary, k)
+        return rows
+
+    def _tail_of(self, k: int) -> slice:
+        """Return where the tail of u on a part is in a vector."""
+        stop = self.shear_places[k].stop
+        return slice(stop - self.parts[k].shear.panels.tail_terms, stop)
+
+
+def _expansion(part: MeshPart, values: Array, *, truncated: bool) -> Array:
+    """Return coefficients on a part, as columns, through values at its sampling points, as rows.
+
+    If it is truncated, the second and third column lose the top two degrees and the top one of
+    every panel of the first.
+    """
+    panels, degrees = part.family.panels, part.pressure_degrees
+    coefficients = part.family.expand(values)[:, panels.functions(degrees)].T
+    if truncated:
+        for column, count in ((1, 2), (2, 1)):
+            top = panels.top(degrees, count)[:-1]  # without the tail's
+            coefficients[top, column] -= coefficients[top, 0]
+    return coefficients
+
+
+def _tail_at_boundary(panels: LogPanels) -> Array:
+    """Return the values of the functions of the tail at the boundary: Legendre's at -1."""
+    return np.asarray(1.0 - 2.0 * (np.arange(panels.tail_terms) % 2))
+
+
+def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
+    """Return the degrees of ``p/s``, for those of p."""
+    return tuple(min(n + _EXTRA_DEGREES, panels.degree) for n in degrees)
+
+
+def _over_radius(family: Family, degrees: Degrees) -> Blockwise:
+    """Return the map from the coefficients of p on a part to those of ``p/s``, panel by panel."""
+    panels = family.panels
+    points = panels.degree + 11
+    expand = legendre_expansion_matrix(points, panels.degree)
+    values = legendre_values(gauss_rule(points)[0], panels.degree)
+    radii = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
+    blocks = [
+        expand[: more + 1] @ (values[:, : n + 1] / s[:, None])
+        for s, n, more in zip(radii, degrees, _quotient_degrees(degrees, panels), strict=True)
+    ]
+    # on the tail s is constant to rounding
+    at_tail = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))
+    return Blockwise([*blocks, np.eye(panels.tail_terms) / at_tail])

@@ -1,0 +1,154 @@
+"""The matrix of a contact system: where its entries are filled in.
+
+Rows are those of `ContactSystem.residual`. ``T q`` and ``N p`` are Gram matrices of half-integrals,
+summed over the nodes of each part (docs/theory, Abel factorisation). That of the central disk is
+kept where it has no further weights, as it is that of the unit disk; and there the coupling of the
+two equations is a product of moments, in which no kernel is left.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.blocks import kept_disk_gram
+from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.contact_system import ContactSystem
+from spectral_contact.spectral.moments import outer_moments
+from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.parameters import Parameters
+
+Array = NDArray[np.float64]
+
+
+def system_matrix(system: ContactSystem) -> Array:
+    """Return the matrix of the equations, whose rows are those of `residual`."""
+    matrix = _without_masses(system)
+    for place, mass in system.masses():
+        matrix[place, place] += mass
+    return matrix
+
+
+def _without_masses(system: ContactSystem) -> Array:
+    """Return the matrix without masses; that of coupled full stick is kept for kappa = 1."""
+    if system.radii or system.pressure_known:
+        return _assembled(system)
+    [part] = system.parts
+    space = Resolution(part.family.panels, part.degrees)
+    matrix = _full_stick_matrix(space, system.parameters.beta == 0.0).copy()
+    matrix[: system.pressure_terms, system.pressure_terms :] *= system.parameters.kappa
+    matrix[system.pressure_terms :, : system.pressure_terms] *= system.parameters.kappa
+    return matrix
+
+
+def _assembled(system: ContactSystem) -> Array:
+    """Return the matrix without masses, assembled part by part."""
+    matrix = np.zeros((system.unknowns, system.unknowns))
+    for i in range(system.stick_parts[-1] + 1):
+        _add_shear_equation(system, matrix, i)
+    if system.pressure_known:
+        return matrix
+    for i in range(len(system.parts)):
+        _add_normal_equation(system, matrix, i)
+        if not system.operators.unweighted_normal:
+            _add_traction_to_normal(system, matrix, i)
+        if not system.operators.unweighted_shear and i <= system.stick_parts[-1]:
+            _add_pressure_to_shear(system, matrix, i)
+    _add_moments(system, matrix)
+    return matrix
+
+
+def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
+    """Add ``T q``, tested at the nodes of a part."""
+    part, rows = system.parts[i], system.operators.outer_stick[i]
+    columns = rows if system.pressure_known else system.operators.outer_shear[i]
+    gram = None
+    if part.zone == 0 and system.operators.unweighted_shear:
+        gram = kept_disk_gram(part.shear.panels, part.degrees, shear=True)
+        gram = part.family.boundary.value**3 * gram
+    products = rows.products(
+        columns, system.operators.shear_tests[i], whole=system.operators.unweighted_shear, own=gram
+    )
+    for k, j, product in products:
+        system.add_shear(matrix[system.shear_places[k]], product, j)
+
+
+def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
+    """Add ``N p``, tested at the nodes of a part."""
+    part, outer = system.parts[i], system.operators.outer_pressure[i]
+    gram = None
+    if part.zone == 0 and system.operators.unweighted_normal:
+        gram = kept_disk_gram(part.family.panels, part.degrees, shear=False)
+        gram = part.family.boundary.value * gram
+    for k, j, product in outer.products(
+        outer, system.operators.normal_tests[i], whole=True, own=gram
+    ):
+        matrix[system.pressure_places[k], system.pressure_places[j]] += product
+
+
+def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> None:
+    """Add what the traction does to a weighted normal equation at the nodes of a part."""
+    outer, inner = system.operators.outer_pressure[i], system.operators.inner_shear[i]
+    t, weights = system.operators.t[i], system.operators.normal_tests[i]
+    coupling = 2.0 * system.parameters.kappa
+    for k, j, product in outer.products(inner, weights * t):
+        system.add_shear(matrix[system.pressure_places[k]], coupling * product, j)
+    # t I(t) is t/b times its value at the boundary, and an increment
+    both = coupling * np.column_stack([weights * t, weights])
+    for k, sums in outer.tested(both):
+        rows = matrix[system.pressure_places[k]]
+        for j, one in inner.blocks.items():
+            system.add_shear(rows, one.scale * sums[:, :1] * one.at, j)
+        for j, pull in enumerate(system.pulls):
+            system.add_shear(rows, -sums[:, 1:] * pull, j)
+
+
+def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None:
+    """Add what the pressure does to a weighted tangential equation at the nodes of a part."""
+    outer, inner = system.operators.outer_stick[i], system.operators.inner_pressure[i]
+    factor = system.operators.shear_tests[i] * 2.0 * system.parameters.kappa / system.operators.t[i]
+    for k, j, product in outer.products(inner, factor):
+        matrix[system.shear_places[k], system.pressure_places[j]] -= product
+    falls = factor * system.operators.from_boundary[i] / system.parts[i].family.boundary.value
+    for k, sums in outer.tested(falls[:, None]):
+        for j, one in inner.blocks.items():
+            rows = matrix[system.shear_places[k], system.pressure_places[j]]
+            rows += one.scale * sums * one.at
+
+
+def _add_moments(system: ContactSystem, matrix: Array) -> None:
+    """Add the coupling of equations without weights, in which no kernel is left.
+
+    ``<phi, int_s^1 q> = int phi s ds int q ds`` where q lies outside of phi, and
+    ``<s psi, g[p]> = int psi s ds int p s ds`` where p lies inside of psi.
+    """
+    kappa = system.parameters.kappa
+    for k, (part, place) in enumerate(zip(system.parts, system.pressure_places, strict=True)):
+        within = _moments_within(system, k)
+        if system.operators.unweighted_normal:
+            rows = matrix[place]
+            system.add_shear(rows, -kappa * within, k)
+            for j in range(k + 1, len(system.parts)):
+                system.add_shear(rows, -kappa * system.loads[k][:, None] * system.pulls[j], j)
+        if system.operators.unweighted_shear and part.sticks:
+            rows = matrix[system.shear_places[k]]
+            rows[:, place] -= kappa * within.T
+            inside = system.load_row[: place.start]
+            rows[:, : place.start] -= kappa * system.pulls[k][:, None] * inside
+
+
+def _moments_within(system: ContactSystem, k: int) -> Array:
+    """Return ``int phi s ds int psi s ds`` over what of psi lies outside of phi, on a part."""
+    part = system.parts[k]
+    pressure, shear = part.family.panels, part.shear.panels
+    whole = outer_moments(pressure, shear, part.family.sign)
+    rows = pressure.functions(part.pressure_degrees)
+    columns = shear.functions(part.shear_degrees)
+    return np.asarray((0.5 * part.family.reach) ** 2 * whole[np.ix_(rows, columns)])
+
+
+@kept("full-stick matrices", 8)
+def _full_stick_matrix(space: Resolution, rigid: bool) -> Array:
+    """Return the matrix of coupled full stick without masses, for kappa = 1."""
+    parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)
+    return _assembled(ContactSystem((), (0,), [space], parameters))

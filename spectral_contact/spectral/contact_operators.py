@@ -1,0 +1,151 @@
+"""The Abel integrals of the fields of all parts of a contact at the Galerkin nodes of each.
+
+With them come the weights with which the equations are tested at the nodes. Integrals are given as
+their value at the boundary that the nodes are graded to, and an increment from there, in which
+nothing cancels (`blocks`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.spectral.blocks import Block, block
+from spectral_contact.spectral.contact_fields import ContactFields, MeshPart
+from spectral_contact.spectral.graded import GradedNodes, graded_nodes
+from spectral_contact.spectral.parts import Family
+from spectral_contact.spectral.seen import Seen
+
+Array = NDArray[np.float64]
+Degrees = tuple[int, ...]
+
+
+class ContactOperators:
+    """Integrals of the fields at the nodes of the parts.
+
+    Where the pressure is known there are nodes up to the last part that sticks.
+
+    Parameters
+    ----------
+    fields : ContactFields
+
+    Attributes
+    ----------
+    nodes : list of GradedNodes
+    t, offsets, from_boundary : list of ndarray
+        At the nodes of each part t, ``t**2 - b**2`` and ``t - b``, with the boundary b that its
+        mesh is graded to.
+    shear_weights : list of ndarray
+        Weights of ``t**2 dt / pi``.
+    normal_tests, shear_tests : list of ndarray
+        Weights with which W and E are tested.
+    unweighted_normal, unweighted_shear : bool
+        Whether these are the weights of ``dt / pi`` and of ``t**2 dt / pi``.
+    outer_pressure, outer_shear : list of Seen
+        Half-integrals of p and of u over what lies outside of the nodes.
+    inner_pressure, inner_shear : list of Seen
+        The same over what lies inside.
+    outer_stick : list of Seen
+        Of the outer half-integrals of u those of the parts that stick.
+    """
+
+    def __init__(self, fields: ContactFields) -> None:
+        self._parts = fields.parts
+        self._pressure_known = fields.pressure_known
+        # an equation is tested without further weights if it has a compliance or no boundary: then
+        # its coupling is one of moments
+        alpha, beta, _, _ = fields.parameters
+        whole = not fields.radii
+        self.unweighted_normal = alpha > 0.0 or whole
+        self.unweighted_shear = beta > 0.0 or whole or fields.pressure_known
+        tested = fields.parts
+        if fields.pressure_known:
+            tested = tested[: fields.stick_parts[-1] + 1]
+        self._place_nodes(tested)
+        self._assemble()
+
+    def _place_nodes(self, parts: list[MeshPart]) -> None:
+        """Find the Galerkin nodes of parts, and the weights with which W and E are tested."""
+        self.nodes: list[GradedNodes] = []
+        self.offsets: list[Array] = []
+        self.t: list[Array] = []
+        self.from_boundary: list[Array] = []
+        self.shear_weights: list[Array] = []
+        self.normal_tests: list[Array] = []
+        self.shear_tests: list[Array] = []
+        for part in parts:
+            family = part.family
+            b = family.boundary
+            nodes = graded_nodes(family.panels, part.degrees)
+            offset = family.sign * family.reach * nodes.d
+            if part.zone == 0:
+                t = b.value * np.sqrt(nodes.rest)
+            else:
+                t = np.sqrt(b.square + offset)
+            weights = nodes.weights * family.reach / (2.0 * np.pi) * t
+            emphasis = self._emphasis(part, offset)
+            self.nodes.append(nodes)
+            self.offsets.append(offset)
+            self.t.append(t)
+            self.from_boundary.append(offset / (t + b.value))
+            self.shear_weights.append(weights)
+            self.normal_tests.append(weights / t**2 * (1.0 if self.unweighted_normal else emphasis))
+            self.shear_tests.append(weights * (1.0 if self.unweighted_shear else emphasis))
+
+    def _emphasis(self, part: MeshPart, offset: Array) -> Array | float:
+        """Return the weight that an equation of the first kind takes next to a boundary.
+
+        Without it what the equation lacks far away would spoil what is next to the boundary.
+        """
+        if part.boundary < 0:
+            return 1.0
+        beside = [p.family.reach for p in self._parts if p.boundary == part.boundary]
+        return np.maximum(min(beside) / np.abs(offset), 1.0)
+
+    def _assemble(self) -> None:
+        """Find the integrals of the fields of every part at the nodes of every other."""
+        nodes = self.nodes
+        self.outer_pressure = [Seen(one, {}) for one in nodes]
+        self.outer_shear = [Seen(one, {}) for one in nodes]
+        self.inner_pressure = [Seen(one, {}) for one in nodes]
+        self.inner_shear = [Seen(one, {}) for one in nodes]
+        for i in range(len(nodes)):
+            for k in range(len(self._parts)):
+                if k >= i:
+                    self._add_operators(i, k, 1, self.outer_pressure[i], self.outer_shear[i])
+                if k <= i:
+                    self._add_operators(i, k, -1, self.inner_pressure[i], self.inner_shear[i])
+        self.outer_stick = [
+            Seen(one.nodes, {k: b for k, b in one.blocks.items() if self._parts[k].sticks})
+            for one in self.outer_shear
+        ]
+
+    def _add_operators(self, i: int, k: int, side: int, pressure: Seen, shear: Seen) -> None:
+        """Add the integrals of the fields of part k at the nodes of part i."""
+        part, target = self._parts[k], self._parts[i]
+        place = (target.family, target.degrees, side)
+        wants_shear = side > 0 or not self._pressure_known
+        wants_pressure = side < 0 or not self._pressure_known
+        of_shear: Block | None = None
+        if wants_shear:
+            of_shear = block(part.shear, part.shear_degrees, *place)
+            assert of_shear is not None
+            shear.blocks[k] = of_shear
+        if wants_pressure:
+            pressure.blocks[k] = self._pressure_block(part, place, of_shear)
+
+    def _pressure_block(
+        self, part: MeshPart, place: tuple[Family, Degrees, int], of_shear: Block | None
+    ) -> Block:
+        """Return the integrals of p, which are those of u where the functions are the same."""
+        if of_shear is not None and part.shear is part.family:
+            if part.shear_degrees == part.pressure_degrees:
+                return of_shear
+            if of_shear.sampled:
+                panels = part.family.panels
+                columns = panels.functions(part.shear_degrees)
+                functions = panels.functions(part.pressure_degrees)
+                return of_shear.of(np.searchsorted(columns, functions))
+        found = block(part.family, part.pressure_degrees, *place)
+        assert found is not None
+        return found

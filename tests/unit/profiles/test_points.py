@@ -1,0 +1,147 @@
+"""Profiles through points: what is convex is taken, and stays convex; what is not is named."""
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from oracles.property_settings import bounded
+
+from spectral_contact import Scene, SceneError, profiles, solve
+
+from_points = profiles.Sampled.from_points
+
+
+@st.composite
+def convex_tables(draw):
+    """Return radii and heights whose secants do not fall: equal ones, jumps and tiny ones, too."""
+    count = draw(st.integers(2, 12))
+    steps = draw(st.lists(st.floats(0.01, 1.0), min_size=count, max_size=count))
+    rises = st.one_of(
+        st.just(0.0), st.floats(1e-3, 1.0), st.floats(-12.0, 0.0).map(lambda e: 10**e)
+    )
+    secants = np.cumsum(draw(st.lists(rises, min_size=count, max_size=count)))
+    secants[-1] += 1e-3
+    radii = np.concatenate([[0.0], np.cumsum(steps)])
+    heights = np.concatenate([[0.0], np.cumsum(secants * np.diff(radii))])
+    return radii, heights
+
+
+def slopes_of_pieces(table):
+    """Return the slopes at many radii of every piece, its ends included, as the pieces follow."""
+    x = np.linspace(-1.0, 1.0, 33)
+    return np.array([np.polynomial.chebyshev.chebval(x, row) for row in table.slopes])
+
+
+@settings(bounded, max_examples=60)
+@given(convex_tables())
+@example((np.arange(4.0), np.array([0.0, 0.1, 1.0, 2.0])))
+def test_convex_tables_are_accepted_and_stay_convex(points):
+    radii, heights = points
+    table = from_points(radii, heights)
+    scale = heights.max()
+    assert np.abs(table.height(radii) - heights).max() <= 1e-14 * scale
+    slopes = slopes_of_pieces(table).ravel()
+    slack = 1e-13 * slopes.max()
+    assert slopes.min() >= -slack
+    assert np.diff(slopes).min() >= -slack
+    # no piece is much shorter than the interval that it is made of
+    assert np.diff(table.edges).min() > np.diff(radii).min() / 60.0
+
+
+@bounded
+@given(convex_tables(), st.integers(-30, 30), st.integers(-30, 30))
+def test_units_of_radii_and_heights_do_not_matter(points, length, height):
+    radii, heights = points
+    table = from_points(radii, heights)
+    wide, high = 2.0**length, 2.0**height
+    scaled = from_points(wide * radii, high * heights)
+    assert np.array_equal(scaled.height(wide * radii) / high, table.height(radii))
+
+
+def test_two_hundred_random_tables():
+    rng = np.random.default_rng(39)
+    for _ in range(200):
+        radii = np.concatenate([[0.0], np.cumsum(rng.uniform(0.1, 1.0, 8))])
+        secants = np.sort(rng.uniform(0.0, 1.0, 8))
+        from_points(radii, np.concatenate([[0.0], np.cumsum(secants * np.diff(radii))]))
+
+
+def test_the_slope_is_continuous_where_the_points_are_no_corner():
+    rng = np.random.default_rng(4)
+    for _ in range(50):
+        radii = np.concatenate([[0.0], np.cumsum(rng.uniform(0.1, 1.0, 8))])
+        secants = np.cumsum(rng.uniform(0.5, 1.0, 8))
+        table = from_points(radii, np.concatenate([[0.0], np.cumsum(secants * np.diff(radii))]))
+        slopes = slopes_of_pieces(table)
+        assert np.abs(slopes[1:, 0] - slopes[:-1, -1]).max() < 1e-13 * slopes.max()
+
+
+@pytest.mark.parametrize(
+    ("height", "told"),
+    [
+        (lambda r: r**2 / 2.0, 1e-15),
+        (lambda r: 3.0 * r, 1e-15),
+        (lambda r: np.where(r < 0.75, 0.0, 2.0 * (r - 0.75)), 1e-15),
+        (lambda r: r**2 + r, 1e-15),
+    ],
+    ids=["parabola", "cone", "truncated cone", "parabola with a tip"],
+)
+def test_parabolas_and_lines_are_reproduced(height, told):
+    radii = np.array([0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])
+    table = from_points(radii, height(radii))
+    r = np.linspace(0.0, 2.0, 333)
+    assert np.abs(table.height(r) - height(r)).max() < told * height(2.0)
+    assert len(table.slopes) == len(radii) - 1
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        lambda r: np.cosh(2.0 * r) - 1.0,
+        lambda r: 1.0 - np.sqrt(1.0 - 0.5 * r**2),
+        lambda r: np.sqrt(0.1 + r**2) - np.sqrt(0.1),
+    ],
+    ids=["cosh", "sphere", "hyperbola"],
+)
+def test_smooth_data_are_reproduced_to_the_fourth_order(height):
+    r = np.linspace(0.0, 1.0, 2001)
+    errors = []
+    for count in (17, 33, 65):
+        radii = np.linspace(0.0, 1.0, count)
+        table = from_points(radii, height(radii))
+        assert len(table.slopes) == count - 1
+        errors.append(np.abs(table.height(r) - height(r)).max())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert orders.min() > 3.5
+
+
+def test_a_corner_that_points_do_not_resolve_stays_a_corner():
+    table = from_points([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 0.0, 0.0, 1.0, 2.0])
+    assert table.slopes == ((0.0,), (0.0,), (1.0,), (1.0,))
+    nearly = from_points([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 0.0, 1e-9, 1.0, 2.0 + 1e-9])
+    assert len(nearly.slopes) < 8
+    assert nearly.height(2.5) == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("radii", "heights", "told"),
+    [
+        ([0, 1, 2, 3], [0, 2, 3, 3.5], r"heights = 2.0: must be convex: the point 1, .* 0.5 above"),
+        ([0, 1, 2, 3], [0, 1, 2, 2.9], r"heights = 2.0: .* the point 2, .* radius 2 .* 0.05 above"),
+        ([0, 1, 2], [0, -1, 2], r"heights = -1.0: must be at least 0: they fall .* radius 1"),
+        ([0, 1, 2], [0, 0, 0], "slope = 0.0: must be positive where the profile ends"),
+    ],
+)
+def test_where_points_are_not_convex_is_named(radii, heights, told):
+    with pytest.raises(SceneError, match=told):
+        from_points(radii, heights)
+
+
+def test_a_table_of_a_sphere_bears_what_the_sphere_bears():
+    radii = np.linspace(0.0, 0.6, 13)
+    table = from_points(radii, 1.0 - np.sqrt(1.0 - radii**2))
+    given = solve(Scene(0.3, 0.1, profile=table, contact_radius=0.43), 1e-8, ["load"])
+    exact = solve(
+        Scene(0.3, 0.1, profile=profiles.Sphere(1.0), contact_radius=0.43), 1e-8, ["load"]
+    )
+    assert given.load == pytest.approx(exact.load, rel=1e-5)

@@ -1,0 +1,310 @@
+"""True errors of contact through layers whose law bends, against their estimates.
+
+Run as ``python validation/honesty/bent_layers.py [scenes] [seed] [workers]``; writes
+validation/results/honesty_bent_layers.md. The truth is collocation in the radius with the elliptic
+kernel (tests/oracles/bent_collocation.py), which shares no code with the library, on panels to
+bends that it finds itself. Laws are tables, and polynomials with kinks or jumps of the second
+derivative that are put next to the largest overclosure, on either side of it, next to the edge, or
+anywhere. Every scene is solved with a random tolerance, and with a tighter one: claims that
+contradict each other are violations, too.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import sys
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from honesty_table import decade, table
+from scipy.interpolate import PchipInterpolator
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
+
+from bent_collocation import BentContact, Law, solved
+
+from spectral_contact import Scene, Solution, layers, profiles, solve
+
+RESULTS = Path(__file__).parents[1] / "results"
+NAMES = ("approach", "load", "contact_radius", "indentation_work", "stiffness", "pressure")
+#: So many scenes from table to table.
+EVERY = 5
+#: What a tighter tolerance is, and the rounding of the truth.
+TIGHTER, ROUNDING = 1e-11, 3e-14
+#: Distances from what a bend is put next to, as powers of ten of the range of overclosures.
+CLOSE = (-9.0, -0.5)
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A law and a profile for both sides, and the disk."""
+
+    layer: layers.Layer
+    law: Law
+    profile: profiles.Profile
+    breaks: tuple[float, ...]
+    radius: float
+    approach: float | None
+    about: str
+
+
+def bent_polynomial(
+    start: float,
+    limit: float,
+    linear: float,
+    quadratic: float,
+    jumps: list[tuple[float, float, int]],
+) -> tuple[layers.Layer, Law]:
+    """Return a polynomial of degree 2 with jumps of its first or second derivative."""
+
+    def summed(order: int) -> Callable[[Any], Any]:
+        def function(w: Any) -> Any:
+            v = np.maximum(np.asarray(w) - start, 0.0)
+            factors = [(linear, 1), (quadratic, 2)]
+            total = sum(_power(v, c, n, order) for c, n in factors)
+            for knot, size, n in jumps:
+                total = total + _power(np.maximum(np.asarray(w) - knot, 0.0), size, n, order)
+            return np.where(np.asarray(w) >= start, total, 0.0)
+
+        return function
+
+    knots = tuple(sorted(knot for knot, _, _ in jumps))
+    layer = layers.Sampled.from_functions(
+        summed(0), summed(1), start=start, limit=limit, knots=list(knots)
+    )
+    return layer, Law(summed(0), summed(1), summed(-1), knots)
+
+
+def _power(v: Any, factor: float, n: int, order: int) -> Any:
+    """Return ``factor v**n``, its derivative (1) or its integral (-1)."""
+    if order == 0:
+        return factor * v**n
+    if order == 1:
+        return factor * n * np.where(v > 0.0, v ** (n - 1), 0.0)
+    return factor * v ** (n + 1) / (n + 1)
+
+
+def table_law(w: list[float], p: list[float]) -> tuple[layers.Layer, Law]:
+    """Return a table, and SciPy's interpolant of it."""
+    inner = PchipInterpolator(w, p)
+    derivative, integral = inner.derivative(), inner.antiderivative()
+
+    def within(function: Callable[[Any], Any], at: Any) -> Any:
+        return np.where(at < w[0], 0.0, function(np.clip(at, w[0], w[-1])))
+
+    def pressure(at: Any) -> Any:  # beyond the table, where only steps of an iteration are
+        return within(inner, at) + np.maximum(at - w[-1], 0.0) * derivative(w[-1])
+
+    law = Law(
+        pressure,
+        lambda at: within(derivative, at),
+        lambda at: within(integral, at),
+        tuple(w[1:-1]),
+    )
+    return layers.Table(w, p), law
+
+
+def drawn(rng: np.random.Generator) -> Drawn:
+    """Return a scene."""
+    kind = rng.integers(6)
+    breaks: tuple[float, ...] = ()
+    profile: profiles.Profile
+    if kind == 0:
+        profile = profiles.Flat(1.0)
+    elif kind <= 2:
+        profile = profiles.Parabola(1.0)
+    elif kind == 3:
+        profile = profiles.Cone(float(rng.uniform(0.6, 1.4)))
+    elif kind == 4:
+        bend, more = float(rng.uniform(0.2, 0.8)), decade(rng, -1.0, 1.0)
+        breaks = (bend,)
+        profile = profiles.Sampled.from_functions(
+            lambda r: r**2 / 2.0 + more * np.maximum(r - bend, 0.0) ** 2 / 2.0,
+            lambda r: r + more * np.maximum(r - bend, 0.0),
+            reach=6.0,
+            breaks=[bend],
+            rounded=True,
+        )
+    else:
+        profile = profiles.Sampled.from_functions(
+            lambda r: r**2 / 2.0 + r**4 / 8.0, lambda r: r + r**3 / 2.0, reach=6.0, rounded=True
+        )
+    flat = isinstance(profile, profiles.Flat)
+    radius = 1.0 if flat else 0.3 + decade(rng, -1.0, 0.3)
+    size = 1.0 if flat else float(profile.height(radius))
+    start = float(rng.choice([0.0, -0.3 * size, 0.1 * size]))
+    approach = start + size * decade(rng, -1.0, 0.5) if flat else None
+    strength = decade(rng, -1.0, 2.0) / size
+    linear = strength
+    quadratic = strength / size * float(rng.choice([0.0, 0.3, 2.0]))
+    # no overclosure is larger
+    limit = start + 1.5 * (size if approach is None else approach - start)
+    smooth, law = bent_polynomial(start, limit, linear, quadratic, [])
+    given = {"contact_radius": radius} if approach is None else {"approach": approach}
+    found = solve(Scene(0.3, layer=smooth, profile=profile, **given), rtol=1e-6)
+    pressures = found.pressure(np.linspace(0.0, 1.0, 201))
+    ends = [
+        float(smooth.overclosure(p)) if p > 0.0 else start
+        for p in (pressures.min(), pressures.max())
+    ]
+    extent = ends[1] - ends[0]
+    if rng.integers(3) == 0:
+        count = int(rng.integers(3, 9))
+        w = np.append(0.0, np.cumsum(rng.uniform(0.2, 1.0, count)))
+        w = start + w / w[-1] * (ends[1] - start) * float(rng.uniform(0.6, 2.0))
+        w = np.append(w, max(limit, float(w[-1]) + size))
+        steps = np.diff(w) * strength * 10.0 ** rng.uniform(-0.7, 0.7, count + 1)
+        p = np.append(0.0, np.cumsum(steps))
+        layer, law = table_law(w.tolist(), p.tolist())
+        return Drawn(layer, law, profile, breaks, radius, approach, f"table of {count + 2}")
+    jumps, places = [], []
+    for _ in range(int(rng.integers(1, 4))):
+        place = str(rng.choice(["anywhere", "below the top", "above the top", "next to the least"]))
+        off = decade(rng, *CLOSE)
+        knot = {
+            "anywhere": ends[0] + float(rng.uniform(0.0, 1.2)) * extent,
+            "below the top": ends[1] - off * extent,
+            "above the top": ends[1] + off * extent,
+            "next to the least": ends[0] + off * extent,
+        }[place]
+        if not start < knot < limit or any(abs(knot - one[0]) < 1e-7 * extent for one in jumps):
+            continue
+        n = int(rng.integers(1, 3))
+        factor = float(rng.choice([-0.5, 1.0, 4.0])) if n == 1 else float(rng.choice([1.0, 4.0]))
+        if factor < 0.0 and any(one[1] < 0.0 for one in jumps):
+            continue
+        jumps.append((knot, factor * linear / (1.0 if n == 1 else size), n))
+        places.append(f"{'kink' if n == 1 else 'bend'} {place} ({off:.0e})")
+    layer, law = bent_polynomial(start, limit, linear, quadratic, jumps)
+    return Drawn(layer, law, profile, breaks, radius, approach, ", ".join(places))
+
+
+def truth_of(one: Drawn) -> BentContact:
+    """Return the contact by collocation."""
+    given = {"start": one.layer.start} if one.approach is None else {"approach": one.approach}
+    return solved(
+        one.law,
+        one.profile._height,
+        one.radius,
+        breaks=[b for b in one.breaks if b < one.radius],
+        pointed=one.profile.pointed,
+        **given,
+    )
+
+
+def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
+    """Return true errors over estimates for a scene, what it is, and whether it converged."""
+    one = drawn(rng)
+    truth = truth_of(one)
+    controls = ["load", "approach"] + ["contact_radius"] * (one.approach is None)
+    control = str(rng.choice(controls))
+    values = {"load": truth.load, "approach": truth.approach, "contact_radius": one.radius}
+    scene = Scene(0.3, layer=one.layer, profile=one.profile, **{control: values[control]})
+    rtol = 10.0 ** rng.uniform(-11.0, -4.0)
+    asked = None if rng.integers(2) else [*NAMES[:-1]]
+    found = solve(scene, rtol, asked, strict=False)
+    label = f"{one.profile.brief[:60]}, {one.about}, {control}, rtol {rtol:.1e}"
+    label += ", pressure" * (asked is None)
+    worst = _compared(found, truth, one)
+    tight = solve(scene, min(rtol, TIGHTER), asked, strict=False)
+    for name, ratio in _compared(tight, truth, one).items():
+        worst[name] = max(worst[name], ratio)
+    return worst, label, bool(found.converged)
+
+
+def _compared(found: Solution, truth: BentContact, one: Drawn) -> dict[str, float]:
+    exact = {
+        "approach": truth.approach,
+        "load": truth.load,
+        "indentation_work": truth.work,
+        "stiffness": truth.stiffness,
+        "contact_radius": one.radius,
+    }
+    known = {**truth.error, "indentation_work": truth.error["work"], "contact_radius": 0.0}
+    # errors of the load at a given radius are those of the radius that is looked for
+    known["contact_radius"] = max(truth.error["load"], truth.error["approach"])
+    ratio = dict.fromkeys(NAMES, 0.0)
+    for name, value in exact.items():
+        own = getattr(found, name)
+        size = abs(value) if name != "approach" else max(abs(value), one.radius * 1e-3)
+        room = getattr(found.error, name) * size + (known[name] + ROUNDING) * size
+        ratio[name] = abs(own - value) / room
+    if "pressure" in found.plan.quantities:
+        # the disk is as large as the oracle's but for the error of its radius
+        s = truth.r / one.radius
+        own = np.asarray(found.pressure(s))
+        mean = truth.load / (pi * one.radius**2)
+        room = found.error.pressure * np.maximum(truth.pressure, mean)
+        room = room + (truth.error["pressure"] + 10.0 * ROUNDING) * truth.pressure.max()
+        ratio["pressure"] = float((np.abs(own - truth.pressure) / room).max())
+    return ratio
+
+
+def scene_of(seed: int, scene: int) -> tuple[dict[str, float], str, bool] | None:
+    """Return what `ratios` has of a scene; None where the oracle does not know the bends."""
+    try:
+        one, label, converged = ratios(np.random.default_rng([seed, scene]))
+    except AssertionError:
+        return None
+    return one, f"scene {scene}: {label}", converged
+
+
+def main() -> int:
+    """Run the study, and write its table from time to time."""
+    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    workers = int(sys.argv[3]) if len(sys.argv) > 3 else os.cpu_count()
+    found: list[dict[str, float]] = []
+    violations: list[str] = []
+    unmet: list[str] = []
+    undecided = 0
+    with ProcessPoolExecutor(workers) as pool:
+        each = pool.map(partial(scene_of, seed), range(scenes))
+        for done, outcome in enumerate(each, start=1):
+            if outcome is None:
+                undecided += 1
+                continue
+            one, label, converged = outcome
+            found.append(one)
+            unmet += [] if converged else [label]
+            violations += [
+                f"{name} {ratio:.2f}, {label}" for name, ratio in one.items() if ratio > 1.0
+            ]
+            if done % EVERY == 0:
+                written(done, seed, undecided, found, violations, unmet)
+    print(written(scenes, seed, undecided, found, violations, unmet))
+    return bool(violations)
+
+
+def written(
+    scenes: int,
+    seed: int,
+    undecided: int,
+    found: list[dict[str, float]],
+    violations: list[str],
+    unmet: list[str],
+) -> str:
+    """Write the table, and return it."""
+    about = (
+        f"{scenes} random scenes, seed {seed}, by validation/honesty/bent_layers.py: true error "
+        f"over its estimate, the larger of two tolerances; {len(unmet)} scenes did not meet their "
+        f"tolerance and said so; of {undecided} the oracle does not know the bends."
+    )
+    notes = [*violations, *(f"not met: {one}" for one in unmet)]
+    text = table("Honesty of contacts through layers that bend", about, found, NAMES, notes)
+    (RESULTS / "honesty_bent_layers.md").write_text(f"{text}\n", encoding="utf-8")
+    return text
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
