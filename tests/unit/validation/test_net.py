@@ -195,6 +195,18 @@ def test_all_coupled_thresholds_are_listed():
     assert len({row["name"] for row in rows}) == len(rows)
 
 
+@pytest.mark.parametrize(("zones", "verdict"), [(1e-9, "right"), (1.0, "refused")])
+def test_coupled_thresholds_have_all_their_zones(monkeypatch, zones, verdict):
+    solution = solve(SLIPPING, 1e-9)
+    solution = replace(solution, error=replace(solution.error, zones=zones))
+    monkeypatch.setattr(net_checks, "solve", lambda *args, **kwargs: solution)
+    row = {"name": "a", "scene": row_of(SLIPPING), "rtol": 1e-9, "zones": [], "slow": False}
+    [finding] = net_checks.threshold_scenes([row], 1, zones_known=True)
+    assert (finding.converged, finding.verdict) == (True, verdict)
+    [finding] = net_checks.threshold_scenes([row], 1)
+    assert finding.verdict == "right"
+
+
 def test_records_of_the_commit_are_stored_as_they_are_loaded(monkeypatch, tmp_path):
     before = net_commit.load()
     assert set(before) >= {"gold", "hard", "honesty", "thresholds"}
