@@ -7,7 +7,8 @@ side by side. Prints one table and writes validation/results/net.json and .md (w
 writes nothing). Exits with 1 unless all gates on numbers hold:
 
 - no true error above its estimate, and nothing raised but an honest refusal;
-- every scene at a threshold is right: no zone is missing beyond the estimates, none is refused;
+- every scene at a threshold is right: no zone is missing beyond the estimates, none is refused; at
+  coupled thresholds an estimate by which any zone may be missing counts as refused;
 - nothing unconverged that converged at that commit;
 - no estimate of a hard case ten times what it was, unless it meets the tolerance.
 
