@@ -20,6 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
+import net_coupled
 from coupled_slip_errors import Sample, ratios, sample, values
 from honesty_errors import compare, violates, zones_error
 from net_kept import NEAR, Kept, KeptZone, scene_of
@@ -185,11 +186,14 @@ def _zones_missed(solution: Solution, row: dict[str, Any]) -> dict[str, tuple[fl
     return {"zones": (error, most)} if violates(error, most, row["zones_error"]) else {}
 
 
-def threshold_scenes(kept: list[dict[str, Any]], every: int) -> Iterator[Finding]:
+def threshold_scenes(
+    kept: list[dict[str, Any]], every: int, *, zones_known: bool = False
+) -> Iterator[Finding]:
     """Solve scenes where a zone appears, joins or vanishes, and say what became of each.
 
     Wrong is what converged and misses the law by its own fields, or the zones as far as these are
-    known, beyond the estimates.
+    known, beyond the estimates. With `zones_known` a solution whose estimate says that any zone may
+    be missing counts as refused.
     """
     for row in kept[::every]:
         if row["slow"] and every > 1:
@@ -199,9 +203,10 @@ def threshold_scenes(kept: list[dict[str, Any]], every: int) -> Iterator[Finding
             missed = exceeded(_zones_missed(solution, row)) if row["zones"] else []
             return missed + off_the_law(solution)
 
-        finding, _ = solved(row["name"], scene_of(row["scene"]), row["rtol"], judge)
+        finding, solution = solved(row["name"], scene_of(row["scene"]), row["rtol"], judge)
         raised = finding.violations and not finding.converged
-        finding.verdict = "refused" if not finding.converged else "right"
+        unknown = zones_known and solution is not None and not solution.error.zones < 1.0
+        finding.verdict = "refused" if unknown or not finding.converged else "right"
         if finding.violations:
             finding.verdict = "raised" if raised else "wrong"
         yield finding
@@ -236,6 +241,7 @@ def sections(kept: dict[str, Any], every: int) -> Iterator[tuple[str, list[Findi
         ("hard", hard_scenes(kept["hard"], every)),
         ("honesty", honesty_scenes(kept["honesty"], every)),
         ("thresholds", threshold_scenes(kept["thresholds"], every)),
+        ("coupled thresholds", threshold_scenes(net_coupled.load(), every, zones_known=True)),
     ):
         clear_caches()
         yield name, list(findings)

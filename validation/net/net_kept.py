@@ -1,4 +1,4 @@
-"""What the net keeps: scenes, their truths, and what the first commit made of them.
+"""What the net keeps: scenes and their truths.
 
 All of it is numbers, so that no redesign has to be able to read it.
 """

@@ -1,13 +1,14 @@
-"""Time the working tree and the first commit side by side, and return the ratios of their times.
+"""Time the working tree and the commit side by side, and return the ratios of their times.
 
 Two processes live as long as the benchmarks and are asked in turns, the order changing from pair to
-pair. The ratio of a row is the median of those of its pairs. Both are driven by the benchmarks'
-own cases through the public API.
+pair. The ratio of a row is that of the shortest time of either, as other work on the machine makes
+times longer and never shorter. Both are driven by the cases of `net_cases` through the public API.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -23,16 +24,16 @@ sys.path.append(str(Path(__file__).parents[1] / "cost"))
 
 import bench_solve
 import bench_sweep
-from net_commit import REPOSITORY, checked_out
+from net_cases import LIMITS, SOLVES, SWEEPS, kind_of_solve, kind_of_sweep
+from net_commit import COMMIT, REPOSITORY, checked_out
 
 HERE = Path(__file__).parent
-#: A row fails if it is slower by this, in as many runs.
-MOST, RUNS = 1.1, 4
+#: As many runs a row has to come below its limit.
+RUNS = 4
 #: Pairs of a row: at least, at most, and for how many seconds if they are short.
 FEWEST, MANY, LONG = 3, 15, 1.5
 #: Seconds of one measurement of something short.
 SHORT = 0.02
-SOLVES = {"solve": bench_solve.CASES, "coupled": bench_solve.COUPLED}
 #: Pairs of fresh processes, and cases whose first solve there is timed: benchmark and number.
 FRESH = 5
 FIRST = (("solve", 0), ("solve", 7), ("coupled", 3))
@@ -88,18 +89,20 @@ class Row:
 
     Attributes
     ----------
-    benchmark, case, mode : str
+    benchmark, case, kind, mode : str
+        The kind decides the limit.
     rtol : float
     old, new : float
-        Median times in U.
+        Shortest times in U, of all runs.
     ratio : float
-        Median ratio of the pairs, new over old.
+        New over old.
     pairs, runs : int
-        How many pairs, and how often they were run until the ratio was small enough.
+        How many pairs in all, and in how many runs until the ratio was small enough.
     """
 
     benchmark: str
     case: str
+    kind: str
     mode: str
     rtol: float
     old: float = 0.0
@@ -109,13 +112,18 @@ class Row:
     runs: int = 0
 
     @property
+    def limit(self) -> float:
+        """What the ratio may be at most."""
+        return LIMITS[self.kind]
+
+    @property
     def passed(self) -> bool:
-        """Whether nothing is lost."""
-        return self.ratio <= MOST
+        """Whether the ratio is within its limit."""
+        return self.ratio <= self.limit
 
     def to_row(self) -> dict[str, Any]:
         """Return the row as a dictionary."""
-        return asdict(self)
+        return asdict(self) | {"limit": self.limit}
 
 
 Timing = Callable[[], float]
@@ -123,21 +131,26 @@ Timing = Callable[[], float]
 
 def paired(row: Row, old: Timing, new: Timing, unit: float, fewest: int) -> Row:
     """Fill a row: time both in turns, anew as long as the ratio is too large."""
+    shortest_old = shortest_new = math.inf
     for run in range(1, RUNS + 1):
-        times: list[tuple[float, float]] = []
+        pairs = 0
         spent = 0.0
-        while len(times) < fewest or (spent < LONG and len(times) < MANY):
-            if len(times) % 2:
+        while pairs < fewest or (spent < LONG and pairs < MANY):
+            if pairs % 2:
                 second = new()
                 first = old()
             else:
                 first = old()
                 second = new()
-            times.append((first, second))
+            shortest_old = min(shortest_old, first)
+            shortest_new = min(shortest_new, second)
+            pairs += 1
             spent += first + second
-        row.old, row.new = (median(column) / unit for column in zip(*times, strict=True))
-        row.ratio = median(second / first for first, second in times)
-        row.pairs, row.runs = len(times), run
+        row.old = shortest_old / unit
+        row.new = shortest_new / unit
+        row.ratio = shortest_new / shortest_old
+        row.pairs += pairs
+        row.runs = run
         if row.passed:
             break
     return row
@@ -154,16 +167,16 @@ def requests(quick: bool) -> Iterator[tuple[Row, dict[str, Any]]]:
             name = ", ".join([case[0], *(f"{value:g}" for value in values)])
             for mode in modes:
                 request = {"benchmark": benchmark, "number": number}
-                yield Row(benchmark, name, mode, case[3]), request
+                yield Row(benchmark, name, kind_of_solve(case), mode, case[3]), request
     loose, tight = bench_sweep.TOLERANCES
     for rtol in (loose,) if quick else (loose, tight):
-        for number, case in enumerate(bench_sweep.CASES):
+        for number, case in enumerate(SWEEPS):
             if quick and "slip" in case.name:
                 continue
             request = {"benchmark": "sweep", "number": number, "rtol": rtol}
             # what a sweep assembles hardly depends on the tolerance
             for mode in modes if rtol == loose else ("warm",):
-                yield Row("sweep", case.name, mode, rtol), request
+                yield Row("sweep", case.name, kind_of_sweep(case), mode, rtol), request
 
 
 def speed(quick: bool) -> Iterator[Row]:
@@ -171,7 +184,7 @@ def speed(quick: bool) -> Iterator[Row]:
     with TemporaryDirectory() as folder:
         old, cache = Path(folder) / "old", Path(folder) / "cache"
         old.mkdir()
-        sources = checked_out(old), REPOSITORY
+        sources = checked_out(old, COMMIT), REPOSITORY
         workers = [Worker(source, cache) for source in sources]
         unit = median(worker.ask(mode="unit") for worker in workers)
         yield from living(workers, unit, quick)
@@ -209,8 +222,10 @@ def fresh(sources: tuple[Path, Path], cache: Path, unit: float) -> Iterator[Row]
         return seconds
 
     old, new = (partial(imported, source) for source in sources)
-    yield paired(Row("import", "over numpy", "fresh", 0.0), old, new, unit, FRESH)
+    row = Row("import", "over numpy", "normal", "fresh", 0.0)
+    yield paired(row, old, new, unit, FRESH)
     for benchmark, number in FIRST:
         case = SOLVES[benchmark][number]
         old, new = (partial(solved, source, benchmark, number) for source in sources)
-        yield paired(Row(benchmark, case[0], "fresh", case[3]), old, new, unit, FRESH)
+        row = Row(benchmark, case[0], kind_of_solve(case), "fresh", case[3])
+        yield paired(row, old, new, unit, FRESH)

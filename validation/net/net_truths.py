@@ -1,10 +1,11 @@
-"""Compute what the net keeps, by the code of the commit it compares with.
+"""Compute the scenes and truths that the net keeps, by the code of one early commit.
 
 Run as ``python validation/net/net_truths.py`` (some minutes); writes validation/net/kept.json.gz.
-Draws and truths are those of honesty.py and coupled_slip_honesty.py at that commit; thresholds are
-listed here. Scenes whose truth does not come out are left out, and the next are drawn. Slip that
-has just begun at the edge is narrower there than doubles knew at that commit: its zones are those
-of `reference`, of the library as it is.
+Draws and truths are those of honesty.py and coupled_slip_honesty.py at the commit `TRUTHS_OF`;
+thresholds are listed here. Scenes whose truth does not come out are left out, and the next are
+drawn. Slip that has just begun at the edge is narrower there than doubles knew at that commit: its
+zones are those of `reference`, of the library as it is. The truths do not depend on the commit that
+the net compares with, which ``python validation/net.py --rebase COMMIT`` changes.
 """
 
 from __future__ import annotations
@@ -29,6 +30,8 @@ sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 
 HERE = Path(__file__).parent
+#: The commit that computed the truths.
+TRUTHS_OF = "1534185287957ff4abdeca3ccefcf474e4770f6b"
 COUNTS = {"uncoupled": 192, "coupled stick": 60, "coupled slip": 36, "coupled annuli": 12}
 SEED, TRUE_RTOL = 1, 1e-12
 #: At a threshold with coupling a tighter solve takes long to end in rounding.
@@ -146,8 +149,6 @@ def threshold(name: str, scene: list[Any], rtol: float) -> Row:
 
 def keep() -> None:
     """Compute and store everything, with the library that is imported."""
-    import net_checks
-    from net_commit import COMMIT
     from net_kept import save
 
     rows = []
@@ -157,14 +158,10 @@ def keep() -> None:
             print(len(rows), row["kind"], row["number"], file=sys.stderr, flush=True)
     hard = json.loads((HERE.parent / "results" / "hard_cases.json").read_text(encoding="utf-8"))
     kept = {
-        "commit": COMMIT,
+        "truths_of": TRUTHS_OF,
         "honesty": rows,
         "thresholds": [threshold(*one) for one in listed()],
         "hard": {row["name"]: row["truth"] for row in hard["cases"]},
-    }
-    kept["before"] = {
-        section: {finding.name: finding.to_row() for finding in findings}
-        for section, findings in net_checks.sections(kept, 1)
     }
     save(kept)
 
@@ -196,7 +193,7 @@ def main() -> None:
     from net_commit import checked_out
 
     with TemporaryDirectory() as folder:
-        old = checked_out(Path(folder))
+        old = checked_out(Path(folder), TRUTHS_OF)
         paths = [old, old / "validation", HERE]
         path = os.pathsep.join(map(str, paths))
         code = "import net_truths; net_truths.keep()"

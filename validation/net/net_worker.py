@@ -1,8 +1,8 @@
 """A process that times one version of the library, as `net_speed` asks it to.
 
 Reads one request a line from stdin and answers with one line on stdout, both JSON. Which version it
-is decides PYTHONPATH; the cases are those of bench_solve, bench_coupled and bench_sweep. Times are
-those of the processor, so that another process does not count.
+is decides PYTHONPATH; the cases are those of `net_cases`. Times are those of the processor, so that
+another process does not count.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from typing import Any
 sys.path.append(str(Path(__file__).parents[1] / "cost"))
 
 import bench_solve
-import bench_sweep
 import numpy as np
+from net_cases import SOLVES, SWEEPS
 
 #: Scenes that differ, before they are repeated; most scenes, and seconds, that fill the caches.
 SCENES, FILLING = 9, 1.0
@@ -53,7 +53,7 @@ def sweep_work(number: int, rtol: float) -> Callable[[], object]:
     except ImportError:  # the commit of the comparison
         from spectral_contact.sweep import sweep
 
-    case = bench_sweep.CASES[number]
+    case = SWEEPS[number]
     return partial(sweep, case.scene(), **case.arguments(rtol))
 
 
@@ -61,8 +61,8 @@ def work_of(request: dict[str, Any]) -> Callable[[float], Callable[[], object]]:
     """Return what makes the work of a request from what varies the scene."""
     if request["benchmark"] == "sweep":
         return lambda _: sweep_work(request["number"], request["rtol"])
-    cases = bench_solve.CASES if request["benchmark"] == "solve" else bench_solve.COUPLED
-    return lambda place: solve_work(cases[request["number"]], place)
+    case = SOLVES[request["benchmark"]][request["number"]]
+    return lambda place: solve_work(case, place)
 
 
 def fill(request: dict[str, Any]) -> float:

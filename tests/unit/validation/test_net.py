@@ -18,8 +18,13 @@ sys.path += [
     if folder.name != "results"
 ]
 
+import bench_solve
 import honesty
+import net
+import net_cases
 import net_checks
+import net_commit
+import net_coupled
 import net_speed
 from honesty_errors import compare, unexplained, violates
 from honesty_scenes import outcome
@@ -127,13 +132,107 @@ def times(*values):
     return lambda: next(cycle)
 
 
-def test_a_slow_row_is_run_again_before_it_fails():
-    row = net_speed.paired(net_speed.Row("", "", "", 0.0), times(1.0), times(1.2), 0.5, 3)
-    assert (row.passed, row.runs, row.pairs, row.old) == (False, net_speed.RUNS, 3, 2.0)
+def row_of_kind(kind):
+    return net_speed.Row("", "", kind, "", 0.0)
+
+
+def test_a_slow_row_is_run_again_before_it_is_named():
+    row = net_speed.paired(row_of_kind("normal"), times(1.0), times(1.2), 0.5, 3)
+    assert (row.passed, row.runs, row.old) == (False, net_speed.RUNS, 2.0)
+    assert row.pairs == 3 * net_speed.RUNS
     assert row.ratio == pytest.approx(1.2)
     slow_once = times(*[1.2] * 3, *[1.0] * 3)
-    row = net_speed.paired(net_speed.Row("", "", "", 0.0), times(1.0), slow_once, 1.0, 3)
+    row = net_speed.paired(row_of_kind("normal"), times(1.0), slow_once, 1.0, 3)
     assert (row.passed, row.runs, row.ratio) == (True, 2, 1.0)
+
+
+def test_times_are_compared_by_the_shortest():
+    noisy_old = times(1.0, 5.0, 5.0)
+    noisy_new = times(9.0, 9.0, 2.0)
+    row = net_speed.paired(row_of_kind("full stick"), noisy_old, noisy_new, 1.0, 3)
+    assert (row.ratio, row.passed, row.runs) == (2.0, True, 1)
+
+
+def test_every_row_has_a_limit_by_its_kind():
+    rows = [row for row, _ in net_speed.requests(quick=False)]
+    assert {row.kind for row in rows} == set(net_cases.LIMITS)
+    limits = {(row.case, row.benchmark): row.limit for row in rows}
+    assert limits["normal, 0.5", "solve"] == limits["approach alone, 0.5", "solve"] == 1.1
+    assert limits["full stick, 0.5", "solve"] == 2.0
+    assert limits["partial slip, 0.5", "solve"] == 3.0
+    assert limits["partial slip, 0.5, 0", "solve"] == 6.0
+    assert limits["full stick, coupled, 0", "coupled"] == 2.5
+    assert limits["critical friction", "sweep"] == 1.1
+    assert limits["c*, Q*, one slip annulus", "sweep"] == 4.0
+
+
+@pytest.mark.parametrize("place", [0.0, 8.5])
+def test_the_added_case_of_slip_inside_has_it(place):
+    [case] = [case for case in net_cases.ADDED if case[0] == "slip inside"]
+    kinds = [zone.kind for zone in solve(bench_solve.scene_of(case, place), 1e-6).zones]
+    assert kinds == ["stick", "slip", "stick"]
+
+
+def test_speed_alone_does_not_fail(monkeypatch, capsys):
+    slow = replace(row_of_kind("normal"), case="slow", old=1.0, new=3.0, ratio=3.0)
+    monkeypatch.setattr(net, "speed", lambda quick: [slow])
+    finding = net_checks.Finding("a", True, [], {}, "right")
+    monkeypatch.setattr(net, "sections", lambda kept, every: [("coupled thresholds", [finding])])
+    monkeypatch.setattr(sys, "argv", ["net.py", "--quick"])
+    assert net.main() == 0
+    printed = capsys.readouterr()
+    assert "**3.00**" in printed.out
+    assert "All gates hold. **1 rows are slower than their limits.**" in printed.out
+    assert "slower than its limit: : slow, : 3.00, the limit is 1.1" in printed.err
+    finding.verdict = "refused"
+    assert net.main() == 1
+
+
+def test_all_coupled_thresholds_are_listed():
+    rows = net_coupled.load()
+    assert len(rows) == 2 * net_coupled.COUNT == 20
+    assert all(row["scene"][-1] is True and row["zones"] for row in rows)
+    assert len({row["name"] for row in rows}) == len(rows)
+
+
+@pytest.mark.parametrize(("zones", "verdict"), [(1e-9, "right"), (1.0, "refused")])
+def test_coupled_thresholds_have_all_their_zones(monkeypatch, zones, verdict):
+    solution = solve(SLIPPING, 1e-9)
+    solution = replace(solution, error=replace(solution.error, zones=zones))
+    monkeypatch.setattr(net_checks, "solve", lambda *args, **kwargs: solution)
+    row = {"name": "a", "scene": row_of(SLIPPING), "rtol": 1e-9, "zones": [], "slow": False}
+    [finding] = net_checks.threshold_scenes([row], 1, zones_known=True)
+    assert (finding.converged, finding.verdict) == (True, verdict)
+    [finding] = net_checks.threshold_scenes([row], 1)
+    assert finding.verdict == "right"
+
+
+def test_records_of_the_commit_are_stored_as_they_are_loaded(monkeypatch, tmp_path):
+    before = net_commit.load()
+    assert set(before) >= {"gold", "hard", "honesty", "thresholds"}
+    kept = net_commit.FILE.read_text(encoding="utf-8")
+    monkeypatch.setattr(net_commit, "FILE", tmp_path / "before.json")
+    net_commit.save(net_commit.COMMIT, before)
+    assert net_commit.FILE.read_text(encoding="utf-8") == kept
+
+
+def test_the_net_is_rebased_by_one_command(monkeypatch, tmp_path):
+    monkeypatch.setattr(net_commit, "FILE", tmp_path / "before.json")
+    findings = {"gold": [net_checks.Finding("a", True)], "hard": [net_checks.Finding("b", False)]}
+    monkeypatch.setattr(net_checks, "sections", lambda kept, every: findings.items())
+    net_commit.keep_before("1234567")
+    assert net_commit.load() == {
+        section: {finding.name: finding.to_row() for finding in some}
+        for section, some in findings.items()
+    }
+    called = []
+    monkeypatch.setattr(net_commit, "run_with_library_of", lambda *args: called.append(args))
+    monkeypatch.setattr(net_commit, "full_hash", lambda commit: f"{commit} in full")
+    monkeypatch.setattr(sys, "argv", ["net.py", "--rebase", "1234567"])
+    assert net.main() == 0
+    [(commit, _, code)] = called
+    assert commit == "1234567 in full"
+    assert code == "import net_commit; net_commit.keep_before('1234567 in full')"
 
 
 def test_what_converged_has_to_converge():
