@@ -200,6 +200,8 @@ class ContactFields:
         self.pressure_places: list[slice] = []
         #: coefficients of the known pressures on the parts, and of ``u = state f p/s`` in slip
         self.known_pressure: list[Array] = []
+        #: the first less its value at the centre, on the parts graded to a boundary between zones
+        self.known_variation: list[Array] = []
         self.known_slip: dict[int, Array] = {}
         #: maps from p to ``p/s`` on the parts that slip under an unknown pressure
         self._over_radius: dict[int, Blockwise] = {}
@@ -232,14 +234,23 @@ class ContactFields:
         return UnknownField(k, panels, degrees, functions, place, is_shear)
 
     def _expand(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
-        """Expand known pressures on every part, and the traction that they bear in slip."""
+        """Expand known pressures on every part, and the traction that they bear in slip.
+
+        A constant pressure has a constant drive. So the increments of the drive from a boundary are
+        those of the pressure less its value at the centre, without the rounding of that value: with
+        little friction it would be as large as the traction of a small stick disk.
+        """
+        central = PressureField.several(pressures, np.ones(1))
         for k, part in enumerate(self.parts):
             panels = part.family.panels
             points = part.family.sampling()
             values = PressureField.several(pressures, points.y)
+            variation = values - central
             if panels.power != 0.0:
                 values = values / panels.distances**panels.power
             self.known_pressure.append(_expansion(part, values, truncated=truncated))
+            if part.boundary >= 0:
+                self.known_variation.append(_expansion(part, variation, truncated=truncated))
             if not part.sticks:
                 slip = part.state * self.parameters.friction * values / np.sqrt(points.z)
                 self.known_slip[k] = _expansion(part, slip, truncated=truncated)

@@ -189,7 +189,9 @@ class ContactSystem(ContactFields):
         """``E(t) - E(b)`` at the nodes of the parts by the known pressures, without stick."""
         found = []
         for i, outer in enumerate(self.operators.outer_shear):
-            increment = self._drive_increment(i, self.known_pressure)
+            graded_to_boundary = self.parts[i].boundary >= 0
+            pressure = self.known_variation if graded_to_boundary else self.known_pressure
+            increment = self._drive_increment(i, pressure)
             slips = {k: one for k, one in outer.blocks.items() if not self.parts[k].sticks}
             if slips:
                 increment = increment - Seen(outer.nodes, slips).more(self.known_slip)
