@@ -1,4 +1,4 @@
-"""Reference solutions for the rough frictional contact of a rigid flat punch.
+"""Reference solutions for a rigid punch on a rough elastic half-space with friction.
 
 Quick start
 -----------

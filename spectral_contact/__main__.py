@@ -2,9 +2,9 @@
 
 Also ``python -m spectral_contact``.
 
-Exit status: 0 if it is done; 1 if the tolerance was not met, or no scene of several was solved; 2
-for a bad option, value, file or missing dependency; 130 when interrupted, 143 when terminated.
-Whatever fails is said in one line on stderr.
+Exit status: 0 on success; 1 if the tolerance was not met, or no scene of several was solved; 2
+for a bad option, value, file or missing dependency; 130 when interrupted, 143 when terminated. An
+error is one line on stderr.
 """
 
 from __future__ import annotations
@@ -45,6 +45,23 @@ from spectral_contact.view.report import FIELDS, report, write_csv
 __all__ = ["main"]
 
 _OUTPUTS = (".json", ".csv", ".npz")
+
+#: Examples that the help of a command begins with, without the program's name.
+EXAMPLES: Mapping[str, tuple[str, ...]] = {
+    "solve": (
+        "solve --poisson-ratio 0.3 --normal-compliance 0.05 --tangential-compliance 1 "
+        "--friction 0.03",
+        "solve --youngs-modulus 210e9 --poisson-ratio 0.3 --radius 5e-3 --load 1000 "
+        "--normal-compliance-si 5e-14 --friction 0.05 --plot punch.png",
+        "solve --profile sphere --radius 1 --load 0.1 --normal-compliance 0.01",
+    ),
+    "inside": (
+        "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
+    ),
+    "paper": ("paper --output figures",),
+    "sweep": ("sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",),
+    "explore": ("explore --poisson-ratio 0.3 --friction 0.05",),
+}
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -100,6 +117,14 @@ class _Parser(argparse.ArgumentParser):
             self.error(f"unrecognized arguments: {' '.join(unknown)}{meant}")
         return found, unknown
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Suggest a choice for one that is unknown; argparse does so from Python 3.14 on."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            error.message += suggestion(value, action.choices or ())
+            raise
+
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"{message} (see {self.prog} --help)")
 
@@ -107,13 +132,16 @@ class _Parser(argparse.ArgumentParser):
 def _parser() -> _Parser:
     parser = _Parser(
         prog=PROGRAM,
-        description="Contact of a rigid flat punch with a rough elastic half-space.",
+        description="Solve the contact of a rigid punch, flat or of any convex shape, with a rough "
+        "elastic half-space under Coulomb friction. `spectral-contact COMMAND --help` begins with "
+        "examples.",
     )
     version = f"{PROGRAM} {VERSION}"
     parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(dest="command", metavar="command", required=True)
     command = commands.add_parser(
         "solve",
+        usage=_usage("solve"),
         help="solve one scene",
         description="Solve one scene; print quantities, error estimates, zones, plan and work.",
         epilog="Exit status: 0 solved, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
@@ -128,6 +156,12 @@ def _parser() -> _Parser:
     _add_benchmarks(commands)
     _add_explore(commands)
     return parser
+
+
+def _usage(command: str) -> str:
+    """Return the usage of a command: its examples in place of the list of all its options."""
+    lines = [f"{PROGRAM} {command} [options]", "", "examples:"]
+    return "\n".join([*lines, *(f"  {PROGRAM} {example}" for example in EXAMPLES[command])])
 
 
 def _add_request(command: _Parser) -> None:
@@ -149,7 +183,7 @@ def _add_request(command: _Parser) -> None:
         type=whole,
         metavar="N",
         default=20_000,
-        help="most unknowns of one linear system (default: %(default)s)",
+        help="largest number of unknowns of one linear system (default: %(default)s)",
     )
     group.add_argument(
         "--no-strict",
@@ -159,7 +193,7 @@ def _add_request(command: _Parser) -> None:
     group.add_argument(
         "--output",
         metavar="FILE",
-        help="store the solution: .json or .npz whole and exact, .csv a table of the fields",
+        help="store the solution: .json or .npz exactly, .csv as a table of the fields",
     )
     group.add_argument(
         "--plot",
@@ -169,13 +203,15 @@ def _add_request(command: _Parser) -> None:
     group.add_argument(
         "--history",
         metavar="FILE",
-        help="how a contact with friction has grown: .csv, a row for each contact radius",
+        help="store load, approach, shear and stick radius as the contact grows: .csv, one row for "
+        "each contact radius",
     )
 
 
 def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
     command = commands.add_parser(
         "inside",
+        usage=_usage("inside"),
         help="stress and displacement inside the body",
         description="Solve one scene; print the largest stresses and the energies, store and plot "
         "stress and displacement below the surface.",
@@ -189,13 +225,16 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
 def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
     command = commands.add_parser(
         "paper",
+        usage=_usage("paper"),
         help="reproduce the figures of the paper",
-        description="Recompute Figures 2 to 6 of the paper, the figure that it lacks (where slip "
-        "starts, and the true critical friction) and what it says in numbers. Each figure becomes "
-        "a table (.csv) and a picture (.png). A run that was stopped goes on where it was.",
+        description="Recompute Figures 2 to 6 of the paper, the numbers in its text, and a figure "
+        "that it lacks: where slip starts, with the true critical friction. Each figure becomes "
+        "a table (.csv) and a picture (.png). A run that was stopped resumes.",
         epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
     )
-    command.add_argument("--output", metavar="FOLDER", required=True, help="made if need be")
+    command.add_argument(
+        "--output", metavar="FOLDER", required=True, help="folder of the results; created if needed"
+    )
     command.add_argument(
         "--figures",
         nargs="+",
@@ -222,7 +261,7 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         help="measure the errors and times of solvers",
         description="Measure errors against solutions to many digits, and times.",
     )
-    resumed = " A run that was stopped goes on from its --store."
+    resumed = " A run that was stopped resumes from its --store."
     for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth or no solve,"):
         cli_scene.add_scene(command)
         cli_study.add_options(command, kind)
@@ -249,12 +288,13 @@ def _kinds(
 def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
     command = commands.add_parser(
         "sweep",
+        usage=_usage("sweep"),
         help="solve a grid of scenes",
-        description="Solve every combination of parameters. Each takes a number, several "
-        "(0.1,0.2), or a range LOW:HIGH:COUNT, with :log at its end in equal ratios. A run that "
-        "was stopped goes on from its --store.",
+        description="Solve every combination of the parameters. VALUES are one number, several "
+        "(0.1,0.2), or a range LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios. A run "
+        "that was stopped resumes from its --store.",
         epilog="Exit status: 0 done, 1 no scene solved, 2 bad input or file, 130 interrupted. "
-        "Scenes that could not be solved are counted; the files say which and why.",
+        "Scenes that could not be solved are counted; the output files name them with the reason.",
     )
     cli_sweep.add_options(command)
     command.set_defaults(run=_sweep)
@@ -274,9 +314,10 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
 def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
     command = commands.add_parser(
         "explore",
-        help="look at scenes while they are moved, in a browser",
-        description="Serve a page with sliders on this machine alone, until Ctrl-C (needs the "
-        "extra: explore). The scene is the one to begin with.",
+        usage=_usage("explore"),
+        help="interactive explorer in a browser",
+        description="Open a page with sliders in the browser (needs the extra: explore). It shows "
+        "the scene of the options first. Only this machine can reach it; Ctrl-C ends it.",
         epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
     )
     add_any_scene(command)
@@ -352,7 +393,7 @@ def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:
     if arguments.history is not None:
         _check_path(Path(arguments.history), (".csv",))
         if not any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps):
-            raise NotComputedError("history", "it takes a profile, friction, and what they make")
+            raise NotComputedError("history", "it needs a profile and friction")
 
 
 def _check_paths(arguments: argparse.Namespace, outputs: Iterable[str]) -> None:

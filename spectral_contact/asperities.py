@@ -94,7 +94,7 @@ class AsperityLayer:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What is outside the range in which the model holds, a sentence each; empty if nothing.
+        """Warnings about the range of the model, one sentence each; empty inside it.
 
         The range is: separations from 0.5 to 4 σ, a contact fraction up to 0.05, and a plasticity
         index up to 0.6, if there is a hardness.

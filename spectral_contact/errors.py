@@ -1,10 +1,10 @@
-"""Everything the package raises on purpose.
+"""The errors of the package.
 
 The tree, with the built-in that each class also is::
 
     SpectralContactError (Exception)
       |
-      +-- SceneError (ValueError)               an input is outside what the theory allows
+      +-- SceneError (ValueError)               an input is outside its allowed range
       |
       +-- NotComputedError                      a quantity was asked for that the plan left out
       |
@@ -54,10 +54,10 @@ class SceneError(SpectralContactError, ValueError):
     parameter : str
         Name of the offending parameter; several are separated by ``", "``.
     value : object
-        What was given. In a pickle, a value that cannot be pickled itself is replaced by the
-        text that the message shows.
+        The value given. In a pickle, a value that cannot be pickled is replaced by its text in
+        the message.
     allowed : str
-        What would have been accepted, worded to follow "must be".
+        The values allowed, worded to follow "must be".
 
     Examples
     --------
@@ -104,9 +104,9 @@ class ConvergenceError(SpectralContactError):
     Parameters
     ----------
     cause : str
-        What stopped the refinement.
+        The reason why refinement stopped.
     remedy : str
-        What the user can do about it.
+        Advice for the user.
     solution : object, optional
         The best solution reached, with its error estimates (``converged`` is False).
     """
@@ -122,14 +122,14 @@ class ConvergenceError(SpectralContactError):
 
 
 class SolutionFileError(SpectralContactError, ValueError):
-    """A file or text is unreadable, not ours, or of a version this release does not know.
+    """A file or text is unreadable, not one of this library, or of a newer version.
 
     Parameters
     ----------
     source : str
-        The file's path, or what the text was meant to be.
+        The path of the file, or the kind of text.
     reason : str
-        What is wrong with it.
+        The problem.
     """
 
     def __init__(self, source: str, reason: str) -> None:
@@ -156,8 +156,11 @@ class MissingDependencyError(SpectralContactError, ImportError):
     def __init__(self, module: str, extra: str) -> None:
         self.module = module
         self.extra = extra
+        # No index has this package: its extras are installed from a clone.
         super().__init__(
-            f'{module} is not installed: run  pip install "spectral_contact[{extra}]"', name=module
+            f'{module} is not installed: run  pip install ".[{extra}]"  '
+            "in your clone of spectral_contact",
+            name=module,
         )
 
     def __reduce__(self) -> tuple[Any, ...]:

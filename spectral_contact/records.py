@@ -100,16 +100,16 @@ class PlannedStep:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The steps a scene calls for, and why each quantity that is missing is missing.
+    """The steps that a scene needs, and the reason for each quantity that is left out.
 
     Attributes
     ----------
     quantities : tuple of str
-        What will be there.
+        Names of the quantities that will be computed.
     steps : tuple of PlannedStep
         In the order in which they run.
     missing : tuple of (str, str)
-        Quantities that will not be there, each with the reason.
+        Names of the quantities that will not be computed, each with the reason.
     """
 
     quantities: tuple[str, ...]
@@ -179,20 +179,21 @@ class Zone:
 class ErrorEstimates:
     """Estimates of relative errors; None where the quantity was not computed.
 
-    `pressure` is pointwise, the edge included; `traction` is that of q/s,
-    pointwise, at places fixed by the zone boundaries, whose own errors are in `zones`; where
-    coupling makes p or q change sign both are relative to the two together (docs/coupling); `slip`
-    is relative to its largest modulus; `zones` bounds the relative error of every boundary measured
-    from the centre and from the edge; a stick zone too small to be felt is left out, and told by an
-    error of 1 there; `violation` is by how much the friction law is broken:
-    the excess of |q| over f p in stick relative to f p, and slip with the traction relative to
-    the largest slip, whichever is larger. A solution that converged breaks it by no more than the
-    estimates of pressure, traction and slip explain; slip of which no digit is known has an
-    infinite estimate, its sense is not known either, and it does not count. With a profile,
-    `pressure` is relative to the pressure or its mean, whichever is larger; where a smooth surface
-    has it infinite, at a tip or corner, it is that of places farther off than some 1e-17 of the
-    square of the contact radius;
-    `traction` is then relative to its largest value, as `slip` always is.
+    - `pressure` is pointwise, the edge included.
+    - `traction` is that of q/s, pointwise, at places fixed by the zone boundaries, whose errors
+      are in `zones`. Where coupling makes p or q change sign, both are relative to the two together
+      (docs/coupling).
+    - `slip` is relative to its largest modulus.
+    - `zones` bounds the relative error of every boundary, measured from the centre and from the
+      edge. A stick zone too small to matter is left out; the error is then 1.
+    - `violation` is the largest violation of the friction law: the excess of |q| over f p in
+      stick, relative to f p, or slip in the direction of the traction, relative to the largest
+      slip. In a converged solution the estimates of pressure, traction and slip explain it. Slip of
+      which no digit is known has an infinite estimate and an unknown direction, and does not count.
+
+    With a profile, `pressure` is relative to the larger of the pressure and its mean, and
+    `traction` to its largest value. Where the pressure is infinite, at a tip or corner of a smooth
+    surface, its estimate holds for distances above some 1e-17 of the square of the contact radius.
     """
 
     approach: float | None = None
@@ -216,7 +217,7 @@ class ErrorEstimates:
 
 @dataclass(frozen=True, slots=True)
 class RefinementStep:
-    """One line of the p-refinement history."""
+    """One step of the refinement: its unknowns, highest degree, error estimate and time [s]."""
 
     unknowns: int
     highest_degree: int
@@ -235,9 +236,9 @@ class StepWork:
     ----------
     name : str
     unknowns : int
-        Of the space accepted; 0 where a closed form was enough.
+        Unknowns of the final space; 0 where a closed form was used.
     degrees : tuple of int
-        Highest degree on every panel of it.
+        Degree on every panel of the final space.
     history : tuple of RefinementStep
     ending : Ending
     seconds : float
@@ -265,7 +266,7 @@ class Work:
 
     @property
     def refinements(self) -> int:
-        """Spaces that were tried, all steps together."""
+        """Number of spaces tried, in all steps together."""
         return sum(len(step.history) for step in self.steps)
 
     @property

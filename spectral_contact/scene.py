@@ -14,7 +14,7 @@ from typing import Any, Final, Self
 
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.io.checks import flag, real
-from spectral_contact.io.choices import one_of
+from spectral_contact.io.choices import Suggesting, one_of, suggesting
 from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
 from spectral_contact.io.kinds import kind_tree
 from spectral_contact.io.physical import (
@@ -38,30 +38,30 @@ _COMPLIANCE_RANGE: Final = "0 or in [1e-14, 1e14]"
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class Scene(Suggesting):
     """A rigid punch on a rough elastic half-space, in the paper's dimensionless variables.
 
-    What is absent is not modelled: without ``friction`` the contact is frictionless, and a
-    compliance of 0 is a smooth surface. Scenes are immutable, hashable, comparable and picklable;
-    `replace` makes a changed copy.
+    Parameters that are left out are not modelled: without ``friction`` the contact is
+    frictionless, and with both compliances 0 the surface is smooth. Scenes are immutable,
+    hashable, comparable and picklable; `replace` makes a changed copy.
 
     Parameters
     ----------
     poisson_ratio : float
         ν of the half-space, in (−1, 0.5].
     normal_compliance : float
-        α* = αE/(4(1−ν²)a) of the roughness, equation (3.4); 0 (smooth) or in [1e-14, 1e14].
+        α* = αE/(4(1−ν²)a) of the roughness, equation (3.4); 0 or in [1e-14, 1e14].
     tangential_compliance : float
-        β* = βE/(4(1−ν²)a) of the roughness, equation (4.4); 0 (smooth) or in [1e-14, 1e14].
+        β* = βE/(4(1−ν²)a) of the roughness, equation (4.4); 0 or in [1e-14, 1e14].
     friction : float or None
         Coulomb coefficient f >= 0; ``math.inf`` is full stick, None (default) no friction at all.
     physical : PhysicalData or None
         SI data that the compliances come from; keyword only. Use `from_physical` to set it.
     coupling : bool
-        Whether the traction acts back on the pressure, as it does in an elastic body; keyword
-        only. False, the default, is the paper's model.
+        Elastic coupling: whether the traction acts back on the pressure, as in an elastic body.
+        False, the default, is the paper's model. Keyword only.
     profile : Profile or None
-        What the punch looks like, out of `spectral_contact.profiles`; None, the default, is flat.
+        Shape of the punch, one of `spectral_contact.profiles`; None, the default, is flat.
         With a profile all lengths are in a reference length L, that of the profile's parameters,
         tractions in E' = E/(4(1−ν²)), loads in E'L², and α* is αE'/L. Keyword only.
     contact_radius, load, approach : float or None
@@ -69,13 +69,13 @@ class Scene:
         than the overclosure at which its pressure begins, and a contact radius is only given where
         there is an edge that moves. Keyword only.
     separation : float or None
-        Instead of them, under a layer with pressure at every gap: how far the punch is from the
-        body at the centre where both are deformed, w = −separation in the law; finite. Greenwood
-        and Tripp's d. Keyword only.
+        Instead of them, for layer laws without a contact edge: the gap at the centre between the
+        deformed punch and body, w = −separation in the law; finite. Greenwood and Tripp's d.
+        Keyword only.
     layer : Layer or None
-        The law of a nonlinear layer, out of `spectral_contact.layers`, in place of
-        ``normal_compliance``; with a profile, which may be ``profiles.Flat``, and without friction.
-        None, the default, is the linear layer. Keyword only.
+        The law of a nonlinear layer, one of `spectral_contact.layers`, in place of
+        ``normal_compliance``; with a profile, which may be ``profiles.Flat``, without friction
+        or, if that is flat, in full stick. None, the default, is the linear layer. Keyword only.
 
     Raises
     ------
@@ -125,6 +125,7 @@ class Scene:
             self._check_physical()
 
     @classmethod
+    @suggesting()
     def from_physical(
         cls,
         *,
@@ -166,7 +167,7 @@ class Scene:
         contact_radius : float, optional
             a under a profile [m], finite and > 0.
         profile : Profile, optional
-            What the punch looks like, its lengths in m; flat by default.
+            Shape of the punch, its lengths in m; flat by default.
         normal_compliance : float
             α of the roughness [m/Pa], 0 or such that α* = αE/(4(1−ν²)a) is in [1e-14, 1e14].
         tangential_compliance : float
@@ -178,7 +179,7 @@ class Scene:
         layer : Layer, optional
             The law of a nonlinear layer, its pressures in Pa and its lengths in m, with a profile.
         separation : float, optional
-            That at the centre, under a layer with pressure at every gap [m], finite.
+            Gap at the centre [m], finite; for layer laws without a contact edge.
 
         Raises
         ------
@@ -283,9 +284,9 @@ class Scene:
 
     @property
     def couples(self) -> bool:
-        """Whether pressure and traction act on each other, which is asked for, and neither is idle.
+        """Whether pressure and traction act on each other, as `coupling` is on and has an effect.
 
-        Without friction there is no traction, and at ν = 0.5 the one does not move the other.
+        It has none without friction, where there is no traction, nor at ν = 0.5.
         """
         return self.coupling and bool(self.friction) and self.poisson_ratio != 0.5
 
@@ -388,6 +389,13 @@ class Scene:
                 raise SceneError(
                     name, getattr(self, name), f"{number!r}, as the SI data imply; {remedy}"
                 )
+
+
+_SI: Final = "data in SI units go to Scene.from_physical(...)"
+# `dataclass` generates the constructor, so it can only be wrapped here.
+Scene.__init__ = suggesting({"youngs_modulus": _SI, "radius": _SI})(  # type: ignore[method-assign]
+    Scene.__init__
+)
 
 
 def same_problem(one: Scene, other: Scene) -> bool:

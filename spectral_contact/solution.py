@@ -1,4 +1,4 @@
-"""What a solve returns, all of it immutable data; plain records are those of `records`."""
+"""The result of a solve, as immutable data; its plain records are in `records`."""
 
 from __future__ import annotations
 
@@ -77,9 +77,9 @@ class Solution(Output):
     ----------
     scene : Scene
     rtol : float
-        The tolerance asked.
+        The tolerance that was asked for.
     plan : Plan
-        What ran and what was skipped, each with its reason.
+        The steps that ran and those that were skipped, each with its reason.
     error : ErrorEstimates
     converged : bool
         Whether every estimate that `rtol` bounds is below it.
@@ -141,7 +141,7 @@ class Solution(Output):
     def domain_radius(self) -> float:
         """Radius at s = 1 in L, of the contact under a profile, or where there is no edge.
 
-        Under a layer with pressure at every gap it is one beyond which the pressure is less than
+        For a layer law without an edge it is a radius beyond which the pressure is less than
         1e-17 of its largest value.
 
         Raises
@@ -317,8 +317,8 @@ class Solution(Output):
     def slip(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate ``u_r* = u_r a E / (4 (1 - nu^2) P)``: zero in stick, inward (negative) in slip.
 
-        With a profile it is in L, and by how far points have slipped since they came into contact:
-        what sticks keeps what it had slipped by before.
+        With a profile it is in L, and counts from the moment a point came into contact; a point
+        that sticks keeps its earlier slip.
 
         Parameters, return value and errors are those of `pressure`.
         """
@@ -331,11 +331,12 @@ class Solution(Output):
         Raises
         ------
         NotComputedError
-            If nothing asked for took the history: a profile, friction, and what depends on it.
+            Unless the scene has a profile and friction, and a quantity was asked for that depends
+            on the friction.
         """
         if self.grown is None:
             reasons = [one.reason for one in self.plan.steps if one.name == GROWTH]
-            raise NotComputedError("history", *(reasons or ["no contact has grown"]))
+            raise NotComputedError("history", *(reasons or ["the contact does not grow"]))
         return self.grown
 
     @property

@@ -1,6 +1,6 @@
 """The fit: weighted least squares in the logarithms of the parameters.
 
-Fits of several layers are compared by an information criterion: which law do the data speak for?
+Fits of several layers are compared by an information criterion: which law do the data support?
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Settin
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import whole, within
-from spectral_contact.io.choices import instance, names
+from spectral_contact.io.choices import instance, names, suggesting
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view.progress import ProgressLine
@@ -60,6 +60,7 @@ def fit(
 ) -> RoughnessFit: ...
 
 
+@suggesting()
 def fit(
     scene: Scene,
     data: Data | Sequence[Data] | IndentationData,
@@ -77,11 +78,11 @@ def fit(
     Parameters
     ----------
     scene : Scene
-        What is known, and values of the free parameters at which to start, each above 0. In SI
-        units if it was made by `Scene.from_physical`, which takes the data for SI, too.
+        Holds the known parameters and the starting values of the free ones, each above 0. If it
+        was made by `Scene.from_physical`, the data are in SI units too.
     data : ApproachData, PressureData, StickRadiusData, or a sequence of them
-        All are of the same material, layer and friction, where they do not say otherwise. With
-        `IndentationData`, of a scene with a profile.
+        Measurements of one material, layer and friction, unless they state otherwise;
+        `IndentationData` for a scene with a profile.
     free : str or sequence of str
         The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
         ``"friction"``. The others keep the values of the scene. With `IndentationData` out of
@@ -90,7 +91,7 @@ def fit(
     rtol : float
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int
-        How often the data may be predicted, derivatives not counted.
+        Largest number of predictions of the data, not counting derivatives.
     progress : bool, optional
         Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
@@ -126,6 +127,9 @@ def fit(
     problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
+
+
+__test__: Final = {"fit": fit}  # doctest passes over functions that are wrapped
 
 
 class _FitProblem:
@@ -244,7 +248,7 @@ class _FitProblem:
         if root is None or (np.linalg.norm(root, axis=1) > _LARGEST_ERROR).any():
             mixed = np.abs(right[-1]) > 0.1
             alike = [name for name, one in zip(self.free, mixed, strict=True) if one]
-            self._refuse(alike, "do not tell apart", x)
+            self._refuse(alike, "cannot distinguish", x)
         assert root is not None
         return np.asarray(root @ root.T)
 
@@ -363,9 +367,9 @@ class LawComparison:
         ):
             cells = f"{one.chi_square:10.4g} {one.degrees_of_freedom:4d} {value - least:13.4g}"
             lines.append(f"{name:<24} {cells} {weight:8.2g}")
-        verdict = f"the data speak for: {self.best}"
+        verdict = f"the data support: {self.best}"
         if len(self.alike) > 1:
-            verdict = f"the data do not tell apart: {', '.join(self.alike)}"
+            verdict = f"the data cannot distinguish: {', '.join(self.alike)}"
         return "\n".join([*lines, verdict])
 
 
@@ -377,7 +381,7 @@ def compare_laws(
     max_evaluations: int = 200,
     progress: bool | None = None,
 ) -> LawComparison:
-    """Fit several laws to the same data, and say which they speak for, or that they do not tell.
+    """Fit several laws to the same data, and say which law they support, if they decide.
 
     Parameters
     ----------
@@ -388,7 +392,7 @@ def compare_laws(
     rtol : float
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int
-        How often a curve may be predicted.
+        Largest number of predictions of a curve.
     progress : bool, optional
         Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 

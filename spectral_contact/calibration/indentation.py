@@ -341,7 +341,7 @@ class CurveProblem:
 
     @property
     def _alike(self) -> SceneError:
-        told = "determined by the data, which do not tell them apart"
+        told = "determined by the data, which cannot distinguish them"
         return SceneError("free", self.free, told)
 
     def covariance(self, jacobian: Array) -> Array:

@@ -142,7 +142,7 @@ class LawProblem(CurveProblem):
         return lows, highs
 
     def look(self) -> None:
-        """Refuse at the start what no data tell apart, as density and tip radius of asperities."""
+        """Refuse parameters that no data can separate, as density and tip radius of asperities."""
         self.covariance(self.at(tuple(self.start))[1])
 
     @property

@@ -223,8 +223,8 @@ class _RadiusSearch:
         name, value = ("load", self.load) if self.approach is None else ("approach", self.approach)
         radius = self.at.radius(self.v)
         told = (
-            f"what a contact of a radius in ({self.profile.flat_part:.6g}, "
-            f"{self.profile.reach:.6g}), where the profile is, carries; not even {radius:.6g} does"
+            f"that of a contact radius in ({self.profile.flat_part:.6g}, "
+            f"{self.profile.reach:.6g}), the range of the profile; {radius:.6g} is not enough"
         )
         raise SceneError(name, value, told)
 

@@ -266,7 +266,8 @@ class ZoneEstimate:
     def second_order(self) -> float:
         """The square of the error: quantities of second order are hardly better than that."""
         error = float(self.fields.indicators.max()) + self.remaining
-        return (error + self.boundary_error + TRACTION_ROUNDING) ** 2
+        error += self.boundary_error + TRACTION_ROUNDING
+        return error * error  # a power would overflow where the traction nearly vanishes
 
     @cached_property
     def residual_bound(self) -> Array:

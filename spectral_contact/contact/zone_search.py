@@ -302,7 +302,11 @@ class UncoupledSearch(ZoneSearch):
 
     def _all_slip(self) -> PartialSlip:
         """Return slip everywhere: the stick disk is smaller than 1e-54."""
-        solved = self._refined(unmoved(_POINT)).best.value
+        # one space is enough: nothing depends on the fields in the disk
+        point = FreeBoundaryProblem(
+            self.parameters, unmoved(_POINT), self.tolerance, known=self.known
+        )
+        solved = point.attempt(point.start()).value
         outcome = zones_outcome(solved, self.parameters, self.known, felt=False)
         return everywhere(outcome, self.parameters.friction)
 

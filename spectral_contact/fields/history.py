@@ -137,7 +137,7 @@ class ContactHistory:
         """Return panels, and places in [-1, 1] on them."""
         low, high = float(np.exp(self.ends[0])), float(np.exp(self.ends[-1]))
         given: Any = self.radii if contact_radius is None else contact_radius
-        told = f"in [{low:.17g}, {high:.17g}], where the history is"
+        told = f"in [{low:.17g}, {high:.17g}], the range of the history"
         radii = reals("contact_radius", given, told)
         # today's radius may be known to a rounding only
         outside = ~((radii >= low * (1.0 - _ROUNDING)) & (radii <= high * (1.0 + _ROUNDING)))

@@ -4,12 +4,35 @@ Anything else is a `SceneError` with the name of the parameter; a wrong name get
 """
 
 import difflib
+import inspect
 from collections.abc import Callable, Iterable, Mapping, Sized
-from typing import Any, TypeVar
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
 from spectral_contact.errors import SceneError
 
 _T = TypeVar("_T")
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+#: What other programs and textbooks call a parameter or quantity of this library.
+_SYNONYMS: Final[dict[str, tuple[str, ...]]] = {
+    "friction": ("mu", "f", "cof", "friction_coefficient", "coefficient_of_friction"),
+    "poisson_ratio": ("nu", "v", "poisson", "poissons_ratio"),
+    "youngs_modulus": ("e", "young", "young_modulus", "modulus", "elastic_modulus"),
+    "normal_compliance": ("alpha",),
+    "tangential_compliance": ("beta",),
+    "rtol": ("tol", "tolerance", "reltol", "rel_tol", "eps", "accuracy"),
+    "digits": ("dps", "precision"),
+    "approach": ("delta", "depth", "displacement", "indentation"),
+    "load": ("force", "normal_force"),
+    "radius": ("a", "punch_radius"),
+    "contact_radius": ("a",),
+    "stick_radius": ("c", "stick"),
+    "total_shear": ("shear", "tangential_force"),
+    "pressure": ("p", "normal_stress"),
+    "traction": ("q", "tau", "shear_stress"),
+    "zones": ("regions",),
+}
 
 
 def instance(parameter: str, value: object, kind: type[_T]) -> _T:
@@ -47,7 +70,7 @@ def one_of(parameter: str, value: object, known: Iterable[str], allowed: str = "
     """
     there = tuple(known)
     if not isinstance(value, str) or value not in there:
-        allowed = allowed or f"out of {', '.join(there) or 'nothing: there is none'}"
+        allowed = allowed or (f"one of {', '.join(there)}" if there else "left out: there is none")
         raise SceneError(parameter, value, allowed + suggestion(value, there))
     return value
 
@@ -66,13 +89,66 @@ def names(parameter: str, values: Any, known: Iterable[str]) -> tuple[str, ...]:
 
 
 def suggestion(value: object, known: Iterable[str]) -> str:
-    """Return "; did you mean ...?" if a text is like something that is known, else nothing."""
-    meant = {_plain(one): one for one in known}
+    """Return "; did you mean ...?" if a text resembles or stands for a known name, else nothing."""
+    meant = {_plain(name): name for name in known}
     text = _plain(value[:80]) if isinstance(value, str) else ""
-    for near in difflib.get_close_matches(text, meant, 1):
-        return f"; did you mean {meant[near]}?"
+    synonyms = [name for name, others in _SYNONYMS.items() if text in others and name in meant]
+    for name in synonyms or difflib.get_close_matches(text, meant, 1):
+        return f"; did you mean {meant[name]}?"
     return ""
 
 
 def _plain(name: str) -> str:
-    return name.strip().lower().replace("-", "_")
+    return name.strip().lower().replace("-", "_").strip("_")
+
+
+def suggesting(elsewhere: Mapping[str, str] | None = None) -> Callable[[_F], _F]:
+    """Decorate a function so that an unknown keyword is a `TypeError` that says what was meant.
+
+    doctest does not look into functions that are wrapped: a module whose examples are in the
+    docstring of such a function names it in ``__test__``.
+
+    Parameters
+    ----------
+    elsewhere : mapping of str to str, optional
+        For keywords of another function: which one, worded to follow a semicolon.
+    """
+    hints = elsewhere or {}
+
+    def decorate(function: _F) -> _F:
+        known = [
+            name for name in inspect.signature(function).parameters if name not in ("self", "cls")
+        ]
+        # a constructor is called by the name of its class
+        called = function.__qualname__.removesuffix(".__init__")
+
+        @wraps(function)
+        def checked(*arguments: Any, **named: Any) -> Any:
+            for name in named:
+                if name not in known:
+                    hint = f"; {hints[name]}" if name in hints else suggestion(name, known)
+                    raise TypeError(f"{called}() has no parameter {name!r}{hint}")
+            return function(*arguments, **named)
+
+        return cast(_F, checked)
+
+    return decorate
+
+
+class Suggesting:
+    """Base of classes whose error for an unknown attribute says what was meant."""
+
+    __slots__ = ()
+
+    if not TYPE_CHECKING:  # with it a type checker would accept any attribute
+
+        def __getattr__(self, name: str) -> Any:
+            cls = type(self)
+            if hasattr(cls, name):  # a property has failed: its error counts
+                return object.__getattribute__(self, name)
+            hint = ""
+            if not name.startswith("_"):  # protocols of Python and NumPy ask for private names
+                hint = suggestion(
+                    name, [public for public in dir(cls) if not public.startswith("_")]
+                )
+            raise AttributeError(f"{cls.__name__!r} object has no attribute {name!r}{hint}")

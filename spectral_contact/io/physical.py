@@ -56,7 +56,7 @@ class PhysicalData:
         The law of a nonlinear layer under a profile, pressures in Pa and lengths in m. Under it
         the approach may be any finite number here.
     separation : float or None
-        That at the centre under a layer with pressure at every gap [m], finite.
+        Gap at the centre [m], finite; for layer laws without a contact edge.
 
     Raises
     ------

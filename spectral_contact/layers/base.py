@@ -31,12 +31,12 @@ class Layer(ABC):
 
     @property
     def start(self) -> float:
-        """Overclosure at which the pressure begins; minus infinity if there is some everywhere."""
+        """Overclosure at which the pressure begins; minus infinity for laws without an edge."""
         return 0.0
 
     @property
     def limit(self) -> float:
-        """Largest overclosure that the law knows."""
+        """Largest overclosure for which the law is defined."""
         return inf
 
     @property

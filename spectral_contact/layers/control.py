@@ -42,7 +42,7 @@ def check_layer(scene: Mapping[str, Any]) -> None:
         if not low <= layer.compliance <= high:
             raise SceneError("layer", layer, f"of a compliance α E'/L in [{low:g}, {high:g}]")
     if scene["normal_compliance"]:
-        told = "0 with a layer, which has a law of its own; one of the two"
+        told = "0 if layer is given, which replaces it"
         raise SceneError("normal_compliance", scene["normal_compliance"], told)
     _check_friction(scene)
     if scene["profile"] is None:
@@ -88,9 +88,9 @@ def endless(scene: Any) -> bool:
 
 
 def refuse_layer(scene: Any, what: str) -> None:
-    """Refuse a scene with a layer on behalf of what knows linear layers only."""
+    """Refuse a scene with a layer, for a function that supports linear layers only."""
     if scene.layer is not None:
-        told = f"one without layer: {what} knows linear layers only, as normal_compliance"
+        told = f"a scene without layer: {what} supports only the linear layer, normal_compliance"
         raise SceneError("scene", scene, told)
 
 

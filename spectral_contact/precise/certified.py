@@ -164,7 +164,7 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
 def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
     """Return the contact radius in double precision, or the approach where it is the unknown."""
     if scene.friction:
-        raise NotComputedError("the reference", "with a profile it is of normal contact alone")
+        raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     if scene.contact_radius is not None:
         return scene.contact_radius
     if begin is not None:
@@ -180,7 +180,7 @@ def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
     assert profile is not None
     law_of(MPContext(), layer)
     if scene.friction:
-        raise NotComputedError("the reference", "with a profile it is of normal contact alone")
+        raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     found = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
     grid = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
     most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
@@ -191,7 +191,7 @@ def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
         )
     cells = setting_at_approach(profile, layer, found.approach).cells
     if cells is None:
-        told = "a contact without edge takes a profile and a law without tips, breaks and bends"
+        told = "without a contact edge, profile and law must have no tips, breaks or bends"
         raise NotComputedError("the reference", told)
     domain = found.domain_radius
     radius = _domain(scene, found.approach, most, digits)

@@ -190,4 +190,4 @@ def law_of(mp: Any, layer: Layer) -> Law:
         return _Asperities(mp, layer)
     if isinstance(layer, layers.Sampled) and len(layer.series) == 1:
         return _SeriesLaw(mp, layer)
-    raise NotComputedError("the reference", "a law with bends does not have so many digits")
+    raise NotComputedError("the reference", "laws with bends are not solved to so many digits")

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
+from spectral_contact.io.choices import suggesting
 from spectral_contact.precise.certified import certified
 from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
 
+@suggesting()
 def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -> ReferenceSolution:
     """Solve a scene to any number of digits.
 
@@ -55,3 +59,6 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     0.29295979691047814140
     """
     return certified(scene, digits, solve, progress=progress)
+
+
+__test__: Final = {"reference": reference}  # doctest passes over functions that are wrapped

@@ -1,4 +1,4 @@
-"""What tells how far a profile is pressed in, and profiles in documents."""
+"""Load, approach, contact radius or separation of a profile, and profiles in documents."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def _reached(value: Any, profile: Profile, layer: Any, compliance: float) -> flo
         told = "None: the contact has no edge that moves; give a load or an approach"
         raise SceneError("contact_radius", value, told)
     low, high = profile.flat_part, profile.reach
-    told = f"finite, and in ({low:.6g}, {high:.6g}), where the profile is"
+    told = f"finite, and in ({low:.6g}, {high:.6g}), the range of the profile"
     limits: dict[str, Any] = {"low": low, "high": high, "low_open": True, "high_open": True}
     radius = real("contact_radius", value, allowed=told, **limits)
     if compliance and not SMALLEST_COMPLIANCE <= compliance / radius <= LARGEST_COMPLIANCE:
@@ -94,7 +94,7 @@ def _pressed(name: str, value: Any, layer: Any) -> float:
 
 def _separated(value: Any, layer: Any) -> float:
     if layer is None or not isinf(layer.start):
-        told = "None: only a layer with pressure at every gap has one; give a load or an approach"
+        told = "None: only a layer law without a contact edge has one; give a load or an approach"
         raise SceneError("separation", value, told)
     told = f"finite, at least {-layer.limit:.6g}, and such that the layer has a pressure there"
     number = real("separation", value, allowed=told, low=-layer.limit)
@@ -104,9 +104,9 @@ def _separated(value: Any, layer: Any) -> float:
 
 
 def refuse_profile(scene: Any, what: str) -> None:
-    """Refuse a scene with a profile on behalf of what knows flat punches only."""
+    """Refuse a scene with a profile, for a function that supports flat punches only."""
     if scene.profile is not None:
-        told = f"one without a profile: {what} knows flat punches only"
+        told = f"a scene without a profile: {what} supports flat punches only"
         raise SceneError("scene", scene, told)
 
 

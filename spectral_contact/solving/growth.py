@@ -405,8 +405,10 @@ class Grower:
             b = radii[k]
             found[k] = self.stage(b)
             if [zone.kind for zone in found[k].zones] not in (["stick"], ["stick", "slip"]):
-                told = f"at the contact radius {b:.6g} slip does not simply reach the edge"
-                raise NotComputedError("traction", f"{told}: it takes increments of the load")
+                told = f"at the contact radius {b:.6g} slip does not reach the edge in one zone"
+                raise NotComputedError(
+                    "traction", f"{told}, and the load would have to be followed in increments"
+                )
         flats = tuple(found[k] for k in range(len(radii)))
         return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
 
@@ -416,4 +418,4 @@ def _check(growth: Growth) -> None:
     for (_, before), (b, after) in pairwise(growth.stages):
         if after < before * (1.0 - _FALL):
             told = f"the stick radius falls at the contact radius {b:.6g}"
-            raise NotComputedError("traction", f"{told}: what has stuck slips again")
+            raise NotComputedError("traction", f"{told}: points that stuck would slip again")

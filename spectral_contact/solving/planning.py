@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from spectral_contact.io.choices import instance
+from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.layers.control import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.scene import Scene
@@ -32,6 +32,7 @@ _NO_FRICTION = "the scene has no friction coefficient"
 _PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
 
 
+@suggesting()
 def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     """Return the shortest list of steps that yields the quantities, each with its reason.
 
@@ -81,7 +82,7 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
         for name in (*lacking, *sorted(_STICK_ONLY)):
             missing[name] = f"it is not computed {kind}"
     if endless(scene):
-        missing["contact_radius"] = "the layer has pressure at every gap: there is no edge"
+        missing["contact_radius"] = "the layer law has no contact edge"
     present = tuple(name for name in _present(scene) if name not in missing)
     # full stick on an area that does not change depends on no history
     grows = not isinstance(scene.profile, Flat | None)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.io import checks
+from spectral_contact.io.choices import suggesting
 from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
@@ -22,6 +23,7 @@ from spectral_contact.view.progress import ProgressLine
 _LOOSER = 10.0, 100.0
 
 
+@suggesting()
 def solve(
     scene: Scene,
     rtol: float = 1e-10,
@@ -41,14 +43,14 @@ def solve(
         the edge included; from 1e-12 to 1e-2, and down to 1e-13 where only approach, total shear
         and stick radius are asked for.
     quantities : iterable of str, optional
-        What to compute, out of `QUANTITIES`; the default is everything the scene has. The
-        refinement adapts to what is asked and nothing else.
+        What to compute, from `QUANTITIES`; by default everything the scene has. The refinement
+        adapts to these quantities.
     max_unknowns : int
-        Most unknowns of one linear system.
+        Largest number of unknowns of one linear system.
     strict : bool
-        Raise if the tolerance cannot be met; else return what was reached.
+        Raise an error if the tolerance cannot be met (default); else return the best solution.
     progress : bool, optional
-        Whether what takes seconds, as friction under a profile, shows progress (extra: progress);
+        Whether long solves, as with friction under a profile, show progress (extra: progress);
         by default on a terminal and in notebooks.
 
     Returns

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
-from spectral_contact.io.choices import instance
+from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.layers.control import endless
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
@@ -39,7 +39,7 @@ _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIE
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """How far one quantity is from the truth.
+    """The error of one quantity against the reference solution.
 
     Attributes
     ----------
@@ -47,13 +47,15 @@ class Agreement:
     error : float
         Relative error, the largest over the radii; infinite where a function returns NaN.
     known_to : float or None
-        What the truth says of its own relative error. An error that is no larger says nothing.
+        Estimated relative error of the reference solution itself. An ``error`` that is no larger
+        than this cannot be told from zero.
     value, truth : float
-        The two numbers where the error is largest, in the units that were given.
+        The number given and that of the reference solution, where the error is largest, in the
+        units of the input.
     from_edge : float or None
-        That place, as 1 - r/a; None for what is no field.
+        Where that is, as 1 - r/a; None for a scalar.
     median : float or None
-        Of the errors over the radii.
+        Median of the errors over the radii; None for a scalar.
     """
 
     quantity: str
@@ -66,19 +68,19 @@ class Agreement:
 
     @property
     def told_apart(self) -> bool:
-        """Whether the error is larger than that of the truth."""
+        """Whether the error is larger than that of the reference solution."""
         return not self.error <= (self.known_to or 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """How good some numbers are; prints as a table.
+    """Errors of your numbers against a reference solution; prints as a table.
 
     Attributes
     ----------
     scene : Scene
     source : str
-        Where the truth is from.
+        Where the reference solution comes from.
     agreements : tuple of Agreement
         One for each quantity.
     remarks : tuple of str
@@ -92,7 +94,7 @@ class Comparison:
 
     @property
     def error(self) -> float:
-        """The largest of all errors."""
+        """The largest error of all quantities."""
         return max(one.error for one in self.agreements)
 
     def __getitem__(self, quantity: str) -> Agreement:
@@ -127,6 +129,7 @@ class Comparison:
         return cells
 
 
+@suggesting()
 def compare(
     scene: Scene,
     *,
@@ -144,16 +147,18 @@ def compare(
     from_edge: ArrayLike | None = None,
     truth: Any = None,
 ) -> Comparison:
-    """Say how good some numbers are, quantity by quantity, with the place of the worst.
+    """Compare your numbers with a reference solution, quantity by quantity.
+
+    The table has the largest error of each quantity and the radius where it occurs.
 
     Parameters
     ----------
     scene : Scene
-        What they claim to solve. They are dimensionless as in `Solution`; in SI units if the scene
-        was made by `Scene.from_physical`, radii in m.
+        The problem that your numbers solve. They are dimensionless as in `Solution`, or in SI
+        units, radii in m, if the scene was made by `Scene.from_physical`.
     approach, stick_radius, total_shear : float, optional
     contact_radius, load, stiffness, indentation_work : float, optional
-        Of a scene with a profile.
+        For a scene with a profile.
     pressure, traction, slip : callable or array_like, optional
         A function of arrays of radii, or of distances if it takes ``from_edge``; or its values at
         `s` or `from_edge`.
@@ -163,7 +168,7 @@ def compare(
         (distances below 0) pressure and traction are 0; a radius outside by no more than rounding
         is the edge.
     truth : Solution or ReferenceSolution, optional
-        What to compare with; by default `solve` to 1e-12, which takes a second.
+        The reference solution; by default `solve` with ``rtol=1e-12``, which takes a second.
 
     Returns
     -------
@@ -173,7 +178,8 @@ def compare(
         With a profile pressures are relative to the mean where they are smaller, and tractions to
         the largest.
         Outside the contact they are relative to the mean over the contact, and slip is not
-        compared. Where the truth is infinite, at the edge of a smooth surface, nothing is compared.
+        compared. Radii where the reference is infinite, as at the edge of a smooth surface, are
+        left out.
 
     Raises
     ------
@@ -206,7 +212,7 @@ def compare(
     fields = {"pressure": pressure, "traction": traction, "slip": slip}
     given = {name: one for name, one in {**numbers, **fields}.items() if one is not None}
     if not given:
-        raise SceneError("approach, pressure, …", None, "given, at least one of them")
+        raise SceneError("approach, pressure, …", None, "given: at least one quantity")
     source = "given" if truth is not None else f"solve, rtol = {_RTOL:g}"
     problem = _ComparedScene(scene, _truth(scene, given) if truth is None else truth)
     places = problem.places(s, from_edge)
@@ -216,11 +222,14 @@ def compare(
         if name in numbers:
             agreements.append(problem.number(name, one))
         elif not callable(one) and unplaced:
-            raise SceneError("s, from_edge", None, f"given with an array of {name}: either")
+            raise SceneError(name, one, "a function, or an array with its radii (s= or from_edge=)")
         else:
             agreements.append(problem.field(name, one, places))
     remarks = problem.remarks(places, [name for name in given if name in fields])
     return Comparison(scene, source, tuple(agreements), remarks)
+
+
+__test__: Final = {"compare": compare}  # doctest passes over functions that are wrapped
 
 
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:

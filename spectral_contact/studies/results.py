@@ -33,20 +33,20 @@ class Point:
         Name of the solver.
     scene : Scene
     resolution : int or float
-        What the solver was asked for.
+        The resolution that the solver was called with.
     unknowns : int or None
-        ``unknowns`` of what it returned, or ``work.unknowns``; else the resolution if that is a
+        ``unknowns`` of the result, or its ``work.unknowns``; else the resolution if that is a
         whole number.
     refinements : int or None
-        ``refinements`` of what it returned; for this library, spaces tried, all steps together.
+        ``refinements`` of the result; for this library, the number of spaces tried in all steps.
     errors : dict
         True relative errors, by quantity.
     estimates : dict
-        What the solver itself says of them, in ``error`` of what it returned.
+        The solver's own estimates of them, from ``error`` of the result.
     times : Times or None
-        None if none were asked for.
+        None if times were not measured.
     failure : str
-        What the solver raised; empty if nothing.
+        The exception of the solver as text; empty if there was none.
     """
 
     solver: str

@@ -43,7 +43,7 @@ def convergence(
     store: str | os.PathLike[str] | None = None,
     progress: bool | None = None,
 ) -> Convergence:
-    """Measure how the errors of a solver fall with the number of unknowns, and what they cost.
+    """Measure the errors of a solver over the number of unknowns, and its times.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def convergence(
 
     Notes
     -----
-    What the solver raises is kept in the point as its failure, and the study goes on.
+    An exception of the solver is recorded in the point as its failure, and the study continues.
 
     Examples
     --------
@@ -127,7 +127,7 @@ def work_precision(
     store: str | os.PathLike[str] | None = None,
     progress: bool | None = None,
 ) -> WorkPrecision:
-    """Measure what it takes each of several solvers to reach an accuracy.
+    """Measure the time that each of several solvers needs to reach an accuracy.
 
     Every solver runs through its resolutions until all errors are below the least accuracy.
 

@@ -216,7 +216,7 @@ def grid(
     }
     pressed = [name for name in given if name in ALL_CONTROLS]
     if len(pressed) > 1:
-        told = f"None with {pressed[1]}: one of them tells how far the punch is pressed in"
+        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
         raise SceneError(pressed[0], axes[pressed[0]], told)
     if pressed:
         base = changed(base, {pressed[0]: float(given[pressed[0]][0])})

@@ -119,7 +119,8 @@ def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Arra
     """Return where the fields are taken: radii and distances from the edge."""
     if s is None and from_edge is None:
         if fields:
-            raise SceneError("s, from_edge", (s, from_edge), f"given for the {fields[0]}: either")
+            told = "given with its radii (s= or from_edge=)"
+            raise SceneError("quantities", fields[0], told)
         return np.empty(0), np.empty(0)
     radii, distances = checks.radii(s, from_edge)
     given = s if from_edge is None else from_edge

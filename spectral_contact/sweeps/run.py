@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
+from spectral_contact.io.choices import suggesting
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
@@ -54,6 +55,7 @@ _MOST_VALUES: Final = 10**9
 _MANY: Final = 500
 
 
+@suggesting()
 def sweep(
     scenes: Scene | Iterable[Scene],
     *,
@@ -85,30 +87,30 @@ def sweep(
         The scene whose parameters vary, or a list.
     poisson_ratio, normal_compliance, tangential_compliance, friction : array_like, optional
         The values that a parameter takes, dimensionless as in `Scene`; the grid has every
-        combination, and a list of scenes takes none. A single number is that of all scenes, in
-        the place of their own, and no dimension. With SI data friction alone can be given.
+        combination, and a list of scenes takes none. A single number replaces that of all
+        scenes and makes no dimension. Scenes with SI data can vary friction only.
     contact_radius, load, approach, separation : array_like, optional
-        The same of scenes with a profile, one of them; it takes the place of what the scene has.
+        The values of one of these for scenes with a profile; they replace that of the scene.
     layer : mapping of str to array_like, optional
         The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
         in E' and L. Their dimensions are the last, ``layer_exponent`` and so on.
     coupling : bool, optional
-        Whether scenes have elastic coupling, in the place of what they say themselves.
+        Turns elastic coupling on or off for all scenes; by default each scene's own setting.
     quantities : iterable of str, optional
-        What to compute, out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, too; all
-        that is a number is the default. What is not asked for is not computed.
+        What to compute, from `QUANTITIES` and, with a profile, from `PROFILE_QUANTITIES`; by
+        default all scalars. Nothing else is computed.
     rtol : float
         As of `solve`.
     s, from_edge : array_like, optional
         Radii in [0, 1], or distances from the edge, at which pressure, traction and slip are
-        taken, if they are asked for; one of the two. They become a dimension.
+        evaluated; give one of the two. They become a dimension.
     max_unknowns : int
         As of `solve`.
     executor : concurrent.futures.Executor, optional
-        What solves the chunks: threads, processes, or the executor of a cluster; by default this
-        process does. It is not shut down.
+        Runs the chunks: threads, processes, or the executor of a cluster; by default they run in
+        this process. It is not shut down.
     store : path, optional
-        A folder that keeps every chunk as it is done, so that the same call goes on after it was
+        A folder that keeps every finished chunk, so that the same call resumes after it was
         stopped.
     chunk : int, optional
         Scenes that are solved and stored together.
@@ -122,7 +124,7 @@ def sweep(
         One dimension for each parameter that varies (in the order of above), or ``scene`` for a
         list. Of every quantity its values and, as ``<name>_error``, the estimates of its relative
         errors; NaN where there is none. ``ending`` is ``"converged"``, the name of another
-        `Ending` in small letters, or ``"failed"``, and ``message`` says more of what did not
+        `Ending` in small letters, or ``"failed"``, and ``message`` explains what did not
         converge. Zones are ``zone_kind`` (1 stick, 2 slip, 0 none) and ``zone_outer``.
 
     Raises
@@ -162,6 +164,9 @@ def sweep(
     with one_thread(), tell:
         table = _collected(parameters, request, size, kept, executor, tell)
     return assembled(parameters, request, table)
+
+
+__test__: Final = {"sweep": sweep}  # doctest passes over functions that are wrapped
 
 
 def _check_size(parameters: SweepParameters, request: Request) -> None:

@@ -96,34 +96,34 @@ def check_solution(
 ) -> CheckReport:
     """Check a solution against the equations of its scene.
 
-    The fields are put into (3.5), (4.2) and the friction law with the elliptic kernels, by
-    quadrature that shares nothing with any solver; with elastic coupling (3.5) has what the
-    traction lifts. A field that is right to a relative `rtol`
-    everywhere passes.
+    The residuals of (3.5), (4.2) and the friction law are computed from the fields with the
+    elliptic kernels, by quadrature that shares no code with any solver. With elastic coupling
+    (3.5) includes the normal displacement by the traction. A field that is right to a relative
+    `rtol` everywhere passes.
 
-    With a profile the pressure has to bear the load, press the surface to the punch, and leave it
-    below the punch outside, or out of the layer's reach; what is given of the contact has to be
-    met. Of friction, which depends on how the load grew, only the bound ``f p`` and the total shear
-    are checked.
+    With a profile the pressure must carry the load, press the surface against the punch, and leave
+    it below the punch outside, or beyond the range of the layer; the given load, approach or
+    contact radius must be met. Friction depends on the history of the load, so only the bound
+    ``f p`` and the total shear are checked.
 
     Parameters
     ----------
     solution : object
         Anything with ``pressure(s)`` and, if the scene has friction, ``traction(s)``: functions of
         arrays of ``s`` in [0, 1], dimensionless as in `Solution`. If they take ``from_edge``, it is
-        used; without it layers thinner than 1e-8 cannot be seen. ``approach`` and
+        used; without it layers thinner than 1e-8 are not resolved. ``approach`` and
         ``total_shear`` are checked where they exist; ``zones`` give their boundaries to `breaks`.
         Of a `Solution` these may be left uncomputed.
         Closer to the edge than its ``opening``, if it has one, the pressure may be negative.
-        With a profile ``contact_radius`` is needed if the scene does not give it, under a layer
-        with pressure at every gap ``domain_radius``; ``load`` is checked where it exists.
+        With a profile ``contact_radius`` is needed if the scene does not give it, or
+        ``domain_radius`` for layer laws without an edge; ``load`` is checked where it exists.
     scene : Scene
-        What the solution claims to solve.
+        The problem that the solution claims to solve.
     rtol : float
         Relative accuracy claimed.
     breaks : sequence of float
         Distances from the edge, in (0, 1), at which the fields are not smooth: nodes of a coarse
-        mesh, zone boundaries. Quadrature across a kink sees five digits only.
+        mesh, zone boundaries. Quadrature across a kink has five digits only.
     strict : bool
         Raise if a check fails.
 
@@ -294,7 +294,7 @@ class _Indented:
         pinned = self.layered is not None and self.layered.flat
         limits: dict[str, Any] = {"low": low, "high": high}
         limits |= {"low_open": not pinned, "high_open": not pinned}
-        told = f"a number in ({low:.6g}, {high:.6g}), where the profile is"
+        told = f"a number in ({low:.6g}, {high:.6g}), the range of the profile"
         self.radius = real("solution.contact_radius", radius, allowed=told, **limits)
         self.cuts = [*cuts, *self._around_breaks()]
 

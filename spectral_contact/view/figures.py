@@ -28,7 +28,11 @@ FORMATS = (".png", ".pdf", ".svg")
 
 # Colours of Okabe and Ito: told apart by the colour-blind, and in grey by their line styles.
 BLUE, VERMILION, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
-SLIP_GREY = "#DDDDDD"
+#: Backgrounds of stick and slip zones in every picture of the library: in figures, in the zones
+#: that notebooks show, in the explorer and in README.md. They survive printing in grey.
+STICK_WHITE, SLIP_GREY = "#FFFFFF", "#DDDDDD"
+#: Outline of a zone where it is drawn as a box.
+ZONE_EDGE = "#888888"
 #: Dots per inch in a notebook.
 _SCREEN = 110
 _STYLE = {

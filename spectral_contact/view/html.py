@@ -11,6 +11,7 @@ from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.records import Plan, Zone
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
+from spectral_contact.view.figures import SLIP_GREY, STICK_WHITE, ZONE_EDGE
 from spectral_contact.view.report import quantity_cells, si_cells, zone_cells
 
 #: Symbol, and unit of the SI data, of what makes a scene.
@@ -29,6 +30,7 @@ _SYMBOLS: Final = {
 _WIDTH, _HEIGHT = 360.0, 26.0
 #: A zone is drawn no narrower, so that it is seen.
 _LEAST = 1.5
+_COLOURS: Final = {"stick": STICK_WHITE, "slip": SLIP_GREY}
 
 
 def of_scene(scene: Scene) -> str:
@@ -111,11 +113,12 @@ def table_html(cells: Sequence[Sequence[str]]) -> str:
         style = ' style="text-align:left"'
         lines.append("".join(f"<{kind}{style}>{escape(cell)}</{kind}>" for cell in row))
     body = "".join(f"<tr>{line}</tr>" for line in lines)
-    return f"<table>{body}</table>"
+    # a table that is wider than the page, as on a phone, scrolls: no column is cut off
+    return f'<div style="overflow-x:auto"><table>{body}</table></div>'
 
 
 def zones_svg(zones: Sequence[Zone]) -> str:
-    """Return a drawing of zones from the centre (left) to the edge: slip is filled."""
+    """Return a drawing of the zones from the centre (left) to the edge: slip is grey."""
     parts, said = [], []
     for zone in zones:
         inner, outer = float(zone.inner), float(zone.outer)
@@ -123,14 +126,15 @@ def zones_svg(zones: Sequence[Zone]) -> str:
         left = 1.0 + inner * _WIDTH
         width = max((outer - inner) * _WIDTH, _LEAST)
         left = min(left, 1.0 + _WIDTH - width)
-        fill = 'fill="#D55E00" fill-opacity="0.75"' if zone.kind == "slip" else 'fill="none"'
         parts.append(
-            f'<rect x="{left:.2f}" y="1" width="{width:.2f}" height="{_HEIGHT:g}" {fill}'
-            ' stroke="currentColor" stroke-width="0.8"/>'
+            f'<rect x="{left:.2f}" y="1" width="{width:.2f}" height="{_HEIGHT:g}"'
+            f' fill="{_COLOURS[zone.kind]}" stroke="{ZONE_EDGE}" stroke-width="0.8"/>'
         )
         if width > 40.0:
             place = f'x="{left + width / 2.0:.2f}" y="{_HEIGHT / 2.0 + 5.0:g}"'
-            parts.append(f'<text {place} text-anchor="middle">{escape(zone.kind)}</text>')
+            parts.append(
+                f'<text {place} text-anchor="middle" fill="black">{escape(zone.kind)}</text>'
+            )
     for x, anchor, text in ((1.0, "start", "centre"), (1.0 + _WIDTH, "end", "edge")):
         place = f'x="{x:g}" y="{_HEIGHT + 15.0:g}"'
         parts.append(f'<text {place} text-anchor="{anchor}">{text}</text>')

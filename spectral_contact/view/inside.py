@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,13 +23,37 @@ _SHARE = 0.985
 #: What the drawing is accurate to.
 _RTOL = 1e-6
 _LARGEST = {"von_mises": "von_mises", "max_shear": "max_shear"}
+#: Units and quantities as axes show them, where they differ from the columns of a table.
+_UNITS = {
+    "a": "$a$",
+    "L": "$L$",
+    "E'": "$E'$",
+    "P / a^2": "$P/a^2$",
+    "4 (1 - nu^2) P / (a E)": r"$4(1-\nu^2)P/(aE)$",
+}
+_SYMBOLS = {
+    "u_r": "$u_r$",
+    "u_z": "$u_z$",
+    "sigma_rr": r"$\sigma_{rr}$",
+    "sigma_tt": r"$\sigma_{\theta\theta}$",
+    "sigma_zz": r"$\sigma_{zz}$",
+    "sigma_rz": r"$\sigma_{rz}$",
+    "von_mises": "von Mises stress",
+    "max_shear": r"$\tau_{max}$",
+    "mean": r"$\sigma_m$",
+    "principal_1": r"$\sigma_1$",
+    "principal_2": r"$\sigma_2$",
+    "principal_3": r"$\sigma_3$",
+    "displacement_error": "relative error",
+    "stress_error": "relative error",
+}
 
 
 def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | None = None) -> Figure:
     """Plot the contours of a quantity in the plane of r and z, and the deformed surface above.
 
-    The lines of equal `max_shear` are what photoelasticity shows. The place of the largest von
-    Mises or shear stress is marked if there is one.
+    Lines of equal `max_shear` are the fringes of photoelasticity. A cross marks the place of the
+    largest von Mises or shear stress, if there is one.
 
     Parameters
     ----------
@@ -36,7 +61,7 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
     quantity : str
         A column of `Inside.to_table`.
     r_max : float, optional
-        How far the picture goes, in the units of the body's lengths: two radii by default.
+        Largest radius and depth shown, in the units of the body's lengths; two radii by default.
 
     Returns
     -------
@@ -63,33 +88,37 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
         top, main = figure.subplots(2, 1, sharex=True, height_ratios=[1.0, 3.2])
         _draw_surface(top, body, far)
         _draw_contours(figure, main, body, quantity, far)
+        main.set_title(QUANTITIES[quantity])
         if quantity in _LARGEST:
             _mark_largest(main, body, quantity, far)
-        unit = body.unit_names.place
-        main.set(xlabel=f"$r$ [{unit}]", ylabel=f"$z$ [{unit}]", aspect="equal")
+        unit = _bracketed(body.unit_names.place)
+        main.set(xlabel=f"$r${unit}", ylabel=f"$z${unit}", aspect="equal")
         main.invert_yaxis()
     return figure
 
 
 def _draw_contours(figure: Figure, axes: Axes, body: Inside, quantity: str, far: float) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     grid = np.linspace(0.0, far, _POINTS)
     values = body.to_table(*np.meshgrid(grid, grid), rtol=_RTOL)[quantity]
     shown = values[np.isfinite(values)]
     low, high = np.quantile(shown, [1.0 - _SHARE, _SHARE])
     if shown.min() >= 0.0:
         low = 0.0
-    levels = np.linspace(low, high if high > low else low + 1.0, _LEVELS)
+    # round numbers, which the colour bar can be read by
+    levels = MaxNLocator(_LEVELS).tick_values(low, high if high > low else low + 1.0)
     filled = axes.contourf(grid, grid, values, levels, cmap="viridis", extend="both")
     axes.contour(grid, grid, values, levels[::2], colors="white", linewidths=0.4)
-    label = f"{QUANTITIES[quantity]} [{unit_of(quantity, body.unit_names)}]"
-    figure.colorbar(filled, ax=axes, label=label, format="%.3g")
+    unit = _bracketed(unit_of(quantity, body.unit_names))
+    figure.colorbar(filled, ax=axes, label=f"{_SYMBOLS.get(quantity, quantity)}{unit}")
 
 
 def _draw_surface(axes: Axes, body: Inside, far: float) -> None:
     """Draw the deformed surface and the punch, both magnified by the axis."""
     radius = body.radius
     r = np.concatenate([np.linspace(0.0, radius, 101), np.linspace(radius, far, 101)[1:]])
-    surface, length = body.surface(r, rtol=_RTOL), body.unit_names.displacement
+    surface = body.surface(r, rtol=_RTOL)
     if body.flat:
         r_face, face = np.array([0.0, radius, radius]), surface.z[:1] + surface.gap[:1]
         face = np.append(np.repeat(face, 2), 0.0)
@@ -100,16 +129,25 @@ def _draw_surface(axes: Axes, body: Inside, far: float) -> None:
     axes.fill_between(r_face, np.minimum(face.min(), 0.0), face, color=SLIP_GREY, lw=0.0)
     axes.plot(r_face, face, color=BLACK, lw=1.0, label="punch")
     axes.plot(r, surface.z, color=VERMILION, label="surface")
-    axes.set(ylabel=f"$u_z$ [{'1' if length.startswith('4') else length}]")
+    axes.set(ylabel=f"$u_z${_bracketed(body.unit_names.displacement)}")
     axes.invert_yaxis()
     axes.legend(loc="lower right")
 
 
+def _bracketed(unit: str) -> str:
+    """Return a unit as an axis has it; nothing for a pure number."""
+    return "" if unit == "1" else f" [{_UNITS.get(unit, unit)}]"
+
+
 def _mark_largest(axes: Axes, body: Inside, quantity: str, far: float) -> None:
     found = body.largest(_LARGEST[quantity])
+    said = found.remark
+    if found.value is not None:
+        said = f"largest: {found.value:.6g}, {'at the cross' if found.attained else said}"
+    box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none"}
+    corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "bottom"}
+    axes.text(0.985, 0.015, fill(said, 50), bbox=box, fontsize=8.0, **corner)
     if found.value is None:
-        axes.set_title(found.remark, fontsize=8.0, wrap=True)
         return
-    axes.set_title(f"largest: {found.value:.6g} ({found.remark})", fontsize=8.0)
     if found.r <= far and found.z <= far:
         axes.plot([found.r], [found.z], "x", color=VERMILION, ms=7.0, clip_on=False)

@@ -1,4 +1,4 @@
-"""What a solution makes of itself when it is asked to: SI values, tables, pictures, files."""
+"""Output of a solution: SI values, tables, pictures, files."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, overload
 
 from numpy.typing import ArrayLike
+
+from spectral_contact.io.choices import Suggesting
 
 if TYPE_CHECKING:
     import xarray
@@ -50,7 +52,7 @@ def _loaded(path: str | os.PathLike[str]) -> Solution:
     return solution
 
 
-class Output:
+class Output(Suggesting):
     """Base of `Solution`: every method hands the solution to the module that does it."""
 
     __slots__ = ()
@@ -73,7 +75,7 @@ class Output:
         return found
 
     def summary(self) -> str:
-        """Return what the command line prints: quantities with errors, zones, plan and work."""
+        """Return the report of the command line: quantities with errors, zones, plan and work."""
         return str(above("view.report").report(self))
 
     def plot(self) -> Figure:
@@ -139,8 +141,8 @@ class Output:
     ) -> Sensitivity:
         """Return derivatives of approach, total shear, stick radius, and fields by the parameters.
 
-        By the implicit function theorem, with one linear solve for each parameter. Where one is
-        not finite, or one-sided, its note says so.
+        They are exact: by the implicit function theorem, with one linear solve for each parameter.
+        The note of a derivative says if it is infinite or one-sided.
 
         Parameters
         ----------
@@ -148,8 +150,8 @@ class Output:
             Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
             ``"poisson_ratio"``, dimensionless; by default all.
         s, from_edge : array_like, optional
-            Radii in [0, 1], or distances from the edge, at which those of pressure and traction are
-            wanted; by default nowhere.
+            Radii in [0, 1], or distances from the edge, for derivatives of pressure and traction;
+            by default there are none.
         progress : bool, optional
             Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 

@@ -14,17 +14,33 @@ from spectral_contact.fields.evaluation import over_r
 from spectral_contact.io import checks, choices
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
+from spectral_contact.view.output import above
 
 
-@dataclass(frozen=True, slots=True)
-class PhysicalSolution:
-    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N."""
+@dataclass(frozen=True, slots=True, repr=False)
+class PhysicalSolution(choices.Suggesting):
+    """A solution in SI units; radii in m, pressures in Pa, displacements in m, forces in N.
+
+    Printed, it is the table of its scalars with the estimates of their relative errors.
+    """
 
     solution: Solution
 
     def __post_init__(self) -> None:
         if choices.instance("solution", self.solution, Solution).scene.physical is None:
             raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
+
+    def __str__(self) -> str:
+        report = above("view.report")
+        return str(report.table(report.si_cells(self.solution)))
+
+    def __repr__(self) -> str:
+        rows = above("view.report").si_cells(self.solution)[1:]
+        return f"<PhysicalSolution {', '.join(f'{label}: {value}' for label, value, _ in rows)}>"
+
+    def _repr_html_(self) -> str:
+        cells = above("view.report").si_cells(self.solution)
+        return str(above("view.html").table_html(cells))
 
     @property
     def _nu(self) -> float:
@@ -60,7 +76,7 @@ class PhysicalSolution:
 
     @property
     def units(self) -> Units:
-        """What fields over ``s = r/a`` are multiplied by: a [m], stress [Pa], displacement [m]."""
+        """SI units of length a [m], stress [Pa] and displacement [m], of dimensionless fields."""
         if self._modulus is not None:
             return si_units(self.radius, self._modulus, self.radius)
         stress, load = self._data.pressure_scale, self.load
@@ -70,7 +86,7 @@ class PhysicalSolution:
     def radius(self) -> float:
         """Radius at ``s = 1`` [m], that of the contact; under a flat punch it is the punch's.
 
-        Under a layer with pressure at every gap it is `Solution.domain_radius`.
+        For a layer law without an edge it is `Solution.domain_radius`.
         """
         given = self._data.radius or self._data.contact_radius
         return float(self.solution.domain_radius if given is None else given)

@@ -22,7 +22,9 @@ from spectral_contact.view.figures import (
     FORMATS,
     GREEN,
     SLIP_GREY,
+    STICK_WHITE,
     VERMILION,
+    ZONE_EDGE,
     math_number,
     new_figure,
     require,
@@ -314,8 +316,8 @@ def _zone_patches(solution: Solution) -> list[Any]:
 
     kinds = {zone.kind for zone in known_zones(solution)}
     return [
-        Patch(facecolor=colour, edgecolor="#888888", linewidth=0.6, label=kind)
-        for kind, colour in (("stick", "white"), ("slip", SLIP_GREY))
+        Patch(facecolor=colour, edgecolor=ZONE_EDGE, linewidth=0.6, label=kind)
+        for kind, colour in (("stick", STICK_WHITE), ("slip", SLIP_GREY))
         if kind in kinds
     ]
 

@@ -153,5 +153,5 @@ def test_convergence_error_carries_the_solution_and_says_what_to_do():
 
 def test_missing_dependency_error_names_the_extra():
     error = MissingDependencyError("matplotlib", "plot")
-    assert 'pip install "spectral_contact[plot]"' in str(error)
+    assert 'pip install ".[plot]"' in str(error)
     assert error.name == through_pickle(error).name == "matplotlib"

@@ -13,7 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact.equations.interior import places
 from spectral_contact.equations.interior.energies import energies
 from spectral_contact.equations.interior.extremes import MEASURES, largest
-from spectral_contact.equations.interior.grids import UnitNames, Units, columns, dataset, own_units
+from spectral_contact.equations.interior.grids import (
+    UnitNames,
+    Units,
+    checked_lengths,
+    columns,
+    dataset,
+    own_units,
+    scaled_lengths,
+)
 from spectral_contact.equations.interior.integrals import Integrals
 from spectral_contact.equations.interior.mesh import AXIS, TIGHT, BodyPoints, Evaluator
 from spectral_contact.equations.interior.results import (
@@ -42,8 +50,6 @@ if TYPE_CHECKING:
 
 #: At how many radii the largest traction is looked for.
 _LOOKS = 513
-#: How far points may be, in radii of the punch; seventh powers of distances are formed.
-_FARTHEST = 1e30
 #: What is closer to the edge, or to the surface, is at it.
 _NEAREST = 1e-100
 #: The most points of one call, which takes some 1 kB of memory for each.
@@ -51,16 +57,16 @@ _MOST_POINTS = 10**8
 
 
 class Inside:
-    """Stress and displacement anywhere in the half-space: what `Solution.inside` is.
+    """Stress and displacement anywhere in the half-space; made by `Solution.inside`.
 
     Points are given by their distance from the axis, or from the edge, and their depth. Everything
-    is in the units of the solution: `Solution.inside` is dimensionless as the paper is, and
-    `PhysicalSolution.inside` in SI units. Under a profile places are over the contact radius, as
-    those of the pressure are, displacements in L and stresses in E'.
+    is in the units of the solution: `Solution.inside` is dimensionless, and
+    `PhysicalSolution.inside` in SI units. Under a profile places are in contact radii, as
+    those of the pressure, displacements in L and stresses in E'.
 
-    The loads are the pressure and the traction of the solution, and what is shown is the
-    response of an elastic half-space to both. In a scene without coupling the model leaves
-    out that the traction moves the surface normally; the body's own displacement `z` has it.
+    The fields are the response of an elastic half-space to the pressure and the traction of the
+    solution. The model without coupling neglects the normal displacement by the traction; the
+    displacement `z` of the body includes it.
 
     Parameters
     ----------
@@ -110,13 +116,13 @@ class Inside:
     def _points(
         self, r: ArrayLike | None, z: ArrayLike, from_edge: ArrayLike | None
     ) -> tuple[BodyPoints, tuple[int, ...]]:
-        depth = _length("z", z, self._units)
+        depth = scaled_lengths("z", z, self._units)
         checks.exactly_one("r", r, "from_edge", from_edge)
         if from_edge is None:
-            radius = _length("r", r, self._units)
+            radius = scaled_lengths("r", r, self._units)
             distance = 1.0 - radius
         else:
-            distance = _length("from_edge", from_edge, self._units, high=1.0)
+            distance = scaled_lengths("from_edge", from_edge, self._units, high=1.0)
             radius = 1.0 - distance
         name = "r, z" if from_edge is None else "from_edge, z"
         try:
@@ -313,7 +319,7 @@ class Inside:
         SceneError
             As `displacement`.
         """
-        r, z = (_checked_lengths(name, x, self._units) for name, x in (("r", r), ("z", z)))
+        r, z = (checked_lengths(name, x, self._units) for name, x in (("r", r), ("z", z)))
         self._points(r, z, None)
         radius, depth = np.broadcast_arrays(r, z)
         return {"r": radius, "z": depth} | columns(self, radius, depth, rtol)
@@ -340,8 +346,8 @@ class Inside:
         MissingDependencyError
             If xarray is not installed.
         """
-        radii = np.ravel(_checked_lengths("r", r, self._units))
-        depths = np.ravel(_checked_lengths("z", z, self._units))
+        radii = np.ravel(checked_lengths("r", r, self._units))
+        depths = np.ravel(checked_lengths("z", z, self._units))
         self._points(radii, depths[:, None], None)
         return dataset(self, radii, depths, rtol)
 
@@ -428,23 +434,6 @@ class Inside:
 
 def _nothing(s: Array, from_edge: Array) -> Array:
     return np.zeros(np.shape(s))
-
-
-def _length(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
-    """Return lengths over the radius of the punch."""
-    return np.asarray(_checked_lengths(name, values, units, high) / units.length + 0.0)
-
-
-def _checked_lengths(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
-    """Return lengths as doubles in their units; only `from_edge` may be negative."""
-    largest = high * units.length
-    smallest = -_FARTHEST * units.length if name == "from_edge" else 0.0
-    allowed = f"in [{smallest:.17g}, {largest:.17g}]"
-    given = checks.reals(name, values, allowed, unit=units.names.si_length).astype(np.float64)
-    bad = ~((given >= smallest) & (given <= largest))
-    if bad.any():
-        raise SceneError(name, given[bad].flat[0], allowed)
-    return given
 
 
 def _tolerance(rtol: float | None) -> float:

@@ -60,7 +60,7 @@ def _external(solution: Solution) -> tuple[float, float]:
     if solution.scene.profile is None:
         return solution.approach / 2.0, solution.error.approach or 0.0
     if solution.traction_field is not None:
-        told = "as a contact grows, friction dissipates what its final state does not know"
+        told = "the energy that friction dissipates in a growing contact depends on its history"
         raise NotComputedError("energies", told)
     work = solution.indentation_work / solution.contact_radius**2
     return work, solution.error.indentation_work or 0.0

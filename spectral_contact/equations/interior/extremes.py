@@ -69,12 +69,12 @@ def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
     tension = name == "surface_tension"
     reason = _tension_grows(solution) if tension else _shear_grows(solution)
     if reason:
-        return Extreme(None, 1.0, 0.0, None, None, attained=False, remark=f"no bound: {reason}")
+        return Extreme(None, 1.0, 0.0, None, None, attained=False, remark=f"unbounded: {reason}")
     best = _search(MEASURES[name], solution, stress, tension)
     if solution.scene.profile is None:
         edge, error = _edge(MEASURES[name], solution, stress, tension)
         if edge > best.value * (1.0 - 1e-9):
-            remark = "the supremum, approached at the edge"
+            remark = "supremum, approached at the edge"
             return Extreme(edge, 1.0, 0.0, error, 0.0, attained=False, remark=remark)
     return _extreme(best, solution, stress)
 
@@ -89,7 +89,7 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     for tip in singular(solution):  # at nu = 0.5 stress next to it depends on the direction alone
         away = float(distance(best.at, tip)[0])
         if away < _AT_TIP:
-            remark = "the supremum, approached where the pressure is infinite"
+            remark = "supremum, approached where the pressure is infinite"
             error += 20.0 * away
             return Extreme(best.value, tip.value, 0.0, error, 0.0, attained=False, remark=remark)
     return Extreme(best.value, r, z, error, place, attained=True, remark="attained")
@@ -104,7 +104,7 @@ def _shear_grows(solution: Solution) -> str:
     if not np.isfinite(solution.pressure(1.0)):
         return "the pressure of a smooth surface is infinite at the edge"
     if solution.traction_field is not None and solution.traction(1.0) != 0.0:
-        return "the traction ends at the edge with a jump, next to which stress is logarithmic"
+        return "the stress diverges logarithmically at the edge, where the traction jumps to 0"
     return ""
 
 

@@ -1,4 +1,4 @@
-"""Stress and displacement as tables: units, named columns, an xarray dataset, a file."""
+"""Stress and displacement as tables: units, checks of lengths, named columns, datasets, files."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from spectral_contact.errors import optional
+from spectral_contact.errors import SceneError, optional
 from spectral_contact.fields import Array
+from spectral_contact.io import checks
 
 if TYPE_CHECKING:
     import xarray
@@ -25,15 +26,17 @@ QUANTITIES = {
     "sigma_tt": "hoop stress",
     "sigma_zz": "axial stress",
     "sigma_rz": "shear stress",
-    "von_mises": "equivalent stress of von Mises",
+    "von_mises": "von Mises equivalent stress",
     "max_shear": "largest shear stress in any plane",
-    "mean": "a third of the trace of the stress",
+    "mean": "mean stress, a third of the trace",
     "principal_1": "largest principal stress",
     "principal_2": "middle principal stress",
     "principal_3": "smallest principal stress",
-    "displacement_error": "estimated error of u_r and u_z over the length of the displacement",
-    "stress_error": "estimated error of the stresses over the root of the sum of their squares",
+    "displacement_error": "estimated error of u_r and u_z, relative to its length",
+    "stress_error": "estimated error of the stresses, relative to their Frobenius norm",
 }
+#: How far points may be, in radii of the punch; seventh powers of distances are formed.
+_FARTHEST = 1e30
 
 
 class UnitNames(NamedTuple):
@@ -79,6 +82,23 @@ def own_units(solution: Solution) -> Units:
 def si_units(length: float, stress: float, displacement: float) -> Units:
     """Return SI units."""
     return Units(length, stress, displacement, UnitNames("m", "m", "Pa"))
+
+
+def scaled_lengths(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
+    """Return lengths over the radius of the punch."""
+    return np.asarray(checked_lengths(name, values, units, high) / units.length + 0.0)
+
+
+def checked_lengths(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
+    """Return lengths as doubles in their units; only `from_edge` may be negative."""
+    largest = high * units.length
+    smallest = -_FARTHEST * units.length if name == "from_edge" else 0.0
+    allowed = f"in [{smallest:.17g}, {largest:.17g}]"
+    given = checks.reals(name, values, allowed, unit=units.names.si_length).astype(np.float64)
+    bad = ~((given >= smallest) & (given <= largest))
+    if bad.any():
+        raise SceneError(name, given[bad].flat[0], allowed)
+    return given
 
 
 def columns(body: Inside, r: Array, z: Array, rtol: float | None) -> dict[str, Array]:

@@ -34,7 +34,7 @@ class Displacement:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stress:
-    """Stress at points of the body, tension positive, in the units of the solution that was asked.
+    """Stress at points of the body, tension positive, in the units of the solution.
 
     Attributes
     ----------
@@ -90,10 +90,10 @@ class Surface:
     r, z : float or ndarray
         Displacement of the surface outward and into the body, of the shape of the radii.
     gap : float or ndarray
-        Approach minus `z`: how far the body's surface is from the plane of the punch's face.
-        Inside the contact this is what the layer of roughness is compressed by. Under a profile
-        inside the same, less the height of the profile; outside how far the surface is from it,
-        NaN beyond its reach.
+        Approach minus `z`: distance of the body's surface from the plane of the punch's face.
+        Inside the contact this is the compression of the layer. Under a profile the height of the
+        profile is subtracted; outside the contact it is the distance to the profile, NaN beyond
+        the end of it.
     error : float or ndarray
         Estimated error of `r` and `z`, relative to the length of the displacement.
     """
@@ -106,7 +106,7 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Energies:
-    """What the work of the load becomes as it grows in proportion, in the units of the solution.
+    """How the work of a load that grows in proportion is divided, in the units of the solution.
 
     Dimensionless, an energy is over ``4 (1 - nu**2) P**2 / (a E)``, the load times the unit of
     the approach.
@@ -116,14 +116,14 @@ class Energies:
     external : float
         Work of the load, half of load times approach.
     strain : float
-        Energy of the body: half of pressure and traction over its own displacements.
+        Elastic energy of the body: half the work of pressure and traction on its displacements.
     layer : float
         Energy stored in the layer of roughness, normal and tangential.
     friction : float
-        What slip dissipates.
+        Energy dissipated by slip.
     defect : float
-        What the model without coupling loses, ``kappa / 2 int q g dA``: there the traction does
-        not move the surface normally, but the body does both. Zero with coupling.
+        Energy that the model without coupling loses, ``kappa / 2 int q g dA``, because it neglects
+        the normal displacement by the traction. Zero with coupling.
     error : float
         Estimated error of each, relative to `external`.
     """

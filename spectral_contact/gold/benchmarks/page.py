@@ -178,7 +178,7 @@ def _fields(benchmark: Benchmark, data: str) -> str:
 
 
 def _recipe(code: str, tried: bool, text: str) -> str:
-    return f"**{code}** ({'tried' if tried else 'not tried: a starting point'}). {text}"
+    return f"**{code}** ({'tried' if tried else 'untested starting point'}). {text}"
 
 
 def _short(number: float) -> str:

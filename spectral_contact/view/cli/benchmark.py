@@ -20,12 +20,19 @@ KINDS: Final = {
 def add_options(command: argparse.ArgumentParser, kind: str) -> None:
     """Add what a kind takes."""
     if kind == "show":
-        command.add_argument("name", type=_name, metavar="NAME", help="one of the list")
+        command.add_argument(
+            "name", type=_name, metavar="NAME", help="name of a benchmark, as `list` prints it"
+        )
     if kind == "export":
         command.add_argument(
             "names", nargs="*", type=_name, metavar="NAME", help="which (default: all)"
         )
-        command.add_argument("--output", metavar="FOLDER", required=True, help="made if need be")
+        command.add_argument(
+            "--output",
+            metavar="FOLDER",
+            required=True,
+            help="folder of the copies; created if needed",
+        )
 
 
 def run(arguments: argparse.Namespace) -> str:

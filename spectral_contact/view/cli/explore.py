@@ -14,14 +14,14 @@ def add_options(command: argparse.ArgumentParser) -> None:
     """Add the options of the page."""
     group = command.add_argument_group("page")
     group.add_argument(
-        "--rtol", type=number, help="tolerance of the solves, 1e-12 to 1e-2 (default: 1e-8)"
+        "--rtol", type=number, help="bound on relative errors, 1e-12 to 1e-2 (default: 1e-8)"
     )
     group.add_argument(
         "--port",
         type=whole,
         metavar="N",
         default=0,
-        help="of 127.0.0.1 (default: any that is free)",
+        help="port of 127.0.0.1 (default: any free one)",
     )
     group.add_argument(
         "--no-browser", action="store_true", help="print the address and open no browser"

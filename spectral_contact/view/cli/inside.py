@@ -44,16 +44,22 @@ def add_options(command: argparse.ArgumentParser) -> None:
     )
     add_reading(group, "r=2,z=3 [mm]")
     group = command.add_argument_group("request")
-    group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
+    group.add_argument(
+        "--rtol", type=number, default=1e-8, help="bound on relative errors (default: %(default)s)"
+    )
     group.add_argument(
         "--quantity",
         default="von_mises",
         choices=QUANTITIES,
         metavar="NAME",
-        help=f"what is plotted (default: %(default)s): {', '.join(QUANTITIES)}",
+        help=f"quantity to plot (default: %(default)s): {', '.join(QUANTITIES)}",
     )
-    group.add_argument("--output", metavar="FILE", help="store everything: .csv, .npz or .nc")
-    group.add_argument("--plot", metavar="FILE", help="contours: .png, .pdf or .svg")
+    group.add_argument(
+        "--output", metavar="FILE", help="store all quantities at the points: .csv, .npz or .nc"
+    )
+    group.add_argument(
+        "--plot", metavar="FILE", help="plot contours: .png, .pdf or .svg (needs the extra: plot)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> str:

@@ -35,13 +35,16 @@ _NAMED: Final[dict[str, tuple[Callable[..., Layer], tuple[str, ...], tuple[str, 
 }
 #: Numbers of laws, with their SI unit and meaning; a power of a unit is not converted.
 _NUMBERS: Final = {
-    "coefficient": ("", "of a power law: pressure over overclosure to the exponent"),
-    "exponent": ("", "of a power law, in [1, 10]"),
-    "zero_pressure": ("Pa", "of an exponential law: the pressure at zero overclosure"),
-    "clearance": ("m", "of an exponential law: where it begins, or a hundredth is left"),
-    "density": ("", "of asperities: how many per area"),
-    "tip_radius": ("m", "of asperities"),
-    "height_deviation": ("m", "of asperities: standard deviation of their heights"),
+    "coefficient": ("", "power law: pressure at overclosure 1"),
+    "exponent": ("", "power law: exponent, in [1, 10]"),
+    "zero_pressure": ("Pa", "exponential law: pressure at zero overclosure"),
+    "clearance": (
+        "m",
+        "exponential law: gap at which the pressure begins (calculix: is a hundredth)",
+    ),
+    "density": ("", "asperities: number per area"),
+    "tip_radius": ("m", "asperities: radius of their tips"),
+    "height_deviation": ("m", "asperities: standard deviation of their heights"),
 }
 #: The same by the attribute of the options.
 LAW_NUMBERS: Final = tuple(f"layer_{name}" for name in _NUMBERS)
@@ -57,12 +60,15 @@ def add_layer(
     """
     group = command.add_argument_group(
         "nonlinear layer",
-        "Under a profile, in place of --normal-compliance and without friction. Pressures are in "
-        "E' and lengths in L"
-        + ("; with --youngs-modulus in Pa and m." if control is None else "."),
+        "Needs --profile, and replaces --normal-compliance. With --profile flat, --friction inf is "
+        "allowed; otherwise there is no friction. Pressures are in E' and lengths in L"
+        + (", or in Pa and m with --youngs-modulus." if control is None else "."),
     )
     group.add_argument(
-        "--layer", choices=_NAMED, default=argparse.SUPPRESS, help="the law (default: linear)"
+        "--layer",
+        choices=_NAMED,
+        default=argparse.SUPPRESS,
+        help="law of the layer (default: linear)",
     )
     for name, (_, meaning) in _NUMBERS.items():
         add_option(group, _PREFIX + name, control or measured, meaning)
@@ -70,10 +76,10 @@ def add_layer(
         "--layer-heights",
         choices=("gaussian", "exponential"),
         default=argparse.SUPPRESS,
-        help="of asperities: how their heights are distributed (default: gaussian)",
+        help="asperities: distribution of their heights (default: gaussian)",
     )
     of_table = (
-        "of a table: a text file with columns overclosure and pressure, in this order or named "
+        "table: text file with columns overclosure and pressure, in this order or with headings "
         "(see docs/files.md)"
     )
     add_option(group, "layer_table", str, of_table, "FILE")

@@ -25,12 +25,12 @@ _NAMED: Final = {
 }
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
-    "contact_radius": "contact radius: this, --load, --approach or --separation",
-    "separation": "at the deformed centre, under a layer with pressure at every gap",
-    "half_angle": "of a cone, between axis and side [rad]",
-    "flat_radius": "of the flat part",
-    "coefficient": "of a power law",
-    "exponent": "of a power law",
+    "contact_radius": "radius of the contact; give one of this, --load, --approach, --separation",
+    "separation": "gap at the centre, for layer laws without a contact edge",
+    "half_angle": "angle of a cone, between its axis and its side [rad]",
+    "flat_radius": "radius of the flat end of a rounded flat or truncated cone",
+    "coefficient": "coefficient of a power-law profile",
+    "exponent": "exponent of a power-law profile",
 }
 #: Numbers that may have a unit where the scene is in SI units. An angle may have one in any scene.
 _UNITS: Final = {
@@ -67,21 +67,23 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
     """
     si = control is number  # several values of an option have no units
     units = (
-        "With --youngs-modulus in SI units, lengths in m. Else all lengths" if si else "All lengths"
+        "With --youngs-modulus everything is in SI units. Without it, --radius, --load and "
+        "--approach are numbers: lengths"
+        if si
+        else "Lengths"
     )
-    numbers = ": --radius, --load and --approach are numbers then" if si else ""
     required = " (in SI units it is required)" if si else ""
     group = command.add_argument_group(
         "scene with a profile",
-        f"{units} are in one length L, loads in E' L^2 with E' = E / (4 (1 - nu^2)), compliances "
-        f"in L / E'{numbers}. Poisson's ratio defaults to 0.3{required} and the compliances to 0; "
-        "there is no friction unless it is given.",
+        f"{units} are in a length L of your choice, loads in E' L^2 with E' = E / (4 (1 - nu^2)), "
+        f"and compliances in L / E'. Poisson's ratio defaults to 0.3{required} and the compliances "
+        "to 0; there is no friction unless it is given.",
     )
     group.add_argument(
         "--profile",
         choices=_NAMED,
         default=argparse.SUPPRESS,
-        help="what the punch looks like (default: flat; flat itself is for a nonlinear layer)",
+        help="shape of the punch (default: flat; give flat only with --layer)",
     )
     add_layer(command, None if si else control)
     for name, meaning in _OWN.items():
@@ -139,7 +141,7 @@ def _check_si(given: dict[str, Any]) -> None:
         raise UsageError(f"{flag(mixed[0])} is dimensionless: use {flag(mixed[0])}-si, in m/Pa")
     missing = [flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
     if missing:
-        raise UsageError(f"SI input needs {' and '.join(missing)}: there are no defaults for it")
+        raise UsageError(f"SI input needs {' and '.join(missing)}: there is no default material")
 
 
 def _numbers(given: dict[str, Any], si: bool) -> dict[str, float]:

@@ -32,7 +32,7 @@ _SI_NEEDS: Final = ("youngs_modulus", "poisson_ratio", "radius", "friction")
 def add_scene(command: argparse.ArgumentParser) -> None:
     """Add the options of a dimensionless scene; what is not given is no attribute."""
     group = command.add_argument_group("scene")
-    compliance = "{0}* = {0} E / (4 (1 - nu^2) a), 0 (smooth) or in [1e-14, 1e14]"
+    compliance = "{0}* = {0} E / (4 (1 - nu^2) a), 0 or in [1e-14, 1e14]"
     for name, kind, metavar, meaning in (
         ("poisson_ratio", number, "NU", "Poisson's ratio of the half-space, in (-1, 0.5]"),
         ("normal_compliance", number, "ALPHA", compliance.format("alpha")),
@@ -41,7 +41,7 @@ def add_scene(command: argparse.ArgumentParser) -> None:
             "friction",
             friction,
             "F",
-            "Coulomb coefficient >= 0; inf is full stick, none the frictionless problem",
+            "coefficient of friction >= 0; inf: full stick, none: no friction",
         ),
     ):
         add_option(group, name, kind, f"{meaning} (default: {_DEFAULTS[name]})", metavar)
@@ -53,7 +53,7 @@ def add_coupling(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--coupling",
         action="store_true",
-        help="let the traction act back on the pressure, which the paper neglects",
+        help="elastic coupling: the traction acts back on the pressure (the paper neglects this)",
     )
 
 
@@ -62,8 +62,8 @@ def add_physical(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group(
         "scene in SI units",
         "Any of these replaces the dimensionless compliances: modulus, radius, either load or "
-        "approach, --poisson-ratio and --friction are then required; the compliances default to 0, "
-        "a smooth surface, and the output says so. A number may have a unit, as in '210 GPa' or "
+        "approach, --poisson-ratio and --friction are then required; a compliance that is "
+        "not given is 0, and the output says so. A number may have a unit, as in '210 GPa' or "
         "'50 nm/MPa' (needs the extra: units).",
     )
     for name, metavar, meaning in (
@@ -95,11 +95,14 @@ def scene(arguments: argparse.Namespace) -> Scene:
 
 
 def defaults(arguments: argparse.Namespace) -> list[str]:
-    """Return what of an SI scene was not given, and what was taken for it."""
+    """Return a remark for each compliance that an SI scene leaves out; it is taken as 0."""
     if not si_given(arguments):
         return []
     absent = [name for name in _SI_COMPLIANCES if name not in vars(arguments)]
-    return [f"{flag(name)} was not given: 0, a smooth surface, by default" for name in absent]
+    if len(absent) == len(_SI_COMPLIANCES):
+        options = " and ".join(map(flag, absent))
+        return [f"{options} were not given: both are taken as 0, a smooth surface"]
+    return [f"{flag(name)} was not given: it is taken as 0" for name in absent]
 
 
 def in_options(error: SceneError, si: bool) -> str:
@@ -123,8 +126,6 @@ def _check_si(arguments: argparse.Namespace) -> None:
         )
     missing = [flag(name) for name in _SI_NEEDS if name not in given]
     if missing:
-        raise UsageError(
-            f"SI input needs {' and '.join(missing)}: there are no defaults for a material"
-        )
+        raise UsageError(f"SI input needs {' and '.join(missing)}: there is no default material")
     if ("load" in given) == ("approach" in given):
         raise UsageError("SI input needs either --load or --approach, not both")

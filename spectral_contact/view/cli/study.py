@@ -34,7 +34,7 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
         group.add_argument(
             "--solver",
             metavar="MODULE:FUNCTION",
-            help="a callable of a scene and a resolution; its module may be in the current folder "
+            help="a function of a scene and a resolution; its module may be in the current folder "
             "(default: this library, whose resolution is rtol)",
         )
         group.add_argument(
@@ -42,9 +42,9 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
             type=resolution,
             nargs="+",
             metavar="N",
-            help="what the solver is called with (default, of this library: 1e-2 to 1e-12)",
+            help="resolutions to run the solver at (default for this library: 1e-2 to 1e-12)",
         )
-        group.add_argument("--no-times", action="store_true", help="measure errors alone")
+        group.add_argument("--no-times", action="store_true", help="measure errors only")
     else:
         group.add_argument(
             "--solver",
@@ -68,13 +68,17 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
         dest="quantities",
         nargs="+",
         metavar="NAME",
-        help=f"whose error (default: all there are): {', '.join(QUANTITIES)}",
+        help=f"quantities to measure (default: all available): {', '.join(QUANTITIES)}",
     )
     group.add_argument(
-        "--store", metavar="FILE", help="keep every point here as it is done, and go on from there"
+        "--store",
+        metavar="FILE",
+        help="file that keeps every point; a run that was stopped resumes from it",
     )
     group.add_argument(
-        "--output", metavar="FILE", help="store the study: .json whole, .csv a row for each point"
+        "--output",
+        metavar="FILE",
+        help="store the study: .json exactly, .csv one row for each point",
     )
     group.add_argument(
         "--plot",

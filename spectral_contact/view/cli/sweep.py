@@ -39,7 +39,7 @@ _PARAMETERS: Final = {
     "poisson_ratio": (0.1, "Poisson's ratio of the half-space, in (-1, 0.5]"),
     "normal_compliance": (0.5, "alpha* = alpha E / (4 (1 - nu^2) a)"),
     "tangential_compliance": (0.5, "beta* = beta E / (4 (1 - nu^2) a)"),
-    "friction": (0.1, "coefficient >= 0; inf is full stick, none the frictionless problem"),
+    "friction": (0.1, "coefficient of friction >= 0; inf: full stick, none: no friction"),
 }
 
 
@@ -51,27 +51,49 @@ def add_options(command: argparse.ArgumentParser) -> None:
         add_option(group, name, kind, f"{meaning} (default: {default})", "VALUES")
     add_coupling(group)
     add_profile(command, values)
-    group = command.add_argument_group("how far it is pressed in, and its size")
-    about = {"load": "instead of --contact-radius", "approach": "the same", "radius": "of the tip"}
+    group = command.add_argument_group(
+        "load or approach under a profile, and the radius of its tip"
+    )
+    about = {
+        "load": "load on the punch",
+        "approach": "approach of the punch",
+        "radius": "radius of the tip of the profile",
+    }
     for name, meaning in about.items():
         add_option(group, name, number if name == "radius" else values, meaning)
     group = command.add_argument_group("request")
-    group.add_argument("--rtol", type=number, default=1e-8, help="(default: %(default)s)")
+    group.add_argument(
+        "--rtol", type=number, default=1e-8, help="bound on relative errors (default: %(default)s)"
+    )
     group.add_argument(
         "--quantities",
         nargs="+",
         metavar="NAME",
-        help=f"what to compute (default: the numbers): {', '.join(QUANTITIES)}",
-    )
-    group.add_argument("--s", type=values, metavar="VALUES", help="radii of the fields, in [0, 1]")
-    group.add_argument(
-        "--from-edge", type=values, metavar="VALUES", help="instead of --s: distances 1 - s"
+        help=f"what to compute (default: everything but the fields): {', '.join(QUANTITIES)}",
     )
     group.add_argument(
-        "--workers", type=whole, default=1, metavar="N", help="processes (default: %(default)s)"
+        "--s",
+        type=values,
+        metavar="VALUES",
+        help="radii s = r/a at which fields are computed, in [0, 1]",
     )
     group.add_argument(
-        "--store", metavar="FOLDER", help="keep results here as they come, and go on from there"
+        "--from-edge",
+        type=values,
+        metavar="VALUES",
+        help="instead of --s: distances 1 - s from the edge",
+    )
+    group.add_argument(
+        "--workers",
+        type=whole,
+        default=1,
+        metavar="N",
+        help="number of worker processes (default: %(default)s)",
+    )
+    group.add_argument(
+        "--store",
+        metavar="FOLDER",
+        help="folder that keeps results; a run that was stopped resumes from it",
     )
     group = command.add_argument_group("output")
     group.add_argument(
@@ -83,7 +105,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
         help=f"plot a slice: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
     )
     group.add_argument(
-        "--plot-quantity", metavar="NAME", help="which quantity (default: the first)"
+        "--plot-quantity",
+        metavar="NAME",
+        help="the quantity to plot (default: the first that varies)",
     )
     group.add_argument(
         "--at",
@@ -91,7 +115,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         default=[],
         type=_cut,
         metavar="NAME=VALUE",
-        help="where a dimension is cut for the plot, as in friction=0.2 (may be repeated)",
+        help="value at which the plot holds a further parameter, as in friction=0.2 (repeatable)",
     )
 
 

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from spectral_contact.view.explorer.shown import Look
 
 _HINT: Final = (
-    "Type what the sliders do not reach: a compliance of 0 is a smooth surface, friction "
-    "<code>inf</code> full stick, <code>none</code> no friction. Under a profile friction is not "
-    "live: it takes seconds a scene."
+    "Type values beyond the sliders, such as a compliance of 0, friction <code>inf</code> (full "
+    "stick) or <code>none</code> (no friction). Under a profile friction takes seconds for a "
+    "scene, so the page does not follow the slider live."
 )
 #: What is drawn: the column, its label, how it looks.
 _CURVES: Final = {

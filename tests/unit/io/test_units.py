@@ -101,7 +101,7 @@ def test_a_quantity_of_another_kind_is_refused_by_name():
 def test_without_pint_a_unit_is_answered_by_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "pint", None)
     units._registry.cache_clear()
-    with pytest.raises(MissingDependencyError, match=r"spectral_contact\[units\]"):
+    with pytest.raises(MissingDependencyError, match=r'pip install "\.\[units\]"'):
         Scene.from_physical(**STEEL, load="1 kN")
     with pytest.raises(SceneError, match=r"^load = 'much'"):
         Scene.from_physical(**STEEL, load="much")

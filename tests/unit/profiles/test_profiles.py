@@ -185,7 +185,7 @@ FAULTS = [
     (lambda: Scene(0.3, profile=profiles.Sphere(1.0), contact_radius=1.0), "in .0, 1."),
     (
         lambda: Scene(0.3, profile=profiles.RoundedFlat(1.0, 1.0), contact_radius=0.9),
-        "in .1, inf., where the profile is",
+        "in .1, inf., the range of the profile",
     ),
     (
         lambda: Scene(0.3, 1e-10, profile=profiles.Parabola(1.0), contact_radius=1e6),
@@ -209,7 +209,7 @@ SCENE = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), contact_radius=1.0)
 
 
 def test_what_knows_flat_punches_only_says_so():
-    with pytest.raises(SceneError, match="knows flat punches only"):
+    with pytest.raises(SceneError, match="supports flat punches only"):
         solve(SCENE).sensitivity()
 
 

@@ -213,7 +213,7 @@ def test_it_is_a_table(true):
     ("given", "message"),
     [
         ({}, "at least one"),
-        ({"pressure": [0.3]}, "s, from_edge"),
+        ({"pressure": [0.3]}, r"pressure = .* its radii \(s= or from_edge=\)"),
         ({"pressure": [0.3, 0.3], "s": [0.1, 0.2, 0.3]}, "pressure"),
         ({"pressure": [0.3], "s": [0.1], "from_edge": [0.9]}, "s, from_edge"),
         ({"pressure": [0.3], "s": [-0.1]}, "s = -0.1"),

@@ -108,7 +108,7 @@ def test_curves_are_runs_of_rows():
     assert (0.3, np.inf) in curves
     assert sum(len(curve.table) for curve in curves.values()) == len(data.table)
     assert len(list(data.curves("nu"))) == 2
-    with pytest.raises(SceneError, match=r"column = 'radius': must be out of nu, alpha"):
+    with pytest.raises(SceneError, match=r"column = 'radius': must be one of nu, alpha"):
         data["radius"]
 
 
@@ -124,7 +124,7 @@ def test_figures_say_which_parameters_are_the_papers(name):
 
 @pytest.mark.parametrize("name", ["1", 2, None, ["2"]])
 def test_unknown_figures_are_refused(name):
-    with pytest.raises(SceneError, match=r"name = .*: must be out of 2, 3, 4, 5, 6, onset"):
+    with pytest.raises(SceneError, match=r"name = .*: must be one of 2, 3, 4, 5, 6, onset"):
         figure_data(name)
 
 
@@ -341,7 +341,7 @@ def test_a_folder_with_tables_pictures_and_statements(tmp_path):
     [
         ({"figures": "23"}, "figures = '23': must be a list of names, not one string"),
         ({"figures": 2}, "figures = 2: must be a list of names"),
-        ({"figures": ["2", "7"]}, "figures = '7': must be out of 2, 3, 4, 5, 6, onset"),
+        ({"figures": ["2", "7"]}, "figures = '7': must be one of 2, 3, 4, 5, 6, onset"),
         ({"rtol": 0.5}, "rtol = 0.5: must be in [1e-13, 1e-2]"),
     ],
 )

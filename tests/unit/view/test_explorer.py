@@ -74,7 +74,7 @@ def test_what_a_link_leaves_out_is_as_at_the_start():
     [
         ("?fricton=1", "did you mean friction?"),
         ("?profile=Sphre", "did you mean Sphere?"),
-        ("?coupling=perhaps", "must be out of true, false"),
+        ("?coupling=perhaps", "must be one of true, false"),
         ("?rtol=1e-20", "rtol = 1e-20: must be in"),
         ("?rtol=small", "rtol = 'small': must be"),
         (f"?friction={'9' * 50_000}", "must be at most 100 characters long"),
@@ -108,7 +108,7 @@ def test_a_bad_value_is_refused_in_the_words_of_the_library(query, wrong):
 
 def test_a_contact_that_is_not_modelled_is_refused():
     query = "?profile=RoundedFlat&flat_radius=1&radius=1&contact_radius=0.5"
-    told = "contact_radius = 0.5: must be finite, and in (1, inf), where the profile is"
+    told = "contact_radius = 0.5: must be finite, and in (1, inf), the range of the profile"
     assert look_at(texts_from(query), sc.solve).complaint == told
 
 

@@ -92,7 +92,7 @@ def test_without_tqdm_nothing_is_shown_unless_it_is_asked_for(monkeypatch, capsy
     monkeypatch.setitem(sys.modules, "tqdm.std", None)
     worked(None)
     assert capsys.readouterr().err == ""
-    with pytest.raises(MissingDependencyError, match=r"spectral_contact\[progress\]"):
+    with pytest.raises(MissingDependencyError, match=r"\.\[progress\]"):
         worked(True)
 
 

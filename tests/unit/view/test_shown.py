@@ -123,6 +123,33 @@ def test_gold_as_tables():
     assert str(table.solutions[0].approach) in text_of(table.solutions[0]._repr_html_())
 
 
+def test_a_solution_in_si_units_prints_as_a_table():
+    physical = solve(STEEL, 1e-6).physical
+    lines = str(physical).splitlines()
+    assert lines[0].split() == ["SI", "value", "error", "estimate"]
+    assert lines[1].split() == ["load", "1000", "N", "exact"]
+    name, value, unit, _ = lines[2].split()
+    assert (name, float(value), unit) == ("approach", pytest.approx(physical.approach, 1e-6), "m")
+    assert repr(physical).startswith("<PhysicalSolution load: 1000 N, approach: 1.1")
+    assert "1000 N" in text_of(physical._repr_html_())
+
+
+def test_zones_have_the_same_colours_in_a_notebook_and_in_a_plot(solution):
+    pytest.importorskip("matplotlib")
+    from matplotlib.colors import to_hex
+
+    drawn = ElementTree.fromstring(zones_svg(solution.zones))
+    boxes = drawn.iter("{http://www.w3.org/2000/svg}rect")
+    kinds = [zone.kind for zone in solution.zones]
+    of_svg = {kind: box.get("fill").lower() for kind, box in zip(kinds, boxes, strict=True)}
+    legend = solution.plot().axes[0].get_legend()
+    texts = [one.get_text() for one in legend.get_texts()]
+    handles = zip(texts, legend.legend_handles, strict=True)
+    of_plot = {kind: to_hex(one.get_facecolor()) for kind, one in handles if kind in kinds}
+    assert of_svg == of_plot
+    assert of_svg["stick"] != of_svg["slip"]
+
+
 def test_zones_are_drawn_to_scale_and_none_vanishes():
     narrow = gold.table("slip_begins").solutions[1].zones
     drawn = ElementTree.fromstring(zones_svg(narrow)).iter("{http://www.w3.org/2000/svg}rect")

@@ -12,9 +12,11 @@ import pytest
 import spectral_contact
 from spectral_contact import ErrorEstimates, Scene, Solution, solve
 from spectral_contact import __main__ as cli
-from spectral_contact.__main__ import main
+from spectral_contact.__main__ import EXAMPLES, _parser, main
 from spectral_contact.io import units
-from spectral_contact.view.cli.options import number
+from spectral_contact.processes import PROGRAM
+from spectral_contact.view.cli.options import joined, number
+from spectral_contact.view.cli.profile import any_scene
 
 STEEL = ("--youngs-modulus", "2.1e11", "--poisson-ratio", "0.3", "--radius", "0.013")
 SLIDING = (*STEEL, "--friction", "0.1")
@@ -144,11 +146,13 @@ def test_an_approach_yields_the_load(capsys, solved):
 def test_what_was_not_given_in_si_is_named(capsys):
     given = (*SLIDING, "--load", "1000", *QUICK)
     _, out, _ = run(capsys, *given, "--normal-compliance-si", "1e-14")
-    assert "\nremarks\n  --tangential-compliance-si was not given: 0, a smooth surface" in out
+    assert "\nremarks\n  --tangential-compliance-si was not given: it is taken as 0\n" in out
     assert "--normal-compliance-si was not given" not in out
     both = ("--normal-compliance-si", "1e-14", "--tangential-compliance-si", "0")
     assert "remarks" not in run(capsys, *given, *both)[1]
     assert "remarks" not in run(capsys, *QUICK)[1]
+    neither = run(capsys, *given)[1]  # only then the surface is smooth
+    assert "-si and --tangential-compliance-si were not given: both are taken as 0" in neither
 
 
 @pytest.mark.parametrize(
@@ -184,7 +188,7 @@ def test_a_missing_pint_is_one_line(capsys, monkeypatch):
     units._registry.cache_clear()
     line = complaint(capsys, *SLIDING, "--load", "1 kN")
     assert line.startswith("spectral-contact: pint is not installed")
-    assert line.endswith('pip install "spectral_contact[units]"\n')
+    assert line.endswith('pip install ".[units]" in your clone of spectral_contact\n')
 
 
 # --- the report -----------------------------------------------------------------------------------
@@ -350,6 +354,8 @@ def test_a_plot(capsys, tmp_path):
         (["--max-unknowns", "1.5"], "'1.5' is not a whole number"),
         (["--colour", "red"], "--colour"),
         (["--rto", "1e-3"], "unrecognized arguments: --rto 1e-3; did you mean --rtol? (see "),
+        (["--nu", "0.3"], "unrecognized arguments: --nu 0.3; did you mean --poisson-ratio? (see "),
+        (["--tol=1e-3"], "; did you mean --rtol? (see "),
         (["--quantites=approach"], "; did you mean --quantities? (see "),
         (["--quantities", "aproach"], "critical_friction; did you mean approach?"),
         (["more"], "more"),
@@ -359,7 +365,7 @@ def test_a_plot(capsys, tmp_path):
         ([*SLIDING, "--load", "1", "--approach", "1"], "either --load or --approach"),
         ([*SLIDING, "--load", "-1"], "--load = -1.0"),
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
-        ([*STEEL, "--load", "1"], "SI input needs --friction: there are no defaults"),
+        ([*STEEL, "--load", "1"], "SI input needs --friction: there is no default material"),
         (["--load", "1", "--friction", "0"], "needs --youngs-modulus and --poisson-ratio and --ra"),
         ([*STEEL, "--load", "1", "--normal-compliance", "1"], "cannot be mixed"),
         (["--normal-compliance-si", "1", "--tangential-compliance", "1"], "cannot be mixed"),
@@ -402,7 +408,7 @@ def test_a_missing_matplotlib_is_one_line_before_any_work(capsys, monkeypatch):
     monkeypatch.setattr(cli, "solve", None)
     line = complaint(capsys, "--plot", "x.png")
     assert line.startswith("spectral-contact: matplotlib is not installed")
-    assert line.endswith('pip install "spectral_contact[plot]"\n')
+    assert line.endswith('pip install ".[plot]" in your clone of spectral_contact\n')
 
 
 @pytest.mark.parametrize("argv", [[], ["dissolve"]])
@@ -549,3 +555,20 @@ def test_the_command_line_names_what_no_digit_is_known_of(capsys, monkeypatch):
     [row] = [line for line in out.splitlines() if line.startswith("  slip, edge ")]
     assert row.endswith("   inf: no digit is known")
     assert "  slip: no digit is known\n" in out
+
+
+@pytest.mark.parametrize("command", EXAMPLES)
+def test_help_begins_with_examples_that_run(command, capsys):
+    assert main([command, "--help"]) == 0
+    told = capsys.readouterr().out
+    assert told.index("examples:") < told.index("-h, --help")
+    for example in EXAMPLES[command]:
+        assert f"  {PROGRAM} {example}\n" in told
+        arguments = _parser().parse_args(joined(example.split()))
+        if command not in ("paper", "sweep"):
+            assert isinstance(any_scene(arguments), Scene)
+
+
+def test_a_command_that_is_misspelt_gets_a_suggestion(capsys):
+    assert main(["slove"]) == 2
+    assert "; did you mean solve? (see " in capsys.readouterr().err

@@ -25,8 +25,8 @@ def test_a_grid_as_a_table_and_as_arrays(capsys, tmp_path):
         status, out, err = run(capsys, "--r", "0:1:3", "--z", "0,0.5", "--output", str(path))
         assert (status, err) == (0, "")
         assert "surface_tension" in out
-        assert "the supremum, approached at the edge" in out
-        assert "no bound: the pressure of a smooth surface" in out
+        assert "supremum, approached at the edge" in out
+        assert "unbounded: the pressure of a smooth surface" in out
     rows = list(csv.DictReader((tmp_path / "grid.csv").read_text().splitlines()[1:]))
     arrays = np.load(tmp_path / "grid.npz")
     assert [(float(row["r"]), float(row["z"])) for row in rows[3:5]] == [(0.0, 0.5), (0.5, 0.5)]

@@ -106,7 +106,7 @@ def test_a_separation_from_the_command_line(capsys, tmp_path):
     assert Solution.load(path).scene.separation == -0.1
     status, _, err = run(capsys, "solve", *punch[:4], "--separation", "0.1")
     assert status == 2
-    assert "only a layer with pressure at every gap" in err
+    assert "only a layer law without a contact edge" in err
 
 
 def test_si_units_and_a_flat_punch(capsys):
@@ -140,7 +140,7 @@ FAULTS = [
     (POWER, "give --profile, one of parabola"),
     ((*BALL, *POWER[:-1], "0.5"), "--layer-exponent = 0.5: must be in [1, 10]"),
     ((*BALL, *POWER[:-1], "2 m"), "--layer-exponent 2 m: must be a number without a unit"),
-    ((*BALL, *POWER, "--normal-compliance", "1"), "--normal-compliance = 1.0: must be 0 with a"),
+    ((*BALL, *POWER, "--normal-compliance", "1"), "--normal-compliance = 1.0: must be 0 if layer"),
     ((*BALL, *POWER, "--friction", "0.1"), "superposition"),
     ((*BALL, "--layer", "table", "--layer-table", "nowhere.txt"), "nowhere.txt: cannot be read"),
     ((*BALL, "--layer", "table", "--layer-table", __file__), "text that names no column"),

@@ -124,7 +124,7 @@ def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, aske
         (["convergence", "--resolutions", "many"], "'many' is not a number"),
         (["convergence", "--resolutions", "1_0"], "'1_0' is not a number"),
         (["convergence", "--resolutions", "1e400"], "not within the range of a double"),
-        (["convergence", "--quantity", "wear"], "--quantities = 'wear': must be out of"),
+        (["convergence", "--quantity", "wear"], "--quantities = 'wear': must be one of"),
         (["convergence", *FRICTIONLESS, "--quantity", "traction"], "--quantities = 'traction'"),
         (["convergence", "--output", "x.npz"], "x.npz: the suffix must be one of .json, .csv"),
         (["convergence", "--plot", "x.gif"], "x.gif: the suffix"),
@@ -151,7 +151,7 @@ def test_a_missing_matplotlib_is_found_before_the_work(capsys, monkeypatch):
     monkeypatch.setattr(cli_study, "convergence", None)
     status, _, err = run(capsys, "convergence", "--plot", "x.png")
     assert status == 2
-    assert 'pip install "spectral_contact[plot]"' in err
+    assert 'pip install ".[plot]"' in err
 
 
 def test_the_table_is_printed_even_if_it_cannot_be_written(capsys, asked, monkeypatch, tmp_path):

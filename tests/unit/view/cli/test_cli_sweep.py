@@ -161,7 +161,7 @@ def test_a_slice_is_cut_at_a_number(swept, value):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("aproach",), "quantity = 'aproach': must be out of approach, .*did you mean approach"),
+        (("aproach",), "quantity = 'aproach': must be one of approach, .*did you mean approach"),
         ((1,), "quantity = 1"),
         (("approach", {"fricton": 0.1}), "at = 'fricton': .*did you mean friction"),
         (("approach", 1), "at = 1: must be a mapping"),
@@ -189,8 +189,11 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--friction", "-1"), "--friction = -1.0: must be >= 0"),
         (("--friction", "0.1,-1"), "--friction = -1.0: must be >= 0"),
         (("--poisson-ratio", "0.7"), "--poisson-ratio = 0.7: must be in (-1, 0.5]"),
-        (("--quantities", "colour"), "--quantities = 'colour': must be out of approach"),
-        (("--quantities", "slip"), "must be given for the slip: either"),
+        (("--quantities", "colour"), "--quantities = 'colour': must be one of approach"),
+        (
+            ("--quantities", "slip"),
+            "--quantities = 'slip': must be given with its radii (s= or from_edge=)",
+        ),
         (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
         (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=VALUE"),
@@ -213,7 +216,7 @@ def test_bad_options_are_named(capsys, options, said):
     [
         (("--at", "nu=0.3"), "--at = 'nu': must be a dimension: normal_compliance"),
         (("--at", "normal-compliance=0.1"), "none is left: cut all but one or two"),
-        (("--plot-quantity", "ending"), "--quantity = 'ending': must be out of approach"),
+        (("--plot-quantity", "ending"), "--quantity = 'ending': must be one of approach"),
     ],
 )
 def test_what_is_no_slice_is_named(capsys, tmp_path, options, said):
