@@ -57,9 +57,10 @@ SCAN_ACCURACY = 0.02
 
 #: Slip in the wrong sense that rounding makes, relative to the largest slip. Not measured again.
 SLIP_ROUNDING = 1e-10
-#: Error of slip relative to its largest value over ``w**(3/2)``, where the boundaries of a slip zone
-#: are off by a fraction w of its width: slip over a narrow annulus is like ``(x (1 - x))**(3/2)``,
-#: which is ``8 x**(3/2)`` of its largest value next to an end. 10 leaves room.
+#: Error of slip relative to its largest value over ``w**(3/2)``, where the boundaries of a slip
+#: zone are off by a fraction w of its width: slip over a narrow annulus is like
+#: ``(x (1 - x))**(3/2)``, which is ``8 x**(3/2)`` of its largest value next to an end. 10 leaves
+#: room.
 BOUNDARY_SLIP_FACTOR = 10.0
 #: Violation of the friction law at which zones are refuted if no digit of the slip is known: a
 #: missing zone violates it by 1, and zones that follow from less are noise. Not measured again.
@@ -139,18 +140,21 @@ MAX_REGULARISING_RADIUS = 2.0**-11
 
 # .. stick at a smooth edge (contact/edge_stick.py); all: `python validation/physics/edge_stick.py`
 
-#: Relative error of the fields outside the stick at the edge, over ``w**(1/2 + theta)``: at most 1.1
-#: against panels.
+#: Relative error of the fields outside the stick at the edge, over ``w**(1/2 + theta)``: at most
+#: 1.1 against panels.
 EDGE_ERROR_OUTSIDE = 2.5
 #: Relative error of the traction in the stick at the edge, over ``w ln(1/w)/beta``: at most 0.08
 #: against panels.
 EDGE_ERROR_INSIDE = 0.2
-#: The width of the stick at the edge is about ``(C beta f)**(1/(1/2 - theta))`` with this C; factors
-#: from 11 to 64 occur. It decides only whether the closed form is tried.
+#: The width of the stick at the edge is about ``(C beta f)**(1/(1/2 - theta))`` with this C;
+#: factors from 11 to 64 occur. It decides only whether the closed form is tried.
 EDGE_WIDTH_FACTOR = 30.0
 #: Least width of the stick at the edge in ``y``: down to it a radius keeps its distance from the
 #: edge within the range of doubles. A narrower one is left out.
 MIN_MATCHED_WIDTH = 1e-290
+#: Largest width of the stick at the edge over that of half the slip zone; a wider stick is refused,
+#: because the closed form is that of a narrow one. Not measured again.
+MAX_MATCHED_WIDTH = 0.1
 #: Degree of the panels on which the closed form is sampled: right to rounding.
 EDGE_SAMPLING_DEGREE = 24
 #: How far below the width w the panels of the closed form reach, in ``-ln y``, beyond `DEEPEST`.

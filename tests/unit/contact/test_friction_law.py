@@ -5,7 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact.contact.friction_law import known_share, loose_slip, missing_stick, obeys
+from spectral_contact.contact.friction_law import (
+    inf_if_unresolved,
+    slip_error_from_boundaries,
+    missing_stick,
+    obeys,
+)
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
@@ -27,8 +32,15 @@ def test_the_law_holds_to_the_errors_or_to_rounding(excess, error, wrong, slip_e
 
 
 def test_no_digit_is_infinite():
-    assert (known_share(0.9), known_share(1.1), known_share(math.nan)) == (0.9, math.inf, math.inf)
-    assert (loose_slip(0.0), loose_slip(math.inf)) == (0.0, math.inf)
+    assert (inf_if_unresolved(0.9), inf_if_unresolved(1.1), inf_if_unresolved(math.nan)) == (
+        0.9,
+        math.inf,
+        math.inf,
+    )
+    assert (slip_error_from_boundaries(0.0), slip_error_from_boundaries(math.inf)) == (
+        0.0,
+        math.inf,
+    )
 
 
 def test_intervals_of_the_wrong_sense():
