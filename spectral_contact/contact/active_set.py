@@ -74,61 +74,61 @@ class RingLaw:
 
     def solve(self, states: Integers) -> RingState:
         """Return p, q and the displacement for these states, scaled to unit load."""
-        stick = np.flatnonzero(states == 0)
+        sticking = np.flatnonzero(states == 0)
         ratio = np.zeros(len(states))
         ratio[states != 0] = self.friction * states[states != 0]
         if self._known_pressure is None:
-            p, q = self._solve_coupled(stick, ratio)
+            p, q = self._solve_coupled(sticking, ratio)
         else:
             p = self._known_pressure
-            q = self._solve_traction(p, stick, ratio)
+            q = self._solve_traction(p, sticking, ratio)
         load = 2.0 * pi * float(p @ self._root_area)
         p = p / load
         q = q / load
         slip = self._tangential @ q - self._coupling @ p
-        slip[stick] = 0.0
+        slip[sticking] = 0.0
         root = self._root_area
         return RingState(self, states, 1.0 / load, p / root, q / root, slip / root)
 
-    def _solve_traction(self, p: Array, stick: Integers, ratio: Array) -> Array:
+    def _solve_traction(self, p: Array, sticking: Integers, ratio: Array) -> Array:
         """Return the traction under a known pressure, for unit approach.
 
         Parameters
         ----------
         p : ndarray, shape (rings,)
-        stick : ndarray of int
+        sticking : ndarray of int
             Numbers of the rings that stick.
         ratio : ndarray, shape (rings,)
             q/p of the rings that slip.
         """
         q = ratio * p
-        right = (self._coupling @ p - self._tangential @ q)[stick]
-        if len(stick):
-            q[stick] = Cholesky(self._tangential[np.ix_(stick, stick)]).solve(right)
+        right = (self._coupling @ p - self._tangential @ q)[sticking]
+        if len(sticking):
+            q[sticking] = Cholesky(self._tangential[np.ix_(sticking, sticking)]).solve(right)
         return q
 
-    def _solve_coupled(self, stick: Integers, ratio: Array) -> tuple[Array, Array]:
+    def _solve_coupled(self, sticking: Integers, ratio: Array) -> tuple[Array, Array]:
         """Return pressure and traction that depend on each other, for unit approach.
 
-        The unknowns are the pressures of all rings and the tractions of those that stick; `stick`
+        The unknowns are the pressures of all rings and the tractions of those that stick; `sticking`
         and `ratio` are those of `_solve_traction`.
         """
         n = len(ratio)
-        matrix = np.empty((n + len(stick), n + len(stick)))
+        matrix = np.empty((n + len(sticking), n + len(sticking)))
         matrix[:n, :n] = self._normal - self._coupling.T * ratio
-        matrix[:n, n:] = -self._coupling.T[:, stick]
-        matrix[n:, :n] = (self._tangential * ratio - self._coupling)[stick]
-        matrix[n:, n:] = self._tangential[np.ix_(stick, stick)]
+        matrix[:n, n:] = -self._coupling.T[:, sticking]
+        matrix[n:, :n] = (self._tangential * ratio - self._coupling)[sticking]
+        matrix[n:, n:] = self._tangential[np.ix_(sticking, sticking)]
         # on smooth surfaces the diagonal of a small ring is small: scale it to 1
-        diagonal = np.concatenate([self._normal.diagonal(), self.self_compliance[stick]])
+        diagonal = np.concatenate([self._normal.diagonal(), self.self_compliance[sticking]])
         scale = 1.0 / np.sqrt(diagonal)
         matrix *= scale
         matrix *= scale[:, None]
-        right = np.concatenate([self._root_area, np.zeros(len(stick))])
+        right = np.concatenate([self._root_area, np.zeros(len(sticking))])
         unknowns = scale * np.linalg.solve(matrix, scale * right)
         p = unknowns[:n]
         q = ratio * p
-        q[stick] = unknowns[n:]
+        q[sticking] = unknowns[n:]
         return p, q
 
 

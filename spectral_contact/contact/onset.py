@@ -26,8 +26,9 @@ def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
     """
     if stick.critical == inf:
         return UNRESOLVED_SLIP
-    lack = max(1.0 - parameters.friction / stick.critical, 0.0) + 2.0 * stick.critical_error
-    friction = stick.critical * (1.0 - min(SLIP_WIDENING * lack, 1.0))
+    onset_distance = max(1.0 - parameters.friction / stick.critical, 0.0)
+    onset_distance += 2.0 * stick.critical_error
+    friction = stick.critical * (1.0 - min(SLIP_WIDENING * onset_distance, 1.0))
     logits = slip_where_exceeded(stick, parameters, friction).logits
     if not logits:
         return UNRESOLVED_SLIP

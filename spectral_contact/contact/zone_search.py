@@ -120,7 +120,8 @@ class ZoneSearch(ABC):
     ----------
     parameters : Parameters
     stick : FullStick
-        Full stick, with its fields.
+        Full stick in the same contact: its fields, the critical friction at which slip begins
+        (`critical`), and ``|q|/p`` at the edge (`edge_ratio`).
     tolerance : float
         Bound on the relative errors of the fields.
     max_unknowns : int
@@ -274,7 +275,8 @@ class UncoupledSearch(ZoneSearch):
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, one disk, what full stick and rings show."""
-        beta, friction = self.parameters.beta, self.parameters.friction
+        beta = self.parameters.beta
+        friction = self.parameters.friction
         start = self.warm_start
         if start is not None and min(np.diff(start.logits), default=0.0) > MIN_WARM_START_WIDTH:
             yield Candidate(start, "the zones of a like scene", from_like_scene=True)
@@ -386,7 +388,10 @@ class UncoupledSearch(ZoneSearch):
             return loose
 
     def _refine_fields(self, tolerance: float, zones: Layout) -> Refinement[ZoneSolution]:
-        """Solve for boundaries and fields, the fields to a tolerance."""
+        """Solve for boundaries and fields, the fields to a tolerance.
+
+        The accuracy of the boundaries follows from the tolerance of the search (`goal`).
+        """
         with np.errstate(all="ignore"):
             problem = FreeBoundaryProblem(
                 self.parameters, zones, tolerance, known=self.contact, goal=self.tolerance
@@ -438,7 +443,8 @@ class CoupledSearch(ZoneSearch):
                 [radius.logit for radius in rings.boundaries], rings.states
             )
             yield Candidate(zones, "the zones of an active set on rings")
-        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:  # else full stick will do
+        # closer to the onset of slip than ONSET, a relative distance, full stick will do
+        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:
             yield violated
         logits = violated.zones.logits
         if logits:
@@ -458,7 +464,7 @@ class CoupledSearch(ZoneSearch):
 
     @property
     def _stick_disk_below_range(self) -> bool:
-        """Whether the stick disk is smaller than any radius that is solved for."""
+        """Whether the stick disk is smaller than any that is solved for, exp(LEAST_PLAIN/2)."""
         return min_stick_radius(self.parameters) ** 2 < exp(LEAST_PLAIN)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
@@ -479,6 +485,7 @@ class CoupledSearch(ZoneSearch):
         begin = perf_counter()
         try:
             if not candidate.from_like_scene:
+                # first boundaries, from a small space
                 problem = FreeBoundaryProblem(self.parameters, zones, self.tolerance)
                 zones = self._narrowed_at_onset(problem.located())
         except NoStickDiskError as error:
@@ -500,8 +507,8 @@ class CoupledSearch(ZoneSearch):
 
         Next to the onset slip occupies the set where full stick violates ``|q| <= f p``.
         """
-        lack = 1.0 - self.parameters.friction / self.stick.critical
-        if zones.states != _DISK_STATES or lack >= ONSET_BAND:
+        onset_distance = 1.0 - self.parameters.friction / self.stick.critical
+        if zones.states != _DISK_STATES or onset_distance >= ONSET_BAND:
             return zones
         violated = self._violated_by_full_stick
         if violated.states != zones.states or violated.logits[0] < zones.logits[0] + ONSET_BAND:

@@ -76,7 +76,7 @@ class CoupledRun(Run):
         if "pressure" in self.plan.quantities:
             self.values["opening"] = stick.opening
         if stick.opening is not None:
-            self.outcome[COUPLING] = PlannedStep(
+            self.updated_steps[COUPLING] = PlannedStep(
                 COUPLING,
                 StepState.RUN,
                 f"one system; the contact would open within {stick.opening:.3g} of the edge",
@@ -118,20 +118,22 @@ class CoupledRun(Run):
 
         parameters = self.parameters
         search = CoupledSearch(parameters, stick, self.rtol, self.max_unknowns, self.record)
-        lack = 1.0 - parameters.friction / stick.critical
-        largest_lack = lack + stick.critical_error
-        full_stick_will_do = ONSET_ERROR_FACTOR * largest_lack < 0.5 * self.rtol
-        hidden = lack <= HIDDEN_SLIP or (lack <= OPTIONAL_SEARCH and full_stick_will_do)
-        with ProgressLine(self.cache.progress) as tell:
+        onset_distance = 1.0 - parameters.friction / stick.critical
+        max_onset_distance = onset_distance + stick.critical_error
+        full_stick_will_do = ONSET_ERROR_FACTOR * max_onset_distance < 0.5 * self.rtol
+        hidden = onset_distance <= HIDDEN_SLIP or (
+            onset_distance <= OPTIONAL_SEARCH and full_stick_will_do
+        )
+        with ProgressLine(self.cache.progress) as show_progress:
             if not (parameters.alpha and parameters.beta):
-                tell("zones of stick and slip")  # without a compliance it takes seconds
+                show_progress("zones of stick and slip")  # without a compliance it takes seconds
             try:
-                slip = None if hidden else self._searched_zones(search, largest_lack)
+                slip = None if hidden else self._searched_zones(search, max_onset_distance)
             except NoZonesError as error:
                 self._store_refuted(stick, error)
                 return
         if slip is None:
-            self._store_unresolved_slip(stick, largest_lack)
+            self._store_unresolved_slip(stick, max_onset_distance)
             return
         if "opening" in self.values:
             self.values["opening"] = None
@@ -142,9 +144,9 @@ class CoupledRun(Run):
             if larger_radii:
                 radii = ", ".join(f"{radius:.3g}" for radius in larger_radii)
                 reason += f"; a larger stick radius may satisfy the friction law, too: {radii}"
-        self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, reason)
+        self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, reason)
 
-    def _searched_zones(self, search: CoupledSearch, lack: float) -> PartialSlip | None:
+    def _searched_zones(self, search: CoupledSearch, onset_distance: float) -> PartialSlip | None:
         """Return partial slip on the zones of a search, or None where full stick is as accurate.
 
         That may be so only next to the onset of slip. Elsewhere a search that fails is repeated
@@ -153,7 +155,7 @@ class CoupledRun(Run):
         Parameters
         ----------
         search : CoupledSearch
-        lack : float
+        onset_distance : float
             ``1 - f/f_crit``, with the error of the critical friction.
         """
         from spectral_contact.contact.zone_search import NoZonesError
@@ -165,18 +167,18 @@ class CoupledRun(Run):
         try:
             slip = search.outcome()
         except NoZonesError:
-            if lack <= ONSET:
+            if onset_distance <= ONSET:
                 return None
             closer = closer_tolerance(search.tolerance)
             rough = search.parameters.alpha and search.parameters.beta
             if closer < search.tolerance and rough:  # a smooth surface takes seconds each time
-                return self._searched_zones(replace(search, tolerance=closer), lack)
+                return self._searched_zones(replace(search, tolerance=closer), onset_distance)
             raise
         if path is not None:
             path.add(place, slip.layout)
         error = max(slip.pressure_error, slip.traction_error, slip.shear_error, slip.approach_error)
-        accurate = slip.consistent and error <= max(self.rtol, ONSET_ERROR_FACTOR * lack)
-        return slip if accurate or lack > ONSET else None
+        accurate = slip.consistent and error <= max(self.rtol, ONSET_ERROR_FACTOR * onset_distance)
+        return slip if accurate or onset_distance > ONSET else None
 
     def _store_refuted(self, stick: FullStick, error: NoZonesError) -> None:
         """Store the outcome that violates the friction law least, where the law holds on none.
@@ -193,7 +195,9 @@ class CoupledRun(Run):
         else:
             violation = best.violation
             self.store(replace(best, consistent=False), 1.0)
-            self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, self.refusal)
+            self.updated_steps[PARTIAL_SLIP] = PlannedStep(
+                PARTIAL_SLIP, StepState.RUN, self.refusal
+            )
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * violation
         self.errors.update(
@@ -201,7 +205,7 @@ class CoupledRun(Run):
         )
         self.endings.append(Ending.ZONES)
 
-    def _store_unresolved_slip(self, stick: FullStick, lack: float) -> None:
+    def _store_unresolved_slip(self, stick: FullStick, onset_distance: float) -> None:
         """Store full stick in place of slip that is too narrow to be resolved.
 
         Its traction exceeds ``f p`` by ``1 - f/f_crit`` at most, and the slip changes the fields by
@@ -211,24 +215,31 @@ class CoupledRun(Run):
         Parameters
         ----------
         stick : FullStick
-        lack : float
+        onset_distance : float
             ``1 - f/f_crit``, with the error of the critical friction.
         """
         from spectral_contact.contact.onset import unresolved_slip
 
         parameters = self.parameters
         closer = closer_tolerance(self.rtol)
-        too_inaccurate = ONSET_ERROR_FACTOR * lack > 0.5 * self.rtol
+        too_inaccurate = ONSET_ERROR_FACTOR * onset_distance > 0.5 * self.rtol
         if closer < min(self.rtol, _ONSET_TOLERANCE) and too_inaccurate:
             stick = self._coupled_stick(closer)
             self._store_coupled_stick(stick)
-            lack = max(1.0 - parameters.friction / stick.critical, 0.0) + stick.critical_error
+            onset_distance = (
+                max(1.0 - parameters.friction / stick.critical, 0.0) + stick.critical_error
+            )
         radius_error = unresolved_slip(stick, parameters)
         self.store_all_stick()
         for name in ("approach", "pressure", "traction", "total_shear"):
-            self.errors[name] += ONSET_ERROR_FACTOR * lack
+            self.errors[name] += ONSET_ERROR_FACTOR * onset_distance
         self.errors.update(
-            stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0, violation=lack
+            stick_radius=radius_error,
+            zones=max(radius_error, 1.0),
+            slip=1.0,
+            violation=onset_distance,
         )
-        reason = f"slip is too narrow to be found: friction is {lack:.1e} below the critical"
+        reason = (
+            f"slip is too narrow to be found: friction is {onset_distance:.1e} below the critical"
+        )
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

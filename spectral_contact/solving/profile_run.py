@@ -299,7 +299,7 @@ class ProfileRun(Run):
             self.values["opening"] = opened = opening(pressed.field)
             if opened is not None:
                 told = f"one history; the contact would open within {opened:.3g} of the edge"
-                self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
+                self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
         # what is left is relative to the pressure itself, or as good as

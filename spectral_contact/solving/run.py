@@ -70,7 +70,7 @@ class Run:
         Scalars and error estimates by the name of the quantity.
     pressure, traction, slip, history
         Fields, as far as they were solved for.
-    outcome : dict of str to PlannedStep
+    updated_steps : dict of str to PlannedStep
         Steps that went otherwise than planned, or have a better reason now, by name.
     unavailable : dict of str to str
         Quantities that turned out to have no value, with the reason.
@@ -105,7 +105,7 @@ class Run:
         self.wrong_slip = 0.0
         self.work: list[StepWork] = []
         self.endings: list[Ending] = []
-        self.outcome: dict[str, PlannedStep] = {}
+        self.updated_steps: dict[str, PlannedStep] = {}
         self.unavailable: dict[str, str] = {}
         self.values: dict[str, Any] = {}
         self.errors: dict[str, float] = {}
@@ -173,11 +173,11 @@ class Run:
 
     def _updated_plan(self) -> Plan:
         """Return the plan with the states and reasons that its steps have now."""
-        if not self.outcome and not self.unavailable:
+        if not self.updated_steps and not self.unavailable:
             return self.plan
         return Plan(
             tuple(name for name in self.plan.quantities if name not in self.unavailable),
-            tuple(self.outcome.get(step.name, step) for step in self.plan.steps),
+            tuple(self.updated_steps.get(step.name, step) for step in self.plan.steps),
             tuple(sorted({**dict(self.plan.missing), **self.unavailable}.items())),
         )
 
@@ -447,15 +447,15 @@ class Run:
     def store(self, solved: PartialSlip, scale: float) -> None:
         """Store partial slip, with all that is tangential scaled as in `store_full_stick`."""
         reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
-        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
+        self.updated_steps[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
         if len(solved.zones) > 2:
             reason = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
             if len(solved.trials) > 1:
                 reason += f"; tried: {'; '.join(trial.text for trial in solved.trials)}"
-            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, reason)
+            self.updated_steps[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, reason)
         else:
             self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        self.outcome[SLIP_FIELD] = PlannedStep(
+        self.updated_steps[SLIP_FIELD] = PlannedStep(
             SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked"
         )
         self.values.update(
@@ -484,4 +484,4 @@ class Run:
     def skip(self, reason: str, *names: str) -> None:
         """Note that steps were not needed, and why."""
         for name in names:
-            self.outcome[name] = PlannedStep(name, StepState.SKIPPED, reason)
+            self.updated_steps[name] = PlannedStep(name, StepState.SKIPPED, reason)
