@@ -110,8 +110,8 @@ class RingLaw:
     def _solve_coupled(self, sticking: Integers, ratio: Array) -> tuple[Array, Array]:
         """Return pressure and traction that depend on each other, for unit approach.
 
-        The unknowns are the pressures of all rings and the tractions of those that stick; `sticking`
-        and `ratio` are those of `_solve_traction`.
+        The unknowns are the pressures of all rings and the tractions of those that stick.
+        `sticking` and `ratio` are those of `_solve_traction`.
         """
         n = len(ratio)
         matrix = np.empty((n + len(sticking), n + len(sticking)))

@@ -1,6 +1,8 @@
 """The friction law, verified on samples: ``|q| <= f p`` in stick, and slip against the traction.
 
-p and q are pressure and traction, f is friction; ``y = 1 - s**2`` at the radius s. Slip is sampled
+p and q are pressure and traction, f is friction; ``y = 1 - s**2`` at the radius s, which is `rest`
+of a `Radius`, and `gap` is a difference of y. An `Annulus` has a half at each boundary, with panels
+graded toward it, whose sampling points are at `y`. Slip is sampled
 as the radial displacement times the sign of the traction, so that it is negative where the law
 holds and positive where it has the wrong sense.
 """

@@ -6,7 +6,9 @@ With the residual of full stick ``E = kappa R - G``, which slip leaves, the disp
 
 zero in stick by the tangential equation (docs/theory.md). It is computed for kappa = 1: friction is
 ``f / kappa`` and displacements are ``u / kappa``. Each slip zone is an annulus with two halves,
-whose panels are graded toward its boundaries; ``y = 1 - s**2`` at the radius s.
+whose panels are graded toward its boundaries: a `Family` is the panels of one half, and `Points`
+are radii given by offsets from an anchor in ``y = 1 - s**2`` (`rest` of a `Radius`), so that radii
+next to a boundary keep their digits; z is ``s**2``.
 """
 
 from __future__ import annotations

@@ -207,8 +207,9 @@ def zones_outcome(
     """
     from spectral_contact.contact import zone_fields
 
+    # E in slip, and the bound on what its error does to the displacement
     slip_zones, slip_residual_error = solved.slipping
-    if point_disk:
+    if point_disk:  # no E in stick, no error of it, and no error of boundaries over zone width
         solved = replace(solved, stuck=[], stray=0.0, loose=0.0)
     normal = solved if contact is None else contact
     solved = replace(

@@ -23,7 +23,7 @@ MIN_WARM_START_WIDTH = 1e-3
 #: for which it is a zone of the search; below, the contact is one stick disk. Not measured again.
 MIN_EDGE_STICK_WIDTH = 1e-80
 #: Most zones of a candidate: no scene is known to have more than four, and noise at the onset of
-#: slip looks like many more. `python validation/honesty/honesty.py` counts zones of random scenes.
+#: slip looks like many more. Not measured again.
 MAX_ZONES = 6
 #: The closed form of the stick at a smooth edge is tried if its expected relative error is below
 #: this many tolerances. `python validation/physics/edge_stick.py` measures that error.
@@ -35,13 +35,13 @@ EDGE_MATCHING_ERROR = 1e-8
 #: If ``1 - f/f_crit`` is below this, slip occupies the set where full stick has ``|q| > f p``: to
 #: 0.01 in the logit of its boundary at half this value. Boundaries from a rough space are off by as
 #: much in the logit. Not measured again.
-ONSET_BAND = 0.02
+NARROW_SLIP_BAND = 0.02
 #: Relative error C of the pressure ``s**-e/sqrt(1 - s**2)`` in slip, over ``kappa f s**2``. The
 #: measured C is 2. Not measured again.
 CENTRAL_ASYMPTOTE_ERROR = 5.0
 #: Distance in the logit from a stick radius that was found to the first one of the scan for larger
-#: ones, and the step of that scan. On smooth surfaces radii are 10 and more apart:
-#: `python validation/physics/coupled_uniqueness.py`.
+#: ones, and the step of that scan. On smooth surfaces radii are 10 and more apart.
+#: `python validation/physics/coupled_uniqueness.py` finds the radii of random scenes.
 SCAN_START = 1.0
 SCAN_STEP = 4.0
 
@@ -67,7 +67,7 @@ BOUNDARY_SLIP_FACTOR = 10.0
 DOUBTFUL_VIOLATION = 0.5
 #: Relative error of slip from which on a zone of slip inside is taken to be off by as much of its
 #: width: at the onset of slip, where an ulp of f moves its boundaries by 1e-4 of the width, both
-#: errors grow together. `python validation/honesty/honesty_thresholds.py`.
+#: errors grow together. `python validation/honesty/honesty_thresholds.py` checks the estimates.
 UNCERTAIN_SLIP_ERROR = 0.1
 #: Violation of the friction law that rounding cannot explain, so that other zones are tried.
 #: Not measured again.
@@ -75,7 +75,7 @@ REFUTING_VIOLATION = 1e-6
 #: Factor by which the relative error of the displacement is below that of E in slip, because the
 #: displacement is an integral of E over ``1/sqrt(d)``. Estimates of slip are 4 times as large with
 #: 1; with 16 none of 300 true errors exceeds its estimate.
-#: `python validation/honesty/coupled_slip_honesty.py`.
+#: `python validation/honesty/coupled_slip_honesty.py` checks the estimates.
 DISPLACEMENT_SMOOTHING = 16.0
 
 # .. onset of slip (contact/onset.py, solving/coupled_run.py)
@@ -92,7 +92,7 @@ SLIP_WIDENING = 4.0
 #: violates the law is tried before the zones on rings. Not measured again.
 NARROW_SLIP = 0.25
 #: Error of full stick in place of slip that was not resolved, over ``1 - f/f_crit``.
-#: `python validation/honesty/honesty_thresholds.py`.
+#: `python validation/honesty/honesty_thresholds.py` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
 #: Tolerance of coupled full stick over `ONSET`: enough to see whether ``1 - f/f_crit < ONSET``.
 ONSET_TOLERANCE_FACTOR = 0.1
@@ -103,7 +103,10 @@ OPTIONAL_SEARCH = 1e-8
 #: it: at 1e-11 all annuli were found, at 1e-12 some, at 1e-13 hardly any. Not measured again.
 HIDDEN_SLIP = 3e-13
 
-# .. active set on rings (contact/active_set.py); all: `python validation/honesty/ring_zones.py`
+# .. active set on rings (contact/active_set.py)
+#
+# `python validation/honesty/ring_zones.py` measures, for all of these together, in how many scenes
+# the zones are right, the systems solved and the time, with several numbers of rings and splits.
 
 #: Rings of the first grid, without those next to the centre and the edge.
 FIRST_RINGS = 60
@@ -138,7 +141,9 @@ CENTRAL_CLEARANCE = 128.0
 #: Largest radius of the stick disk in place of a smaller one. Not measured again.
 MAX_REGULARISING_RADIUS = 2.0**-11
 
-# .. stick at a smooth edge (contact/edge_stick.py); all: `python validation/physics/edge_stick.py`
+# .. stick at a smooth edge (contact/edge_stick.py)
+#
+# `python validation/physics/edge_stick.py` measures the two errors against panels.
 
 #: Relative error of the fields outside the stick at the edge, over ``w**(1/2 + theta)``: at most
 #: 1.1 against panels.
@@ -147,7 +152,8 @@ EDGE_ERROR_OUTSIDE = 2.5
 #: against panels.
 EDGE_ERROR_INSIDE = 0.2
 #: The width of the stick at the edge is about ``(C beta f)**(1/(1/2 - theta))`` with this C;
-#: factors from 11 to 64 occur. It decides only whether the closed form is tried.
+#: factors from 11 to 64 occur. It decides only whether the closed form is tried. Not measured
+#: again.
 EDGE_WIDTH_FACTOR = 30.0
 #: Least width of the stick at the edge in ``y``: down to it a radius keeps its distance from the
 #: edge within the range of doubles. A narrower one is left out.
@@ -155,9 +161,10 @@ MIN_MATCHED_WIDTH = 1e-290
 #: Largest width of the stick at the edge over that of half the slip zone; a wider stick is refused,
 #: because the closed form is that of a narrow one. Not measured again.
 MAX_MATCHED_WIDTH = 0.1
-#: Degree of the panels on which the closed form is sampled: right to rounding.
+#: Degree of the panels on which the closed form is sampled: right to rounding. Not measured again.
 EDGE_SAMPLING_DEGREE = 24
-#: How far below the width w the panels of the closed form reach, in ``-ln y``, beyond `DEEPEST`.
+#: How far below the width w the panels of the closed form reach, in ``-ln y``, beyond the depth of
+#: the rounding of doubles, ``-ln eps``. Not measured again.
 EDGE_SAMPLING_MARGIN = 4.0
 
 # .. runs and continuation (solving/run.py, solving/sharing.py)

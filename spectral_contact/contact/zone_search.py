@@ -46,7 +46,7 @@ from spectral_contact.contact.tuning import (
     MAX_ZONES,
     MIN_EDGE_STICK_WIDTH,
     MIN_WARM_START_WIDTH,
-    ONSET_BAND,
+    NARROW_SLIP_BAND,
     SCAN_START,
     SCAN_STEP,
 )
@@ -330,6 +330,7 @@ class UncoupledSearch(ZoneSearch):
         zones = candidate.zones
         one_disk = zones.states == _DISK_STATES
         if one_disk and not zones.logits:
+            # a first radius, from the limits of little and of much friction
             zones = zones._replace(logits=(guessed_logit(self.parameters),))
         begin = perf_counter()
         try:
@@ -508,10 +509,13 @@ class CoupledSearch(ZoneSearch):
         Next to the onset slip occupies the set where full stick violates ``|q| <= f p``.
         """
         onset_distance = 1.0 - self.parameters.friction / self.stick.critical
-        if zones.states != _DISK_STATES or onset_distance >= ONSET_BAND:
+        if zones.states != _DISK_STATES or onset_distance >= NARROW_SLIP_BAND:
             return zones
         violated = self._violated_by_full_stick
-        if violated.states != zones.states or violated.logits[0] < zones.logits[0] + ONSET_BAND:
+        if (
+            violated.states != zones.states
+            or violated.logits[0] < zones.logits[0] + NARROW_SLIP_BAND
+        ):
             return zones
         assert zones.jacobian is not None
         # the boundary residual grows like the distance of the boundary from the edge

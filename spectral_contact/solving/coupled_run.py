@@ -113,7 +113,7 @@ class CoupledRun(Run):
             )
 
     def _run_coupled_slip(self, stick: FullStick) -> None:
-        """Search the zones of partial slip; store them, or full stick where slip is unresolved."""
+        """Search for the zones of slip; store them, or full stick where slip is unresolved."""
         from spectral_contact.contact.zone_search import CoupledSearch, NoZonesError
 
         parameters = self.parameters

@@ -72,7 +72,7 @@ class UncoupledRun(Run):
         )
 
     def run_partial_slip(self, contact: NormalContact, stick: FullStick) -> None:
-        """Search the zones, at first those of earlier scenes, and store the outcome."""
+        """Search for the zones, starting from those of earlier scenes, and store the outcome."""
         from spectral_contact.contact.zone_search import UncoupledSearch
 
         parameters = self.parameters
