@@ -94,8 +94,8 @@ MUTANTS = (
     Mutant(
         "the least bad ending is told",
         f"{_PACKAGE}/solving/run.py",
-        "return max(found, key=",
-        "return min(found, key=",
+        "return max(endings, key=",
+        "return min(endings, key=",
         _ENDINGS,
     ),
     Mutant(
@@ -542,7 +542,7 @@ MUTANTS = (
     Mutant(
         "more unknowns than allowed converge",
         f"{_PACKAGE}/solving/run.py",
-        "if within and not self.exceeded and Ending",
+        "if within and not self.unknowns_exceeded and Ending",
         "if within and Ending",
         _ENDINGS,
     ),
