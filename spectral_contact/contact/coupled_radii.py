@@ -1,6 +1,8 @@
-"""Whether another stick disk would do: with coupling it is not proved that there is one alone.
+"""Stick radii of a coupled contact at which the traction is continuous: there may be several.
 
-The condition of the radius is looked at in small spaces, over many radii.
+With elastic coupling it is not proved that one stick radius alone satisfies all conditions. Here
+the boundary residual of one stick disk is scanned over many radii, in small spaces. A logit is
+``ln(c**2/(1 - c**2))`` of the stick radius c.
 """
 
 from __future__ import annotations
@@ -13,30 +15,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.friction_law import DISTANCES, stick_excess
+from spectral_contact.contact.friction_law import DISTANCES, stick_violation
 from spectral_contact.contact.resolution import DEEPEST, PROBE
-from spectral_contact.contact.zone_fields import positive
+from spectral_contact.contact.tuning import SCAN_ACCURACY, SCAN_PAST_LAYERS
+from spectral_contact.contact.zone_fields import all_positive
 
 if TYPE_CHECKING:
     from spectral_contact.contact.free_boundary import FieldSolution
     from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 
-#: How far past the layers radii are looked at, as logits.
-_PAST = 8.0
-#: What a radius is told apart by, as a logit.
-_NEAR = 0.02
-
 
 @dataclass(frozen=True, slots=True)
 class PossibleRadius:
-    """A radius at which the traction is continuous, roughly.
+    """A radius at which the traction is continuous, to the accuracy of a small space.
 
     Attributes
     ----------
     logit : float
-        ``ln(c**2/(1 - c**2))``.
     positive : bool
-        Whether the pressure is, everywhere.
+        Whether the pressure is positive everywhere.
     excess : float
         The largest ``|q|/(f p) - 1`` in stick, or 0.
     """
@@ -47,8 +44,11 @@ class PossibleRadius:
 
     @property
     def possible(self) -> bool:
-        """Whether it may be a contact; the sense of its slip is not looked at."""
-        return self.positive and self.excess <= PROBE  # no smaller one is told
+        """Whether it may be a contact: the law holds in stick to what the small space resolves.
+
+        The sense of the slip is not verified.
+        """
+        return self.positive and self.excess <= PROBE
 
 
 def stick_radii(
@@ -56,36 +56,47 @@ def stick_radii(
 ) -> Iterator[PossibleRadius]:
     """Yield the radii at which the traction is continuous, between the first and the last of some.
 
-    These are so close to each other that the condition changes its sign once between two. If only
-    contacts are wanted it stops where the pressure is no longer positive.
+    Parameters
+    ----------
+    problem : FreeBoundaryProblem
+        One stick disk.
+    logits : iterable of float
+        So close to each other that the boundary residual changes its sign at most once between two.
+    contacts : bool
+        Whether the scan ends at the first logit at which the pressure is not positive.
     """
     from scipy.optimize import brentq
 
-    def condition(logit: float) -> float:
+    def residual(logit: float) -> float:
         return float(problem.rough(logit).boundary_residual[0])
 
-    solved = ((one, problem.rough(one)) for one in logits)
-    trials = takewhile(
-        lambda pair: not contacts or positive(pair[1].system.series(pair[1].values)[0]), solved
-    )
-    for (low, first), (high, second) in pairwise(trials):
-        if (first.boundary_residual[0] > 0.0) != (second.boundary_residual[0] > 0.0):
-            root = float(brentq(condition, low, high, xtol=_NEAR))
-            yield _described(root, problem.rough(root))
+    def continues(trial: tuple[float, FieldSolution]) -> bool:
+        solution = trial[1]
+        return not contacts or all_positive(solution.system.series(solution.values)[0])
+
+    trials = takewhile(continues, ((logit, problem.rough(logit)) for logit in logits))
+    for (low, low_solution), (high, high_solution) in pairwise(trials):
+        low_residual = low_solution.boundary_residual[0]
+        high_residual = high_solution.boundary_residual[0]
+        if (low_residual > 0.0) != (high_residual > 0.0):
+            root = float(brentq(residual, low, high, xtol=SCAN_ACCURACY))
+            yield _assessed(root, problem.rough(root))
 
 
-def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
-    """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
+def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
+    """Yield the logits of a scan: from a first one to where all slip is within the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
-    last = min(DEEPEST, _PAST - log(layers)) if layers > 0.0 else DEEPEST
+    last = min(DEEPEST, SCAN_PAST_LAYERS - log(layers)) if layers > 0.0 else DEEPEST
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
-def _described(logit: float, state: FieldSolution) -> PossibleRadius:
-    """Return what the fields at a radius are like."""
-    pressures, shears = state.system.series(state.values)
-    if not positive(pressures):
+def _assessed(logit: float, solution: FieldSolution) -> PossibleRadius:
+    """Return whether the fields at a stick radius obey the law in stick."""
+    system = solution.system
+    pressures, shears = system.series(solution.values)
+    if not all_positive(pressures):
         return PossibleRadius(logit, False, inf)
-    q = state.system.radii[0].value * np.sqrt(1.0 - DISTANCES) * shears[0](DISTANCES)
-    excess = stick_excess(state.system.parameters.friction, [(q, pressures[0](DISTANCES))])
+    radii = system.radii[0].value * np.sqrt(1.0 - DISTANCES)
+    q = radii * shears[0](DISTANCES)
+    excess = stick_violation(system.parameters.friction, [(q, pressures[0](DISTANCES))])
     return PossibleRadius(logit, True, excess)

@@ -14,8 +14,9 @@ So ``y p'`` solves a homogeneous Riemann-Hilbert problem, and with ``eta = y/w``
     P = (1/2 - theta) int_eta^inf x**(-3/2) (x - 1)**theta dx                        beyond 1,
     P = P(1) + (1/2 - theta)/cos(pi theta) int_eta^1 x**(-3/2) (1 - x)**theta dx     within.
 
-The width follows from ``u = 0`` at w: ``beta f C w**(theta - 1/2) P(1)`` is by how much the body
-moves the edge. Derivation and measured errors are in docs/coupling.md.
+The width w follows from ``u = 0`` at w: the displacement of the edge by the body cancels that of
+the compliance, ``beta f p(w) = beta f C w**(theta - 1/2) P(1)``. Derivation and measured errors are
+in docs/coupling.md.
 """
 
 from __future__ import annotations
@@ -32,6 +33,16 @@ from scipy.special import betainc
 from spectral_contact.contact.error_estimate import ZoneSolution
 from spectral_contact.contact.resolution import DEEPEST, PANEL_WIDTH, ROUNDING
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
+from spectral_contact.contact.tuning import (
+    EDGE_ERROR_INSIDE,
+    EDGE_ERROR_OUTSIDE,
+    EDGE_SAMPLING_DEGREE,
+    EDGE_SAMPLING_MARGIN,
+    EDGE_WIDTH_FACTOR,
+    MAX_MATCHED_WIDTH,
+    MIN_MATCHED_WIDTH,
+    SLIP_ROUNDING,
+)
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,
@@ -47,20 +58,8 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
-#: Relative error of the fields over ``w**(1/2 + theta)`` outside the stick, and of the traction in
-#: it over ``w ln(1/w)/beta``: 1.1 and 0.08 at most, measured against panels by
-#: `python validation/physics/edge_stick.py`.
-_OUTSIDE, _INSIDE = 2.5, 0.2
-#: The width is about ``(30 beta f)**(1/(1/2 - theta))``: factors from 11 to 64 occur there.
-_WIDTH = 30.0
-#: The least width: a radius keeps its distance from the edge down to the smallest doubles.
-_LEAST_WIDTH = 1e-290
-#: Slip in the wrong sense that rounding makes, relative to the largest.
-_NEGLIGIBLE = 1e-10
-#: Degree of the panels on which fields are sampled: the inner solution is then right to rounding.
-_DEGREE = 24
 #: How far below the width panels toward the edge and toward the boundary reach, in ``-ln``.
-_BELOW = DEEPEST + 4.0
+_DEPTH_BELOW_WIDTH = DEEPEST + EDGE_SAMPLING_MARGIN
 
 
 class EdgeStick(NamedTuple):
@@ -71,9 +70,9 @@ class EdgeStick(NamedTuple):
     theta : float
         ``atan(2 kappa f)/pi``.
     amplitude : float
-        C of the pressure.
+        C of the pressure ``C y**(theta - 1/2)`` beyond the stick.
     width : float
-        ``w``, in ``y``.
+        w, the value of y at the boundary of the stick.
     """
 
     theta: float
@@ -81,145 +80,207 @@ class EdgeStick(NamedTuple):
     width: float
 
     @classmethod
-    def matched(cls, theta: float, amplitude: float, moved: float, resistance: float) -> EdgeStick:
-        """Return the stick where the body moves the edge, which resists with ``beta f``."""
+    def matched(
+        cls, theta: float, amplitude: float, displacement: float, resistance: float
+    ) -> EdgeStick:
+        """Return the stick whose width makes the displacement at its boundary vanish.
+
+        Parameters
+        ----------
+        theta, amplitude : float
+            As the attributes.
+        displacement : float
+            By how much the body alone moves the edge against the traction, positive.
+        resistance : float
+            ``beta f``: what a pressure of 1 adds to the displacement through the compliance.
+        """
         stick = cls(theta, amplitude, 0.0)
-        ratio = resistance * amplitude * stick.at_width / moved
+        ratio = resistance * amplitude * stick.pressure_factor_at_width / displacement
         return stick._replace(width=float(np.exp(log(ratio) / (0.5 - theta))))
 
     @property
-    def at_width(self) -> float:
+    def pressure_factor_at_width(self) -> float:
         """``P(1)``."""
-        lower = 0.5 - self.theta
-        return float(lower * beta_function(lower, 1.0 + self.theta))
+        exponent = 0.5 - self.theta
+        return float(exponent * beta_function(exponent, 1.0 + self.theta))
 
     @property
     def error(self) -> float:
         """Relative error of the fields outside the stick, and of approach and shear."""
-        return float(_OUTSIDE * self.width ** (0.5 + self.theta))
+        return float(EDGE_ERROR_OUTSIDE * self.width ** (0.5 + self.theta))
 
-    def error_within(self, beta: float) -> float:
-        """Return the relative error of the traction that sticks: its change over the width."""
-        return float(_INSIDE * -log(self.width) * self.width / beta) + ROUNDING
+    def traction_error(self, beta: float) -> float:
+        """Return the relative error of the traction in the stick: it is taken to be constant."""
+        return float(EDGE_ERROR_INSIDE * -log(self.width) * self.width / beta) + ROUNDING
 
     @property
     def traction(self) -> float:
-        """``p(w)``, and over friction the traction that sticks."""
-        return float(self.amplitude * self.width ** (self.theta - 0.5) * self.at_width)
+        """The traction in the stick, over the friction: ``p(w)``."""
+        return float(
+            self.amplitude * self.width ** (self.theta - 0.5) * self.pressure_factor_at_width
+        )
 
-    def factor(self, eta: Array) -> Array:
-        """Return ``P(eta) eta**(1/2 - theta)`` beyond 1: the pressure over its power law."""
-        lower = 0.5 - self.theta
-        return np.asarray(self.at_width * betainc(lower, 1.0 + self.theta, 1.0 / eta) * eta**lower)
+    def factor_beyond(self, eta: Array) -> Array:
+        """Return ``P(eta) eta**(1/2 - theta)`` at eta beyond 1: the pressure over its power law."""
+        exponent = 0.5 - self.theta
+        incomplete = betainc(exponent, 1.0 + self.theta, 1.0 / eta)
+        return np.asarray(self.pressure_factor_at_width * incomplete * eta**exponent)
 
-    def within(self, eta: Array, rest: Array) -> Array:
-        """Return the pressure at ``eta = 1 - rest`` below 1."""
-        slope = (0.5 - self.theta) / cos(pi * self.theta)
-        inner = beta_function(self.theta, 0.5) * betainc(self.theta, 0.5, rest)
-        risen = 2.0 * (rest**self.theta / np.sqrt(eta) - self.theta * inner)
+    def pressure_within(self, eta: Array, rest: Array) -> Array:
+        """Return the pressure at eta below 1, in the stick; ``rest = 1 - eta``, exact."""
+        prefactor = (0.5 - self.theta) / cos(pi * self.theta)
+        incomplete = beta_function(self.theta, 0.5) * betainc(self.theta, 0.5, rest)
+        # the integral from eta to 1 of x**(-3/2) (1 - x)**theta, by parts
+        integral = 2.0 * (rest**self.theta / np.sqrt(eta) - self.theta * incomplete)
         scale = self.amplitude * self.width ** (self.theta - 0.5)
-        return np.asarray(scale * (self.at_width + slope * risen))
+        return np.asarray(scale * (self.pressure_factor_at_width + prefactor * integral))
 
 
 def expected_error(parameters: Parameters) -> float:
-    """Return about what the matching errs by, before anything is solved."""
+    """Return the expected relative error of the closed form, from an estimate of the width.
+
+    It is 1, no digit, where the stick is too wide to be narrow.
+    """
     _, beta, kappa, friction = parameters
     theta = float(np.arctan(2.0 * kappa * friction) / pi)
-    logarithm = log(_WIDTH * beta * friction) / (0.5 - theta)
-    if logarithm >= -1.0:
+    log_width = log(EDGE_WIDTH_FACTOR * beta * friction) / (0.5 - theta)
+    if log_width >= -1.0:
         return 1.0
-    stick = EdgeStick(theta, 1.0, float(np.exp(max(logarithm, log(_LEAST_WIDTH)))))
-    return stick.error + stick.error_within(beta)
+    stick = EdgeStick(theta, 1.0, float(np.exp(max(log_width, log(MIN_MATCHED_WIDTH)))))
+    return stick.error + stick.traction_error(beta)
 
 
 def with_edge_stick(solved: ZoneSolution, parameters: Parameters) -> PartialSlip:
-    """Return slip up to the edge with the stick that is there, held against the friction law.
+    """Return slip up to the edge with the stick there, verified against the friction law.
 
     Parameters
     ----------
     solved : ZoneSolution
         One stick disk on a smooth surface, with slip to the edge.
     parameters : Parameters
-        With tangential compliance.
+        With tangential compliance, and without normal compliance.
 
     Raises
     ------
     ArithmeticError
-        If the body does not move the edge against its traction, so that nothing sticks there.
+        If the body does not move the edge against its traction, so that nothing sticks there, or
+        the stick is not narrow.
     """
     _, beta, kappa, friction = parameters
-    # the displacement of the body alone: what the compliance adds is infinite at the edge
+    # the displacement of the body alone, because that of the compliance is infinite at the edge
     outcome = zones_outcome(solved, parameters._replace(beta=0.0))
-    moved = outcome.slip.pieces[-1].field
-    assert isinstance(moved, AnnulusSeries)
-    at_edge = moved.toward_outer.limit
-    toward_edge, extent = solved.pressures[-1], gap(*solved.system.bounds[-2:]) / 2.0
-    amplitude = legendre_sum(-1.0, toward_edge.tail.tolist()) * extent**-toward_edge.power
+    body_displacement = outcome.slip.pieces[-1].field
+    assert isinstance(body_displacement, AnnulusSeries)
+    at_edge = body_displacement.toward_outer.limit
+    edge_pressure = solved.pressures[-1]
+    extent = gap(*solved.system.bounds[-2:]) / 2.0
+    amplitude = legendre_sum(-1.0, edge_pressure.tail.tolist()) * extent**-edge_pressure.power
     if not (at_edge < 0.0 < amplitude):
         raise ArithmeticError("the edge is not moved against its traction")
     stick = EdgeStick.matched(
         float(np.arctan(2.0 * kappa * friction) / pi), amplitude, -at_edge, beta * friction
     )
-    if stick.width >= 0.1 * extent:
+    if stick.width >= MAX_MATCHED_WIDTH * extent:
         raise ArithmeticError("the stick at the edge is no narrower than the slip")
-    if stick.width < _LEAST_WIDTH:
+    if stick.width < MIN_MATCHED_WIDTH:
         return outcome
-    return _composed(outcome, moved, stick, solved, parameters)
+    return _with_fields_of_stick(outcome, body_displacement, stick, solved, parameters)
 
 
-def _composed(
+def _with_fields_of_stick(
     outcome: PartialSlip,
-    moved: AnnulusSeries,
+    body_displacement: AnnulusSeries,
     stick: EdgeStick,
     solved: ZoneSolution,
     parameters: Parameters,
 ) -> PartialSlip:
-    """Return an outcome without stick at the edge with it."""
+    """Return an outcome that slips up to the edge, with the stick at the edge added.
+
+    Its zones are the disk, slip from `inner` to `rim`, and stick from `rim` to the edge.
+
+    Parameters
+    ----------
+    outcome : PartialSlip
+        Slip up to the edge, without tangential compliance.
+    body_displacement : AnnulusSeries
+        Its displacement in slip.
+    stick : EdgeStick
+    solved : ZoneSolution
+        From which the outcome was made.
+    parameters : Parameters
+    """
     _, beta, _, friction = parameters
-    inner, width = solved.system.radii[0], stick.width
-    rim = Radius(float(np.sqrt(1.0 - width)), width / (1.0 + float(np.sqrt(1.0 - width))))
-    extent, half = gap(inner, EDGE) / 2.0, gap(inner, rim) / 2.0
-    series = solved.pressures[-1]
+    inner = solved.system.radii[0]
+    width = stick.width
+    rim_value = float(np.sqrt(1.0 - width))
+    rim = Radius(rim_value, width / (1.0 + rim_value))
+    extent = gap(inner, EDGE) / 2.0
+    extent_to_rim = gap(inner, rim) / 2.0
+    inner_pressure = solved.pressures[1]
+    outer_pressure = solved.pressures[-1]
 
-    def pressure(d: Array) -> Array:
-        """Return the pressure at distances from the rim of the edge's stick."""
-        y = width + half * d
-        return np.asarray(series(np.minimum(y / extent, 1.0)) * stick.factor(y / width))
+    # functions of the distance d of y from a boundary, 1 in the middle of the zone
 
-    def displacement(d: Array) -> Array:
-        y = np.minimum((width + half * d) / extent, 1.0)
-        return np.asarray(moved.toward_outer(y) + beta * friction * pressure(d))
+    def pressure_outside_rim(d: Array) -> Array:
+        y = width + extent_to_rim * d
+        unmatched = outer_pressure(np.minimum(y / extent, 1.0))
+        return np.asarray(unmatched * stick.factor_beyond(y / width))
 
-    def from_inside(d: Array) -> Array:
-        own = solved.pressures[1](d)
-        return np.asarray(moved.toward_inner(d) + beta * friction * own)
+    def slip_outside_rim(d: Array) -> Array:
+        distance = np.minimum((width + extent_to_rim * d) / extent, 1.0)
+        layer = beta * friction * pressure_outside_rim(d)
+        return np.asarray(body_displacement.toward_outer(distance) + layer)
 
-    depth = log(half / width) + _BELOW
-    displacements = sampled(from_inside, _BELOW), sampled(displacement, depth)
-    values = np.concatenate([one.at_ends()[:-1] for one in displacements])
-    wrong = max(float(values.max() / np.abs(values).max()), 0.0)
-    slipping = sampled(pressure, depth)
-    toward_rim = sampled(lambda d: stick.within(1.0 - d / 2.0, d / 2.0), _BELOW)
-    toward_edge = sampled(
-        lambda d: stick.within(d / 2.0, 1.0 - d / 2.0) * np.sqrt(d), _BELOW, power=-0.5
+    def slip_outside_disk(d: Array) -> Array:
+        layer = beta * friction * inner_pressure(d)
+        return np.asarray(body_displacement.toward_inner(d) + layer)
+
+    def pressure_inside_rim(d: Array) -> Array:
+        return stick.pressure_within(1.0 - d / 2.0, d / 2.0)
+
+    def pressure_inside_edge(d: Array) -> Array:
+        """Return the pressure times the square root of the distance, which is regular."""
+        return stick.pressure_within(d / 2.0, 1.0 - d / 2.0) * np.sqrt(d)
+
+    depth = log(extent_to_rim / width) + _DEPTH_BELOW_WIDTH
+    slip_halves = (
+        sampled(slip_outside_disk, _DEPTH_BELOW_WIDTH),
+        sampled(slip_outside_rim, depth),
     )
-    sticks = np.array([friction * stick.traction])
-    constant = LogSeries(sticks[None], sticks, PANEL_WIDTH)
-    pieces = outcome.pressure.pieces[:1] if isinstance(outcome.pressure, ZonalField) else ()
-    slip_pressure = AnnulusSeries(inner, rim, solved.pressures[1], slipping, power=0)
-    slip = AnnulusSeries(inner, rim, *displacements, power=0)
-    edge_pressure = AnnulusSeries(rim, EDGE, toward_rim, toward_edge, power=0)
+    slip = AnnulusSeries(inner, rim, *slip_halves, power=0)
+    # without the values next to the boundaries, where slip vanishes and its sense is rounding
+    values = np.concatenate([half.at_ends()[:-1] for half in slip_halves])
+    wrong = max(float(values.max() / np.abs(values).max()), 0.0)
+    slip_pressure = AnnulusSeries(
+        inner, rim, inner_pressure, sampled(pressure_outside_rim, depth), power=0
+    )
+    edge_pressure = AnnulusSeries(
+        rim,
+        EDGE,
+        sampled(pressure_inside_rim, _DEPTH_BELOW_WIDTH),
+        sampled(pressure_inside_edge, _DEPTH_BELOW_WIDTH, power=-0.5),
+        power=0,
+    )
+    stick_traction = np.array([friction * stick.traction])
+    constant = LogSeries(stick_traction[None], stick_traction, PANEL_WIDTH)
     edge_traction = AnnulusSeries(rim, EDGE, constant, constant, power=0)
-    fields = stick.error + stick.error_within(beta)
-    sticking = outcome.slip.pieces[0]
-    # w is a power 1/(1/2 - theta) of what it follows from
-    steep = 1.0 / (0.5 - stick.theta)
-    known = outcome.pressure_error + fields + min(outcome.slip_error, 1.0)
+    disk_pressure = outcome.pressure.pieces[:1] if isinstance(outcome.pressure, ZonalField) else ()
+
+    field_error = stick.error + stick.traction_error(beta)
+    slip_error = outcome.slip_error + field_error
+    # w is a power 1/(1/2 - theta) of amplitude and displacement, and its error so many times theirs
+    data_error = outcome.pressure_error + field_error + min(outcome.slip_error, 1.0)
+    amplification = 1.0 / (0.5 - stick.theta)
+    width_error = amplification * data_error if data_error < 1.0 else inf
     return replace(
         outcome,
-        zones=(outcome.zones[0], *_zones(inner, rim)),
+        zones=(
+            outcome.zones[0],
+            Zone.between("slip", inner, rim),
+            Zone.between("stick", rim, EDGE),
+        ),
         pressure=ZonalField(
-            (*pieces, ZonePiece(rim, slip_pressure), ZonePiece(EDGE, edge_pressure))
+            (*disk_pressure, ZonePiece(rim, slip_pressure), ZonePiece(EDGE, edge_pressure))
         ),
         traction=ZonalField(
             (
@@ -228,28 +289,36 @@ def _composed(
                 ZonePiece(EDGE, edge_traction),
             )
         ),
-        slip=ZonalField((sticking, ZonePiece(rim, slip), ZonePiece(EDGE, None))),
+        slip=ZonalField((outcome.slip.pieces[0], ZonePiece(rim, slip), ZonePiece(EDGE, None))),
         approach_error=outcome.approach_error + stick.error,
         shear_error=outcome.shear_error + stick.error,
-        pressure_error=outcome.pressure_error + fields,
-        traction_error=outcome.traction_error + fields,
+        pressure_error=outcome.pressure_error + field_error,
+        traction_error=outcome.traction_error + field_error,
         radius_error=outcome.radius_error + stick.error,
-        zones_error=max(outcome.zones_error, steep * known) if known < 1.0 else inf,
-        slip_error=outcome.slip_error + fields,
+        zones_error=max(outcome.zones_error, width_error),
+        slip_error=slip_error,
         violation=max(outcome.violation, wrong),
-        consistent=outcome.consistent and wrong <= max(outcome.slip_error + fields, _NEGLIGIBLE),
+        consistent=outcome.consistent and wrong <= max(slip_error, SLIP_ROUNDING),
         layout=None,
     )
 
 
-def _zones(inner: Radius, rim: Radius) -> tuple[Zone, Zone]:
-    return Zone.between("slip", inner, rim), Zone.between("stick", rim, EDGE)
-
-
 def sampled(function: Callable[[Array], Array], depth: float, *, power: float = 0.0) -> LogSeries:
-    """Return a series through values of a function of the distance, times ``d**power``."""
-    panels, (g, _) = ceil(depth / PANEL_WIDTH), gauss_rule(_DEGREE + 1)
-    x = PANEL_WIDTH * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)
+    """Return a series that interpolates ``function(d)``, times ``d**power``.
+
+    Parameters
+    ----------
+    function : callable
+        Of the distance d from a boundary.
+    depth : float
+        The panels reach down to ``d = exp(-depth)``.
+    power : float
+        Of the factor that is not sampled.
+    """
+    panels = ceil(depth / PANEL_WIDTH)
+    nodes, _ = gauss_rule(EDGE_SAMPLING_DEGREE + 1)
+    x = PANEL_WIDTH * (np.arange(panels)[:, None] + (1.0 + nodes) / 2.0)
     values = function(np.exp(-x.ravel())).reshape(x.shape)
-    table = values @ legendre_expansion_matrix(_DEGREE + 1, _DEGREE).T
-    return LogSeries(table, np.array([table[-1].sum()]), PANEL_WIDTH, power)
+    expansion = legendre_expansion_matrix(EDGE_SAMPLING_DEGREE + 1, EDGE_SAMPLING_DEGREE)
+    coefficients = values @ expansion.T
+    return LogSeries(coefficients, np.array([coefficients[-1].sum()]), PANEL_WIDTH, power)

@@ -16,7 +16,7 @@ from spectral_contact.contact.free_boundary import (
     Iterate,
     Perturbation,
 )
-from spectral_contact.contact.layout import Layout, NoBoundariesError, ZoneNumbers
+from spectral_contact.contact.layout import Layout, NoBoundariesError, ScalarResults
 from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import (
     CENTRE_ROUNDS,
@@ -31,7 +31,7 @@ from spectral_contact.contact.resolution import (
     expected_error,
     share_of_change,
 )
-from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_displacement
+from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
@@ -149,12 +149,12 @@ _NOISE, _KNOWN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ZoneSolution(ZoneNumbers):
+class ZoneSolution(ScalarResults):
     """The solution on any zones, before it is held against the friction law.
 
     Attributes
     ----------
-    stuck : list of Stuck
+    stuck : list of StickZone
         Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
     loose : float
         By what share of a slip zone its ends may be off, at the most.
@@ -171,7 +171,7 @@ class ZoneSolution(ZoneNumbers):
         How far the boundaries may be off, as logits.
     """
 
-    stuck: list[Stuck]
+    stuck: list[StickZone]
     loose: float
     stray: float
     jacobian: Array
@@ -189,7 +189,7 @@ class ZoneSolution(ZoneNumbers):
         )
 
     @property
-    def slipping(self) -> tuple[list[Slipping], float]:
+    def slipping(self) -> tuple[list[SlipZone], float]:
         """The slip zones with E at their sampling points, and the largest change of E there.
 
         The displacement changes by a quarter of that at most; E is seen at these points alone.
@@ -199,7 +199,7 @@ class ZoneSolution(ZoneNumbers):
             if state:
                 annulus = self.system.slip_annulus(zone)
                 each = self.system.residual_in_slip(self.solution[:, :2], annulus)
-                found.append(Slipping(annulus, state, [one[:, 0] for one in each]))
+                found.append(SlipZone(annulus, state, [one[:, 0] for one in each]))
                 lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in each))
         return found, lost
 
@@ -380,7 +380,7 @@ class ZoneEstimate:
         error, indicators = max(value.approach_error, value.shear_error), raised + sheared
         return replace(attempt, error=error, indicators=indicators[:-1], rates=rates)
 
-    def _displacements(self) -> tuple[list[Stuck], float]:
+    def _displacements(self) -> tuple[list[StickZone], float]:
         """Return what the slip zones see of E in stick, and the most that errors make there."""
         system, solution = self.system, self.solution
         if not any(system.states):
@@ -420,7 +420,7 @@ def _unsure(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> l
     return [min(2.0 * at.square * own, at.rest * edge) for at, (own, edge) in each]
 
 
-def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[Stuck]:
+def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[StickZone]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones."""
     parts: dict[int, list[tuple[Points, Array]]] = {}
     # farther out than the last that sticks E is not known
@@ -432,7 +432,7 @@ def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[Stuck]:
             # as seen from outside what is smooth is gathered at the samples
             weighted = nodes.gathered((pi * weights * missed)[:, None])[:, 0]
             parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
-    return [Stuck(system.bounds[zone + 1], tuple(own)) for zone, own in parts.items()]
+    return [StickZone(system.bounds[zone + 1], tuple(own)) for zone, own in parts.items()]
 
 
 def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:

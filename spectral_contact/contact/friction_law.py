@@ -1,4 +1,11 @@
-"""The friction law, checked: |q| <= f p in stick, and slip against the traction."""
+"""The friction law, verified on samples: ``|q| <= f p`` in stick, and slip against the traction.
+
+p and q are pressure and traction, f is friction; ``y = 1 - s**2`` at the radius s, which is `rest`
+of a `Radius`, and `gap` is a difference of y. An `Annulus` has a half at each boundary, with panels
+graded toward it, whose sampling points are at `y`. Slip is sampled
+as the radial displacement times the sign of the traction, so that it is negative where the law
+holds and positive where it has the wrong sense.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from spectral_contact.contact.resolution import DEEPEST, places
+from spectral_contact.contact.tuning import BOUNDARY_SLIP_FACTOR, SLIP_ROUNDING
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parts import gap
 
@@ -17,101 +25,136 @@ if TYPE_CHECKING:
 
 Interval: TypeAlias = tuple[float, float]
 
-#: Slip in the wrong sense that rounding makes, relative to the largest.
-_NEGLIGIBLE = 1e-10
-#: Distance from an end, of the width, at which slip, which grows like its power 3/2, is its error.
-_TOUCHING = float(np.cbrt(_NEGLIGIBLE)) ** 2
-#: Slip over a narrow annulus is like ``(x (1 - x))**(3/2)``: 8 x**(3/2) of its largest at an end.
-_LOOSE = 10.0
-#: Distances from the ends of zones, of their extent, at which the law is looked at.
+#: Distance from a boundary, over the width of the zone, at which slip is as small as its rounding:
+#: it grows like the distance to the power 3/2.
+_BOUNDARY_DISTANCE = float(np.cbrt(SLIP_ROUNDING)) ** 2
+#: Distances from the boundaries of a zone, over its extent, at which stick is verified.
 DISTANCES = np.exp(-places(DEEPEST, 400))
 
 
 def missing_stick(
-    annulus: Annulus, sample: Array, largest: float, at_edge: float = 0.0, known: float = 0.0
+    annulus: Annulus, sample: Array, largest: float, at_edge: float = 0.0, excused: float = 0.0
 ) -> tuple[Interval, ...]:
     """Return where a slip zone moves with its traction, so that stick is missing there.
 
-    What touches an end at which there is stick is the error of that end, and no zone; so is inside
-    what errors make. At the edge, where slip is not small by itself, they do not excuse it.
+    Left out is slip in the wrong sense that is adjacent to a boundary with a stick zone, which is
+    an error of that boundary, and slip that is nowhere larger than its error. Next to the edge,
+    where slip does not go to zero, neither is an excuse.
 
     Parameters
     ----------
     annulus : Annulus
         The slip zone.
     sample : ndarray
-        The displacement times the sign of the traction, at its sampling points.
+        The displacement times the sign of the traction, at the sampling points of the annulus.
     largest : float
-        The largest displacement of all zones; less than 1e-10 of it is rounding.
+        The largest displacement of all zones; 1e-10 of it is rounding.
     at_edge : float
-        The same as the sample at the edge, past all sampling points.
-    known : float
-        What of the largest errors make.
+        The same as the sample, at the edge, which is beyond all sampling points.
+    excused : float
+        Error of the displacement, relative to the largest.
 
     Returns
     -------
     tuple of (float, float)
-        Intervals of ``y = 1 - s**2``, outward; one that ends at 0 reaches the edge.
+        Intervals of y, outward; one that ends at 0 reaches the edge.
     """
-    y, to_edge = annulus.y, annulus.outer.from_edge == 0.0
-    if to_edge:
-        y, sample = np.append(y, 0.0), np.append(sample, at_edge)
-    if not (sample > _NEGLIGIBLE * largest).any():
+    y = annulus.y
+    reaches_edge = annulus.outer.from_edge == 0.0
+    if reaches_edge:
+        y = np.append(y, 0.0)
+        sample = np.append(sample, at_edge)
+    if not (sample > SLIP_ROUNDING * largest).any():
         return ()
-    order = np.argsort(-y)
-    y, sample = y[order], sample[order]
-    wrong = sample > _NEGLIGIBLE * largest
+    outward = np.argsort(-y)
+    y = y[outward]
+    sample = sample[outward]
+    wrong = sample > SLIP_ROUNDING * largest
     starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
     ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
-    last = len(y) - 1
-    touching = _TOUCHING * gap(annulus.inner, annulus.outer)
-    near, far = annulus.outer.rest + touching, annulus.inner.rest - touching
-    return tuple(
-        (float(y[a]) or float(y[a - 1]), float(y[b]))
-        for a, b in zip(starts, ends, strict=True)
-        if y[a] < far
-        and (
-            (to_edge and b == last)
-            or ((to_edge or y[b] > near) and sample[a : b + 1].max() > known * largest)
-        )
-    )
+
+    margin = _BOUNDARY_DISTANCE * gap(annulus.inner, annulus.outer)
+    outermost_y = annulus.outer.rest + margin
+    innermost_y = annulus.inner.rest - margin
+    intervals: list[Interval] = []
+    for start, end in zip(starts, ends, strict=True):
+        adjacent_inside = y[start] >= innermost_y
+        adjacent_outside = not reaches_edge and y[end] <= outermost_y
+        at_the_edge = reaches_edge and end == len(y) - 1
+        exceeds_error = sample[start : end + 1].max() > excused * largest
+        if adjacent_inside or adjacent_outside or not (at_the_edge or exceeds_error):
+            continue
+        # an interval that is the edge alone begins at the last sampling point
+        inner_y = float(y[start]) or float(y[start - 1])
+        intervals.append((inner_y, float(y[end])))
+    return tuple(intervals)
 
 
 def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
-    """Return whether the friction law holds to the errors: that of q and that of p.
+    """Return whether the friction law holds within the errors.
 
-    Of 58 solutions of the net none has an excess above 0.07 errors. Slip may be wrong by rounding.
+    The excess ``|q|/(f p) - 1`` may come to the sum of the errors of q and of p. On none of 58
+    solutions it comes to more than 0.07 of the larger.
+
+    Parameters
+    ----------
+    excess : float
+        The largest ``|q|/(f p) - 1`` in stick, or 0.
+    error : float
+        The larger of the relative errors of q and p.
+    wrong : float
+        The largest slip in the wrong sense, relative to the largest slip; rounding is excused.
+    slip_error : float
+        Error of the slip, relative to the largest.
     """
-    return excess <= 2.0 * error and wrong <= max(slip_error, _NEGLIGIBLE)
+    return excess <= 2.0 * error and wrong <= max(slip_error, SLIP_ROUNDING)
 
 
-def hidden_stick(share: float, known: float) -> float:
-    """Return 1 if stick at the edge may be missing, whose slip is this share of the largest.
+def edge_sense_unknown(slip_at_edge: float, excused: float) -> float:
+    """Return 1 if stick at the edge may be missing because slip there is below its error, else 0.
 
-    Next to the second threshold the sense of that slip is not known. Where slip has hardly a digit
-    it is all as narrow as its zone.
+    That is so next to the second threshold of friction. The error counts as a half at most: slip
+    with hardly a digit belongs to a narrow zone, which is uncertain as a whole already.
+
+    Parameters
+    ----------
+    slip_at_edge : float
+        Relative to the largest slip.
+    excused : float
+        Error of the slip, relative to the largest.
     """
-    return float(abs(share) <= max(min(known, 0.5), _NEGLIGIBLE))
+    return float(abs(slip_at_edge) <= max(min(excused, 0.5), SLIP_ROUNDING))
 
 
-def known_share(error: float) -> float:
-    """Return the error of a displacement relative to its largest, infinite if no digit is known."""
+def inf_if_unresolved(error: float) -> float:
+    """Return the relative error of a displacement, infinite if no digit of it is known."""
     return error if error <= 1.0 else inf
 
 
-def loose_slip(share: float) -> float:
-    """Return what of the largest slip is wrong where ends are off by a share of its zone.
+def slip_error_from_boundaries(shift: float) -> float:
+    """Return the error of slip, relative to the largest, if boundaries of its zone are off.
 
-    Next to an end slip goes like the distance to the power 3/2.
+    Slip goes like the distance from a boundary to the power 3/2.
+
+    Parameters
+    ----------
+    shift : float
+        The error of the boundaries over the width of the zone.
     """
-    return _LOOSE * share * sqrt(share)
+    return BOUNDARY_SLIP_FACTOR * shift * sqrt(shift)
 
 
-def stick_excess(friction: float, sticking: Iterable[tuple[Array, Array]]) -> float:
-    """Return the largest ``|q|/(f p) - 1`` in stick, or 0, from pairs of q and p in places.
+def stick_violation(friction: float, fields_in_stick: Iterable[tuple[Array, Array]]) -> float:
+    """Return the largest ``|q|/(f p) - 1`` in stick, or 0.
 
-    Next to a boundary they differ by a root of the distance: both are to be of the same distances,
-    which are small but exact.
+    Parameters
+    ----------
+    friction : float
+    fields_in_stick : iterable of (ndarray, ndarray)
+        q and p at the same radii. Next to a boundary the two differ by the square root of the
+        distance from it, so that these distances have to be exact.
     """
-    ratios = (np.abs(q) / (friction * p) for q, p in sticking)
-    return max([0.0, *(float(one.max()) - 1.0 for one in ratios)])
+    violation = 0.0
+    for q, p in fields_in_stick:
+        violation = max(violation, float((np.abs(q) / (friction * p)).max()) - 1.0)
+    return violation

@@ -1,4 +1,4 @@
-"""Where zones stick and slip: what searches find and like scenes hand on."""
+"""Sequences of zones that stick or slip, and scalar results for a solution on them."""
 
 from __future__ import annotations
 
@@ -14,25 +14,26 @@ from spectral_contact.contact.resolution import TINY
 
 
 class NoBoundariesError(ArithmeticError):
-    """There are no such boundaries near by."""
+    """Newton's method finds no boundaries from where it starts."""
 
 
 def logit_at(x: float) -> float:
-    """Return the logit ``ln(z/y)`` of the radius with ``y = exp(-x)``."""
+    """Return the logit ``ln(s**2/y)`` of the radius s with ``y = 1 - s**2 = exp(-x)``."""
     return float(np.log(-np.expm1(-x)) + x)
 
 
 class Layout(NamedTuple):
-    """Boundaries between zones, and what every zone does: 0 stick, +1 or -1 slip with that sign.
+    """Zones of the contact from the centre outward: the boundaries between them, and their states.
 
     Attributes
     ----------
     logits : tuple of float
-        ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
+        ``ln(b**2/(1 - b**2))`` of the boundaries b, outward.
     states : tuple of int
-        One more than boundaries; the first is 0.
+        Of every zone, one more than boundaries: 0 for stick, +1 or -1 for slip with ``q = +f p`` or
+        ``q = -f p``. The first is 0.
     jacobian : ndarray, shape (boundaries, boundaries), optional
-        Derivatives of the boundary residual by the logits, if known.
+        Derivatives of the boundary residual by the logits, if a solution on these zones told them.
     """
 
     logits: tuple[float, ...]
@@ -40,44 +41,80 @@ class Layout(NamedTuple):
     jacobian: NDArray[np.float64] | None = None
 
     def with_stick(self, intervals: tuple[tuple[float, float], ...]) -> Layout:
-        """Return the layout with further stick in intervals of slip.
+        """Return the zones with further stick zones inside slip zones, and without a Jacobian.
+
+        An interval that is empty, or not inside one slip zone, is left out.
 
         Parameters
         ----------
         intervals : tuple of (float, float)
-            In ``y = 1 - s**2``, inside of slip zones; one that ends at 0 reaches the edge.
+            The stick zones to add, as ``y = 1 - s**2`` at their inner and outer boundary. One that
+            ends at 0 reaches the edge.
         """
-        logits, states = self.logits, self.states
-        for high, low in intervals:
-            if not low < high < 1.0:
+        logits = self.logits
+        states = self.states
+        for inner_y, outer_y in intervals:
+            if not outer_y < inner_y < 1.0:
                 continue
-            ends = [logit_at(-log(y)) for y in (high, low) if y > 0.0]
-            zone = bisect(logits, ends[0])
-            if states[zone] != 0 and bisect(logits, ends[-1]) == zone:
-                further = (0, states[zone])[: len(ends)]
-                logits = (*logits[:zone], *ends, *logits[zone:])
-                states = (*states[: zone + 1], *further, *states[zone + 1 :])
+            boundaries = [logit_at(-log(y)) for y in (inner_y, outer_y) if y > 0.0]
+            zone = bisect(logits, boundaries[0])
+            if states[zone] != 0 and bisect(logits, boundaries[-1]) == zone:
+                # stick, and slip beyond it unless the stick reaches the edge
+                new_states = (0, states[zone])[: len(boundaries)]
+                logits = (*logits[:zone], *boundaries, *logits[zone:])
+                states = (*states[: zone + 1], *new_states, *states[zone + 1 :])
         return Layout(logits, states)
 
 
-def unmoved(logit: float) -> Layout:
-    """Return one stick disk whose boundary stays, so steep is its residual said to be."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """Zones that a search tried, and what became of them.
+
+    Attributes
+    ----------
+    zones : Layout
+        As they were tried: the boundaries are those of the start, not of a solution.
+    reason : str
+        Why they were tried.
+    verdict : str
+        "the friction law holds", or what refuted them.
+    """
+
+    zones: Layout
+    reason: str
+    verdict: str
+
+    @property
+    def text(self) -> str:
+        """One line: number of zones, reason and verdict."""
+        return f"{len(self.zones.states)} zones ({self.reason}): {self.verdict}"
+
+
+def fixed_disk(logit: float) -> Layout:
+    """Return one stick disk whose radius is given: the solver does not move its boundary.
+
+    The Jacobian claims so steep a boundary residual that every step of the boundary is nothing.
+    """
     return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ZoneNumbers:
-    """What is said of zones for unit load; without elastic coupling for kappa = 1.
+class ScalarResults:
+    """Scalars and error estimates of a solution on zones, for unit load.
+
+    Without elastic coupling they are those for kappa = 1.
 
     Attributes
     ----------
     approach, total_shear : float
         ``delta*`` and ``Q*``.
     approach_error, shear_error, pressure_error, traction_error : float
-        Estimates of relative errors; those of the fields, p and q/s, are pointwise.
-    radius_error, zones_error : float
-        Of ``c``, and the largest one of all boundaries, from the centre and from the edge;
-        infinite if a zone may not be there.
+        Estimates of relative errors; those of the fields, p and q/s, hold at every radius.
+    radius_error : float
+        Estimate of the relative error of the stick radius c.
+    zones_error : float
+        The largest estimate of the relative error of a boundary, of its distance from the centre
+        and from the edge; infinite if a zone may not exist.
     """
 
     approach: float

@@ -1,39 +1,43 @@
-"""Coupled slip under little friction: everywhere but in a stick disk too small to be felt."""
+"""Coupled slip under little friction: the stick disk is too small to change the fields.
+
+Such a disk is not solved for. It is replaced by a *regularising* disk of a given radius, larger
+than the true one and small enough not to change the fields, which carries no traction of its own.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
-from spectral_contact.contact.layout import Layout, unmoved
+from spectral_contact.contact.layout import Layout, fixed_disk
 from spectral_contact.contact.resolution import ROUNDING, TINY
 from spectral_contact.contact.stick_radius import least_logit
+from spectral_contact.contact.tuning import MAX_REGULARISING_RADIUS
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
-#: A disk stands for smaller ones without a layer of p: from this many of its radii on p lacks
-#: 0.1/n**3 of kappa f, measured. And the largest of them.
-CLEAR, _MOST_STAND_IN = 128.0, 2.0**-11
 
+def regularising_radius(parameters: Parameters) -> Radius:
+    """Return the radius of the stick disk that replaces a smaller one.
 
-def stand_in(parameters: Parameters) -> Radius:
-    """Return the stick disk that stands for those too small to be felt.
-
-    Without normal compliance p loses digits like 1/c next to it, and is a power of s far inside.
+    With normal compliance it is the least radius that is solved for. Without, p is a power of s
+    around the disk, and loses digits like 1/c next to a disk of radius c, so that the radius is
+    ``2 sqrt(eps) (kappa f)**(-1/3)`` with the rounding error eps.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
         return Radius.from_logit(least_logit(parameters))
-    c = min(2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY)), _MOST_STAND_IN)
+    c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
+    c = min(c, MAX_REGULARISING_RADIUS)
     return Radius(float(c), float(1.0 - c))
 
 
-def unfelt_disk(parameters: Parameters) -> tuple[Parameters, Layout]:
-    """Return what is to be solved for slip everywhere but in a disk too small to be felt.
+def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
+    """Return parameters and zones to solve for slip everywhere but in the regularising disk.
 
-    Its radius is given, and what sticks carries nothing.
+    The radius of the disk is given. A huge tangential compliance makes the traction in it vanish: a
+    traction that sticks would exceed f p, and cost as many digits. The friction is at least the
+    rounding error, because a smaller one leaves the traction without a digit.
     """
     alpha, _, kappa, friction = parameters
-    # with less friction the traction has no digits; what sticks would have one of its own, which
-    # costs digits by as much as it exceeds friction: none with so much compliance
-    felt = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    return felt, unmoved(stand_in(parameters).logit)
+    regularised = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
+    return regularised, fixed_disk(regularising_radius(parameters).logit)

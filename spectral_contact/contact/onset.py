@@ -1,4 +1,8 @@
-"""Slip about to start, which cannot be told from full stick."""
+"""The onset of slip: where full stick violates the friction law, and unresolved slip.
+
+Full stick has the traction q and the pressure p; slip begins where ``|q|/p`` is largest, at the
+critical friction. Radii are looked at through ``x = -ln y`` with ``y = 1 - s**2``.
+"""
 
 from __future__ import annotations
 
@@ -9,76 +13,95 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import DEEPEST, LEADING, crossing, places
+from spectral_contact.contact.tuning import NARROW_SLIP, SLIP_WIDENING, UNRESOLVED_SLIP
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
-
-#: Relative error of a stick radius of 1 when slip is about to start: an annulus opens like the
-#: square root of what the friction lacks, 1e-13 at best.
-UNRESOLVED_SLIP = 1e-6
-#: Slip is wider than the place where full stick breaks the law: less than twice where that widens
-#: like a square root of what the friction lacks, and less than four times where like that itself.
-_WIDENED = 4.0
-#: Slip narrower than this, as a logit, may fall between rings; full stick has its place then.
-_NARROW = 0.25
 
 
 def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
     """Return the relative error of a stick radius of 1 where slip is about to start.
 
-    The friction is so close to critical that the errors decide: there may be slip wherever full
-    stick uses up all friction but for some of them.
+    The friction is critical to within the errors, so that there may be slip. It is as wide as the
+    set where full stick violates the law at most, for a friction that lacks somewhat more.
     """
     if stick.critical == inf:
         return UNRESOLVED_SLIP
-    lack = max(1.0 - parameters.friction / stick.critical, 0.0) + 2.0 * stick.critical_error
-    first = exceeded(stick, parameters, stick.critical * (1.0 - min(_WIDENED * lack, 1.0))).logits
-    if not first:
+    onset_distance = max(1.0 - parameters.friction / stick.critical, 0.0)
+    onset_distance += 2.0 * stick.critical_error
+    friction = stick.critical * (1.0 - min(SLIP_WIDENING * onset_distance, 1.0))
+    logits = slip_where_exceeded(stick, parameters, friction).logits
+    if not logits:
         return UNRESOLVED_SLIP
-    radius = Radius.from_logit(first[0])
+    radius = Radius.from_logit(logits[0])
     return max(UNRESOLVED_SLIP, radius.from_edge / radius.value)
 
 
-def exceeded(stick: FullStick, parameters: Parameters, friction: float | None = None) -> Layout:
-    """Return slip where full stick exceeds friction, or another one, and stick elsewhere."""
-    pressure, traction = stick.pressure, stick.traction
+def slip_where_exceeded(
+    stick: FullStick, parameters: Parameters, friction: float | None = None
+) -> Layout:
+    """Return zones that slip where full stick has ``|q| > f p``, and stick elsewhere.
+
+    Parameters
+    ----------
+    stick : FullStick
+        Full stick, with its fields.
+    parameters : Parameters
+    friction : float, optional
+        In place of the friction f of the parameters.
+    """
+    pressure = stick.pressure
+    traction = stick.traction
     assert pressure is not None
     assert traction is not None
-    depth, limit = _depth(parameters), parameters.friction if friction is None else friction
+    limit = parameters.friction if friction is None else friction
+    depth = _depth(parameters)
 
-    def sheared(x: Array) -> Array:
+    def traction_at(x: Array) -> Array:
         s = np.sqrt(-np.expm1(-x))
         return traction(s, np.exp(-x) / (1.0 + s))
 
     def excess(x: Array) -> Array:
-        q, p = sheared(x), pressure.at(np.exp(-x))
+        """Return ``|q|/p - f``, at most f."""
+        q = traction_at(x)
+        p = pressure.at(np.exp(-x))
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
         return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
 
+    # the set may be tiny: the grid is fine around the radius where it begins
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    aside = np.exp(-places(DEEPEST, 200))
-    near = peak + np.concatenate([-aside, [0.0], aside])
-    x = np.unique(np.concatenate([places(depth, 4001), near[(near > 0.0) & (near < depth)]]))
-    above = excess(x) > 0.0
-    turns = np.flatnonzero(above[1:] != above[:-1]).tolist()
-    ends = [float(x[0])] * bool(above[0]) + [crossing(excess, x[i], x[i + 1]) for i in turns]
-    beyond = [*ends, depth] if above[-1] else ends
-    middles = (np.array(beyond[::2]) + np.array(beyond[1::2])) / 2.0
-    signs = np.sign(sheared(middles)).astype(int).tolist()
-    states = [one for sign in signs for one in (0, sign)] + [0] * (not above[-1])
-    return Layout(tuple(logit_at(one) for one in ends), tuple(states))
+    offsets = np.exp(-places(DEEPEST, 200))
+    around_peak = peak + np.concatenate([-offsets, [0.0], offsets])
+    around_peak = around_peak[(around_peak > 0.0) & (around_peak < depth)]
+    x = np.unique(np.concatenate([places(depth, 4001), around_peak]))
+
+    exceeds = excess(x) > 0.0
+    changes = np.flatnonzero(exceeds[1:] != exceeds[:-1]).tolist()
+    boundaries = [crossing(excess, x[i], x[i + 1]) for i in changes]
+    if exceeds[0]:  # the first boundary is that of a stick disk around the centre, always there
+        boundaries = [float(x[0]), *boundaries]
+    slip_ends = [*boundaries, depth] if exceeds[-1] else boundaries
+    middles = (np.array(slip_ends[::2]) + np.array(slip_ends[1::2])) / 2.0
+    states: list[int] = []
+    for sign in np.sign(traction_at(middles)).astype(int).tolist():
+        states += [0, sign]
+    if not exceeds[-1]:
+        states.append(0)
+    return Layout(tuple(logit_at(boundary) for boundary in boundaries), tuple(states))
 
 
-def is_narrow(layout: Layout) -> bool:
-    """Return whether all slip is inside, and so narrow that it may fall between rings."""
-    widths = np.diff(layout.logits)[::2]
-    return len(layout.logits) == 2 * len(widths) and max(widths, default=inf) < _NARROW
+def is_narrow(zones: Layout) -> bool:
+    """Return whether no slip reaches the edge, and all may be too narrow for rings."""
+    widths = np.diff(zones.logits)[::2]
+    all_inside = len(zones.logits) == 2 * len(widths)
+    return all_inside and max(widths, default=inf) < NARROW_SLIP
 
 
 def _depth(parameters: Parameters) -> float:
-    """Return the ``x`` below which nothing changes any more."""
+    """Return the x beyond which the ratio ``|q|/p`` of full stick is that of the edge."""
     alpha, beta, kappa, friction = parameters
     if alpha == 0.0 < beta:
-        # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
+        # the edge sticks for y below (f beta / kappa)^2: there f p exceeds what q can be
         return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING
-    return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + LEADING
+    layers = [-log(compliance) for compliance in (alpha, beta) if compliance > 0.0]
+    return max([0.0, *layers]) + LEADING

@@ -1,10 +1,14 @@
-r"""Radial displacement in slip, and the checks of the friction law.
+r"""Radial displacement in slip.
 
-With ``E = kappa R - G``, what the half-integral lacks to satisfy full stick, the displacement is
+With the residual of full stick ``E = kappa R - G``, which slip leaves, the displacement is
 
     -u(s) = kappa g - T q - beta q = (1/(pi s)) int_0^s t^2 E dt / sqrt(s^2 - t^2) - beta q,
 
-zero in stick by the tangential equation. Everything is for kappa = 1.
+zero in stick by the tangential equation (docs/theory.md). It is computed for kappa = 1: friction is
+``f / kappa`` and displacements are ``u / kappa``. Each slip zone is an annulus with two halves,
+whose panels are graded toward its boundaries: a `Family` is the panels of one half, and `Points`
+are radii given by offsets from an anchor in ``y = 1 - s**2`` (`rest` of a `Radius`), so that radii
+next to a boundary keep their digits; z is ``s**2``.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ import numpy as np
 
 from spectral_contact.contact.pressure_loads import load_outside, mean_inside
 from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, SAFETY, starting_resolution
+from spectral_contact.contact.tuning import DISPLACEMENT_SMOOTHING
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,
@@ -36,30 +41,45 @@ if TYPE_CHECKING:
     from spectral_contact.contact.resolution import NormalContact
     from spectral_contact.spectral.annulus import Annulus
 
-#: By how much less the displacement is off than E, through an integral over 1/sqrt(d) of it.
-#: Without it estimates of slip are 4 times as large; with it none of 300 errors is larger.
-_SMOOTHED = 16.0
 
+class StickZone(NamedTuple):
+    """A stick zone, as a source of the displacement outside it.
 
-class Stuck(NamedTuple):
-    """A stick zone: quadrature of ``t^2 E dt`` over it, point sets with their weighted values."""
+    Attributes
+    ----------
+    outer : Radius
+        Its outer boundary.
+    parts : tuple of (Points, ndarray)
+        Quadrature of ``t^2 E dt`` over its parts: radii t, and ``t^2 E`` there times the weights.
+    """
 
     outer: Radius
     parts: tuple[tuple[Points, Array], ...]
 
 
-class Slipping(NamedTuple):
-    """A slip zone: the annulus, the sign of its traction, and E at its sampling points."""
+class SlipZone(NamedTuple):
+    """A slip zone: the annulus, the sign of its traction, and E at the sampling points.
+
+    Attributes
+    ----------
+    annulus : Annulus
+    sign : int
+        +1 or -1, with ``q = sign f p``.
+    residual : list of ndarray
+        E on each half of the annulus.
+    """
 
     annulus: Annulus
     sign: int
-    misfit: list[Array]
+    residual: list[Array]
 
     @property
-    def weighted_misfit(self) -> list[Array]:
-        """``t E`` at the sampling points."""
-        each = zip(self.annulus.families, self.misfit, strict=True)
-        return [np.sqrt(family.sampling().z) * one for family, one in each]
+    def weighted_residual(self) -> list[Array]:
+        """``t E`` at the sampling points t of each half."""
+        return [
+            np.sqrt(family.sampling().z) * residual
+            for family, residual in zip(self.annulus.families, self.residual, strict=True)
+        ]
 
 
 class SlipFields(NamedTuple):
@@ -72,9 +92,10 @@ class SlipFields(NamedTuple):
     samples : list of ndarray
         Its values times the sign of the traction: negative where slip opposes traction.
     largest : float
-        Largest modulus.
+        The largest modulus of all values.
     unresolved : float
-        What the last coefficients of the sampled series leave out, nine times it to be safe.
+        Bound on the error of sampling: what the last coefficients of the series are, with the
+        safety factor of all error estimates and another 2.
     """
 
     fields: list[AnnulusSeries]
@@ -84,83 +105,96 @@ class SlipFields(NamedTuple):
 
 
 def slip_displacement(
-    stuck: list[Stuck],
-    zones: list[Slipping],
+    stick_zones: list[StickZone],
+    slip_zones: list[SlipZone],
     pressure: PressureField | ZonalField,
     beta: float,
     friction: float,
 ) -> SlipFields:
     """Return the displacement on every slip zone.
 
-    Zones of both kinds are ordered outward; friction is ``f / kappa``.
+    Parameters
+    ----------
+    stick_zones, slip_zones : list
+        Ordered outward.
+    pressure : PressureField or ZonalField
+    beta, friction : float
+        Tangential compliance, and ``f / kappa``.
     """
-    fields, samples, unresolved = list[AnnulusSeries](), list[Array](), 0.0
-    for zone in zones:
-        annulus, weighted = zone.annulus, zone.weighted_misfit
-        halves, own = list[LogSeries](), list[Array]()
+    fields: list[AnnulusSeries] = []
+    samples: list[Array] = []
+    unresolved = 0.0
+    for number, zone in enumerate(slip_zones):
+        annulus = zone.annulus
+        weighted = zone.weighted_residual
         p = pressure.at(annulus.y) if beta > 0.0 else np.zeros(annulus.y.shape)
-        resisted = annulus.halves(beta * zone.sign * friction * p)
+        layer = annulus.halves(beta * zone.sign * friction * p)
         integrals = annulus.integrals(weighted, -1)
-        each = zip(annulus.families, weighted, integrals, resisted, strict=True)
-        for family, e, total, q in each:
-            for inner in _inside(stuck, annulus.inner):
-                total += _from_stuck_at_samples(inner, family)
-            for inner_zone in zones[: len(fields)]:
-                halves_inside = zip(
-                    inner_zone.annulus.families, inner_zone.weighted_misfit, strict=True
-                )
-                for one, values in halves_inside:
-                    total += across(one.expand(values), one, family, -1)
-            points = family.sampling()
-            values = q - total / (pi * np.sqrt(points.z))
-            halves.append(sampled_series(family.panels, values))
-            inner_error = family.truncated(e, 0.5) / _SMOOTHED
-            unresolved = max(unresolved, inner_error + family.unresolved(halves[-1]))
-            own.append(zone.sign * values)
+        halves: list[LogSeries] = []
+        zone_samples: list[Array] = []
+        for family, half_residual, integral, layer_displacement in zip(
+            annulus.families, weighted, integrals, layer, strict=True
+        ):
+            total = integral
+            for stick_zone in _zones_inside(stick_zones, annulus.inner):
+                total += _integral_at_samples(stick_zone, family)
+            for inner_zone in slip_zones[:number]:
+                for inner_family, values in zip(
+                    inner_zone.annulus.families, inner_zone.weighted_residual, strict=True
+                ):
+                    total += across(inner_family.expand(values), inner_family, family, -1)
+            values_here = layer_displacement - total / (pi * np.sqrt(family.sampling().z))
+            halves.append(sampled_series(family.panels, values_here))
+            residual_error = family.truncated(half_residual, 0.5) / DISPLACEMENT_SMOOTHING
+            unresolved = max(unresolved, residual_error + family.unresolved(halves[-1]))
+            zone_samples.append(zone.sign * values_here)
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1], power=0))
-        samples.append(np.concatenate(own))
-    largest = max(float(np.abs(v).max()) for v in samples)
+        samples.append(np.concatenate(zone_samples))
+    largest = max(float(np.abs(values).max()) for values in samples)
     return SlipFields(fields, samples, largest, 2.0 * SAFETY * unresolved)
 
 
-def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
-    """Return the zones that lie inside a radius."""
-    return [zone for zone in stuck if zone.outer.rest >= radius.rest]
+def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZone]:
+    """Return the stick zones that lie inside a radius."""
+    return [zone for zone in stick_zones if zone.outer.rest >= radius.rest]
 
 
-def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
-    """Integrate over a stick zone inside, at the sampling points of half a slip zone.
+def _integral_at_samples(zone: StickZone, family: Family) -> Array:
+    """Integrate ``t^2 E dt / sqrt(s^2 - t^2)`` over a stick zone, at samples s of half a slip zone.
 
-    The outer half is farther from the zone than it is wide: there a polynomial in ``s**2`` through
-    few points is right to rounding.
+    The zone lies inside. The outer half is farther from it than it is wide, so that a polynomial in
+    ``s**2`` through few points is right to rounding there.
     """
     points = family.sampling()
     if family.sign > 0:
-        return _from_stuck(zone, points)
+        return _integral_at(zone, points)
     reach = -family.reach
-    fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
-    return np.asarray(chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])[0])
+    nodes = Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0)
+    coefficients = FAR_FIT @ _integral_at(zone, nodes)
+    return np.asarray(
+        chebyshev_sums(2.0 * points.offset / reach - 1.0, coefficients[:, None, None])[0]
+    )
 
 
-def _from_stuck(zone: Stuck, points: Points) -> Array:
-    """Integrate over a stick zone that lies inside `points`."""
+def _integral_at(zone: StickZone, points: Points) -> Array:
+    """Integrate ``t^2 E dt / sqrt(s^2 - t^2)`` over a stick zone that lies inside all points s."""
     total = np.zeros(len(points.offset))
     for sources, values in zone.parts:
-        # s^2 - t^2 through the anchor they share or the gap between anchors
+        # s^2 - t^2 without cancellation: the gap between the anchors, and the offsets from them
         distance = points.before(sources.anchor)
         total += root_sums(-distance, -sources.offset, values)
     return total
 
 
-def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> float:
-    """Return the largest displacement on an annulus that E in the stick zones inside makes.
+def largest_displacement(stick_zones: list[StickZone], inner: Radius, outer: Radius) -> float:
+    """Return the largest displacement on an annulus that E in the stick zones inside it makes.
 
-    Seen at points graded to the inner end, where it is largest.
+    The points are graded toward the inner boundary, where it is largest.
     """
     points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, DEEPEST, 41)))
     total = np.zeros(len(points.offset))
-    for zone in _inside(stuck, inner):
-        total += _from_stuck(zone, points)
+    for zone in _zones_inside(stick_zones, inner):
+        total += _integral_at(zone, points)
     return float(np.abs(total / (pi * np.sqrt(points.z))).max())
 
 
@@ -169,18 +203,25 @@ def free_displacement(
 ) -> tuple[DiskSeries, float]:
     """Return ``-kappa g``, the displacement without any traction, and its relative error.
 
-    ``g = (1/s) int_0^s eta p deta`` is ``s`` times a function of ``y``, sampled here.
+    ``g = (1/s) int_0^s eta p deta`` is ``s`` times a function of y, which is sampled.
+
+    Parameters
+    ----------
+    contact : NormalContact
+        Normal contact with the pressure p.
+    kappa : float
+    tolerance : float
+        Bound on the relative error of the displacement.
     """
     rate = 0.5 if contact.compliance == 0.0 else 1.0
-    layer = -np.log(contact.compliance or 1.0)
-    resolution = starting_resolution(max(layer, 0.0), tolerance, rate=rate)
-    panels = resolution.panels
-    d = panels.distances
-    inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, d)
-    # near the centre the difference cancels: there g/s is the mean of p over [0, s], over 2
-    values = np.where(d < 0.5, inside / (1.0 - d), mean_inside(contact.pressure, d) / 2.0)
+    depth = max(-np.log(contact.compliance or 1.0), 0.0)
+    panels = starting_resolution(depth, tolerance, rate=rate).panels
+    y = panels.distances
+    load_inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, y)
+    # near the centre the difference cancels: there g/s is half the mean of p inside s
+    values = np.where(y < 0.5, load_inside / (1.0 - y), mean_inside(contact.pressure, y) / 2.0)
     series = sampled_series(panels, values)
     last = np.abs(series.coefficients[:, -3:]).sum(axis=1).max() + np.abs(series.tail[1:]).sum()
-    missing = float(last / np.abs(values).max())
-    error = contact.pressure_error + 2.0 * missing + FIELD_ROUNDING
+    truncation_error = float(last / np.abs(values).max())
+    error = contact.pressure_error + 2.0 * truncation_error + FIELD_ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error

@@ -1,28 +1,43 @@
-"""What partial slip ends in: zones and fields that are held against the friction law."""
+"""Partial slip on given zones: fields, displacement, and the verdict of the friction law.
+
+`zones_outcome` takes the solution for boundaries and fields (`ZoneSolution`), computes the radial
+displacement in slip, and verifies the friction law everywhere: ``|q| <= f p`` in stick, slip
+against the traction, ``p > 0``. `full_stick_outcome` and `as_full_slip` make the same record for a
+contact that sticks or slips everywhere.
+
+Symbols: p and q are pressure and traction, f is friction, beta the tangential compliance,
+``E = kappa R - G`` the residual of full stick in slip (docs/theory.md), ``y = 1 - s**2``.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from dataclasses import fields as fields_of
 from itertools import pairwise
-from math import inf
+from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spectral_contact.contact.friction_law import (
     Interval,
-    hidden_stick,
-    known_share,
-    loose_slip,
+    edge_sense_unknown,
+    inf_if_unresolved,
     missing_stick,
     obeys,
-    stick_excess,
+    slip_error_from_boundaries,
+    stick_violation,
 )
-from spectral_contact.contact.layout import Layout, ZoneNumbers
+from spectral_contact.contact.layout import Layout, ScalarResults, Trial
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY, NormalContact
-from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
+from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
+from spectral_contact.contact.tuning import (
+    DOUBTFUL_VIOLATION,
+    REFUTING_VIOLATION,
+    UNCERTAIN_SLIP_ERROR,
+    UNRESOLVED_SLIP,
+)
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -38,40 +53,36 @@ from spectral_contact.spectral.parameters import Parameters
 if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
 
-#: By how much the law may be broken where no digit of the slip is known: a missing zone breaks it
-#: by 1, and zones that follow from less are made of noise.
-_DOUBTFUL = 0.5
-#: A relative error of slip from which on it may be as wrong as its zone is wide: at the onset of
-#: slip inside, where an ulp of friction moves the ends by 1e-4 of the width, both fail together.
-_HARDLY_KNOWN = 0.1
-#: A violation of the friction law that other zones are to blame for, not rounding.
-_BROKEN = 1e-6
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PartialSlip(ZoneNumbers):
-    """Fields, zones and displacement, held against the friction law.
+class PartialSlip(ScalarResults):
+    """Fields, zones and displacement, verified against the friction law.
 
     Attributes
     ----------
     zones : tuple of Zone
     pressure : PressureField or ZonalField
     traction, slip : ZonalField
+        The slip is the radial displacement, zero in stick.
     slip_error : float
-        Estimate of the error, relative to the largest.
+        Estimate of the error of the displacement, relative to its largest value; infinite if no
+        digit of it is known.
     violation : float
-        By how much the friction law is broken, see `ErrorEstimates`.
+        By how much the friction law is violated, see `ErrorEstimates`.
     wrong_slip : float
-        The largest displacement with the traction, relative to the largest of all: noise where no
-        digit of the displacement is known. It is part of the violation only where one is.
+        The largest displacement in the direction of the traction, relative to the largest of all.
+        It is part of the violation only if the slip error is finite; else it is noise.
     consistent : bool
         Whether the violation is within the errors.
-    amiss : str
-        What is, so much that other zones are to blame; else nothing.
+    violation_text : str
+        A violation so large that only other zones can be right; empty if there is none.
     missing : tuple of (float, float)
-        Intervals of ``y = 1 - s**2``, outward, in which slip has the wrong sense: stick is missing.
+        Intervals of y, outward, in which slip has the direction of the traction: there the surface
+        sticks in truth.
     layout : Layout or None
-        Where a like scene may begin, if these zones were solved for.
+        The zones as a start for a like scene; None if their boundaries were not solved for.
+    trials : tuple of Trial
+        The zones that were tried, in order, with the verdict on each.
     """
 
     zones: tuple[Zone, ...]
@@ -82,38 +93,61 @@ class PartialSlip(ZoneNumbers):
     violation: float = 0.0
     wrong_slip: float = 0.0
     consistent: bool = True
-    amiss: str = ""
+    violation_text: str = ""
     missing: tuple[Interval, ...] = ()
     layout: Layout | None = None
+    trials: tuple[Trial, ...] = ()
 
     @property
-    def settled(self) -> bool:
-        """Whether there is nothing to search for: the friction law holds, and that is known."""
-        known = self.slip_error < inf or self.apparent_violation <= _DOUBTFUL
-        return self.consistent and known and not self.missing
+    def verified(self) -> bool:
+        """Whether the friction law is known to hold, so that no other zones need be tried."""
+        return self.consistent and self._sense_is_known and not self.missing
+
+    @property
+    def verdict(self) -> str:
+        """One line: that the friction law holds, or what is against it."""
+        if self.violation_text:
+            return self.violation_text
+        if not self.consistent:
+            return f"the friction law is violated by {self.violation:.1e}, more than the errors"
+        if not self._sense_is_known:
+            return "the sense of the slip is not known"
+        if self.missing:
+            return f"stick is missing in {len(self.missing)} intervals of slip"
+        return "the friction law holds"
+
+    @property
+    def _sense_is_known(self) -> bool:
+        """Whether slip is known to oppose the traction, or seems to for the most part."""
+        return self.slip_error < inf or self.apparent_violation <= DOUBTFUL_VIOLATION
 
     @property
     def apparent_violation(self) -> float:
-        """The violation, slip counted even where no digit of it is known."""
+        """The violation, with slip in the wrong sense counted even if no digit of it is known."""
         return max(self.violation, self.wrong_slip)
 
     @property
-    def mended(self) -> Layout | None:
-        """The zones with the stick that is missing, if that makes any."""
+    def with_missing_stick(self) -> Layout | None:
+        """These zones with stick zones where stick is missing; None if that adds none."""
         if self.layout is None:
             return None
-        found = self.layout.with_stick(self.missing)
-        return found if len(found.states) > len(self.layout.states) else None
+        enlarged = self.layout.with_stick(self.missing)
+        return enlarged if len(enlarged.states) > len(self.layout.states) else None
 
 
-def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
-    """Return full stick: what slips is narrower than can be resolved, if friction nearly does."""
-    from spectral_contact.contact.onset import UNRESOLVED_SLIP, unresolved_slip
+def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
+    """Return full stick in place of partial slip whose slip is too narrow to be resolved.
+
+    Where f is below the critical friction, the traction of full stick exceeds f p by a relative
+    ``f_crit/f - 1`` at most, which is added to its error.
+    """
+    from spectral_contact.contact.onset import unresolved_slip
 
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
-    excess = stick.critical / parameters.friction - 1.0 if stick.critical < inf else 0.0
-    excess = max(excess, 0.0)  # the traction of full stick is off by no more where there is slip
+    excess = 0.0
+    if stick.critical < inf:
+        excess = max(stick.critical / parameters.friction - 1.0, 0.0)
     return PartialSlip(
         zones=(Zone.between("stick", CENTRE, EDGE),),
         pressure=stick.pressure,
@@ -133,14 +167,14 @@ def no_slip(stick: FullStick, parameters: Parameters) -> PartialSlip:
     )
 
 
-def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
-    """Return slip around a stick disk that is too small to be felt as slip everywhere."""
+def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
+    """Return slip around a point-like stick disk as slip everywhere: ``q = f p``, ``Q* = f``."""
     pressure = outcome.pressure
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
     return replace(
         outcome,
         zones=(Zone.between("slip", CENTRE, EDGE),),
-        traction=ZonalField(tuple(replace(one, factor=friction) for one in pieces)),
+        traction=ZonalField(tuple(replace(piece, factor=friction) for piece in pieces)),
         total_shear=friction,
         shear_error=2.0 * ROUNDING,
         traction_error=outcome.pressure_error,
@@ -154,134 +188,175 @@ def everywhere(outcome: PartialSlip, friction: float) -> PartialSlip:
 def zones_outcome(
     solved: ZoneSolution,
     parameters: Parameters,
-    known: NormalContact | None = None,
+    contact: NormalContact | None = None,
     *,
-    felt: bool = True,
+    point_disk: bool = False,
 ) -> PartialSlip:
-    """Return the solution on any zones with its displacement, held against the friction law.
+    """Return the solution on zones with its displacement, verified against the friction law.
 
     Parameters
     ----------
-    known : NormalContact, optional
-        The contact whose pressure was known.
-    felt : bool
-        Whether what sticks is; if not, it is a point, moves nothing and is not looked at.
+    solved : ZoneSolution
+        Boundaries and fields.
+    parameters : Parameters
+    contact : NormalContact, optional
+        Normal contact, if the pressure was known; without it the pressure is part of `solved`.
+    point_disk : bool
+        Whether the stick disk is so small that it counts as a point: what sticks contributes
+        neither to the displacement nor to its error, and is not verified.
     """
-    from spectral_contact.contact import zone_fields as fields
+    from spectral_contact.contact import zone_fields
 
-    slipping, lost = solved.slipping
-    if not felt:
+    # E in slip, and the bound on what its error does to the displacement
+    slip_zones, slip_residual_error = solved.slipping
+    if point_disk:  # no E in stick, no error of it, and no error of boundaries over zone width
         solved = replace(solved, stuck=[], stray=0.0, loose=0.0)
-    given, own = (None, solved) if known is None else (known.pressure, known)
+    normal = solved if contact is None else contact
     solved = replace(
         solved,
-        stray=solved.stray + lost,
-        approach=own.approach,
-        approach_error=own.approach_error,
-        pressure_error=own.pressure_error,
+        stray=solved.stray + slip_residual_error,
+        approach=normal.approach,
+        approach_error=normal.approach_error,
+        pressure_error=normal.pressure_error,
     )
-    sticks = (
-        fields.stick_series(solved.system.states, solved.system.bounds, solved.shears)
-        if felt
-        else {}
-    )
-    excess = stick_excess(parameters.friction, fields.in_stick(solved) if felt else ())
-    pressure = given or fields.pressure_field(solved, parameters)
-    found = _held(solved, pressure, sticks, excess, slipping, parameters)
-    opens = given is None and not fields.positive(solved.pressures)
-    return replace(found, amiss="the pressure is not positive") if opens else found
+    if point_disk:
+        stick_tractions: dict[int, DiskSeries | AnnulusSeries] = {}
+        excess = 0.0
+    else:
+        system = solved.system
+        stick_tractions = zone_fields.stick_tractions(system.states, system.bounds, solved.shears)
+        excess = stick_violation(parameters.friction, zone_fields.fields_in_stick(solved))
+    pressure: PressureField | ZonalField
+    if contact is None:
+        pressure = zone_fields.pressure_field(solved, parameters)
+    else:
+        pressure = contact.pressure
+    outcome = _verify(solved, pressure, stick_tractions, excess, slip_zones, parameters)
+    if contact is None and not zone_fields.all_positive(solved.pressures):
+        return replace(outcome, violation_text="the pressure is not positive")
+    return outcome
 
 
-def _held(
+def _verify(
     solved: ZoneSolution,
     pressure: PressureField | ZonalField,
-    sticks: dict[int, DiskSeries | AnnulusSeries],
+    stick_tractions: dict[int, DiskSeries | AnnulusSeries],
     excess: float,
-    slipping: list[Slipping],
+    slip_zones: list[SlipZone],
     parameters: Parameters,
 ) -> PartialSlip:
-    """Return zones with displacement and checks; `excess` is that of the traction in stick.
+    """Return zones, fields and displacement, with errors and the verdict of the friction law.
 
-    An error e of E moves the displacement by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) =
-    e s/4``, taken four times because E is seen at its nodes only; one of the pressure by beta f p
-    times its own; 1/(2 pi) bounds every term for the rounding.
+    An error e of E changes the displacement by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) =
+    e s/4``; four times that is taken, because e is known at nodes only. An error of the pressure
+    changes the displacement by ``beta f p`` times the relative error of p, and rounding by
+    `FIELD_ROUNDING` times 1/(2 pi), which bounds every term.
+
+    Parameters
+    ----------
+    excess : float
+        The largest ``|q|/(f p) - 1`` in stick, or 0.
     """
-    _, beta, _, friction = parameters
-    fields, samples, largest, unresolved = slip_displacement(
-        solved.stuck, slipping, pressure, beta, friction
-    )
-    slips, bounds = iter(fields), list(pairwise(solved.system.bounds))
-    zones, traction, displacement = [], [], []
-    for k, (state, (inner, outer)) in enumerate(zip(solved.system.states, bounds, strict=True)):
+    beta, friction = parameters.beta, parameters.friction
+    states = solved.system.states
+    bounds = list(pairwise(solved.system.bounds))
+    displacement = slip_displacement(solved.stuck, slip_zones, pressure, beta, friction)
+
+    zones: list[Zone] = []
+    traction_pieces: list[ZonePiece] = []
+    slip_pieces: list[ZonePiece] = []
+    displacement_fields = iter(displacement.fields)
+    for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
         zones.append(Zone.between("slip" if state else "stick", inner, outer))
         if state:
-            own = pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
-            traction.append(ZonePiece(outer, own, state * friction))
+            zone_pressure = (
+                pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
+            )
+            traction_pieces.append(ZonePiece(outer, zone_pressure, state * friction))
+            slip_pieces.append(ZonePiece(outer, next(displacement_fields)))
         else:
-            traction.append(ZonePiece(outer, sticks.get(k)))
-        displacement.append(ZonePiece(outer, next(slips) if state else None))
-    stray = solved.stray + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
-    if beta > 0.0:  # p is largest at the outermost slip end
-        last = max(k for k, state in enumerate(solved.system.states) if state)
-        highest = float(pressure.at(np.array(bounds[last][1].rest)))
-        stray += beta * friction * highest * solved.pressure_error
-    largest = max(largest, TINY)
-    known, loose = known_share(stray / largest), loose_slip(solved.loose)
-    wrong = max(0.0, *(float(one.max()) for one in samples)) / largest
-    allowed = known + min(loose, 0.5)
-    error = max(solved.traction_error, solved.pressure_error)
-    slip_error = known_share(known + loose)
-    at_ends = [
-        zone.sign * field.toward_outer.limit for zone, field in zip(slipping, fields, strict=True)
+            traction_pieces.append(ZonePiece(outer, stick_tractions.get(k)))
+            slip_pieces.append(ZonePiece(outer, None))
+
+    absolute_error = solved.stray + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
+    if beta > 0.0:  # p is largest at the outer boundary of the outermost slip zone
+        last_slip = max(k for k, state in enumerate(states) if state)
+        max_pressure = float(pressure.at(np.array(bounds[last_slip][1].rest)))
+        absolute_error += beta * friction * max_pressure * solved.pressure_error
+    largest = max(displacement.largest, TINY)
+    field_error = inf_if_unresolved(absolute_error / largest)
+    boundary_error = slip_error_from_boundaries(solved.loose)
+    slip_error = inf_if_unresolved(field_error + boundary_error)
+
+    # slip in the wrong sense is excused up to the errors; those of boundaries at most up to a half
+    excused = field_error + min(boundary_error, 0.5)
+    wrong = max(0.0, *(float(sample.max()) for sample in displacement.samples)) / largest
+    at_outer_ends = [
+        zone.sign * field.toward_outer.limit
+        for zone, field in zip(slip_zones, displacement.fields, strict=True)
     ]
     missing = tuple(
         interval
-        for zone, at_end, sample in zip(slipping, at_ends, samples, strict=True)
-        for interval in missing_stick(zone.annulus, sample, largest, at_end, allowed)
+        for zone, at_end, sample in zip(
+            slip_zones, at_outer_ends, displacement.samples, strict=True
+        )
+        for interval in missing_stick(zone.annulus, sample, largest, at_end, excused)
     )
-    numbers = {one.name: getattr(solved, one.name) for one in fields_of(ZoneNumbers)}
-    numbers["traction_error"] = error
-    at_edge = at_ends[-1] / largest if beta * solved.system.states[-1] else inf
-    unknown = _unknown_width(slip_error, zones), hidden_stick(at_edge, allowed)
-    numbers["zones_error"] = max(solved.zones_error, _unknown_sense(slip_error, wrong), *unknown)
+    # the slip at the edge, if the edge slips and a layer keeps it finite
+    at_edge = at_outer_ends[-1] / largest if beta * states[-1] else inf
+
+    traction_error = max(solved.traction_error, solved.pressure_error)
+    scalars = {item.name: getattr(solved, item.name) for item in fields_of(ScalarResults)}
+    scalars["traction_error"] = traction_error
+    scalars["zones_error"] = max(
+        solved.zones_error,
+        _sense_unknown(slip_error, wrong),
+        _zone_width_error(slip_error, zones),
+        edge_sense_unknown(at_edge, excused),
+    )
     return PartialSlip(
         zones=tuple(zones),
         pressure=pressure,
-        traction=ZonalField(tuple(traction)),
-        slip=ZonalField(tuple(displacement)),
+        traction=ZonalField(tuple(traction_pieces)),
+        slip=ZonalField(tuple(slip_pieces)),
         slip_error=slip_error,
-        violation=_violation(excess, wrong, slip_error),
+        violation=max(excess, wrong) if slip_error < inf else excess,
         wrong_slip=wrong,
-        consistent=obeys(excess, error, wrong, allowed),
-        amiss=_amiss(excess, wrong, allowed),
+        consistent=obeys(excess, traction_error, wrong, excused),
+        violation_text=_violation_text(excess, wrong, excused),
         missing=missing,
         layout=solved.layout,
-        **numbers,
+        **scalars,
     )
 
 
-def _amiss(excess: float, wrong: float, allowed: float) -> str:
-    """Return what other zones are to blame for."""
-    if not excess <= _BROKEN:
+def _violation_text(excess: float, wrong: float, excused: float) -> str:
+    """Return the violation that only other zones can mend, or nothing.
+
+    If no digit of the slip is known, `excused` is infinite: its sense refutes nothing.
+    """
+    if not excess <= REFUTING_VIOLATION:
         return "the traction in stick exceeds friction"
-    # where no digit of the slip is known its sense is not
-    return "" if wrong <= max(_BROKEN, allowed) else "the surface slips with the traction"
+    if wrong <= max(REFUTING_VIOLATION, excused):
+        return ""
+    return "the surface slips with the traction"
 
 
-def _violation(excess: float, wrong: float, slip_error: float) -> float:
-    """Return by how much the law is broken: in slip, where a digit of the displacement is known."""
-    return max(excess, wrong) if slip_error < inf else excess
+def _sense_unknown(slip_error: float, wrong: float) -> float:
+    """Return 1, no digit of the zones, if noise has most slip in the wrong sense; else 0."""
+    return float(slip_error == inf and wrong > DOUBTFUL_VIOLATION)
 
 
-def _unknown_sense(slip_error: float, wrong: float) -> float:
-    """Return 1, zones of which nothing is known, where noise has most of the slip wrong."""
-    return float(slip_error == inf and wrong > _DOUBTFUL)
+def _zone_width_error(slip_error: float, zones: list[Zone]) -> float:
+    """Return the relative error of boundaries of slip zones inside whose slip has hardly a digit.
 
-
-def _unknown_width(slip_error: float, zones: list[Zone]) -> float:
-    """Return the relative error of the ends of zones inside whose slip has hardly a digit."""
-    if slip_error < _HARDLY_KNOWN:
+    The error is that of the slip (1 at most) times the width of the zone over its distance from the
+    edge.
+    """
+    if slip_error < UNCERTAIN_SLIP_ERROR:
         return 0.0
-    inside = (z for z in zones if z.kind == "slip" and z.outer_from_edge > 0.0)
-    widths = ((z.inner_from_edge - z.outer_from_edge) / z.outer_from_edge for z in inside)
+    inside = [zone for zone in zones if zone.kind == "slip" and zone.outer_from_edge > 0.0]
+    widths = [
+        (zone.inner_from_edge - zone.outer_from_edge) / zone.outer_from_edge for zone in inside
+    ]
     return min(slip_error, 1.0) * max(widths, default=0.0)

@@ -25,7 +25,7 @@ from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.normal import SMALL_COMPLIANCE
 from spectral_contact.contact.resolution import ROUNDING, NormalContact
-from spectral_contact.contact.zone_fields import stick_series
+from spectral_contact.contact.zone_fields import stick_tractions
 from spectral_contact.contact.zone_problem import narrowest
 from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
 from spectral_contact.fields.series import (
@@ -291,7 +291,7 @@ class _AtBoundaries:
             pressure, shear = system.series(values)
             if not system.pressure_known:
                 pressures.append(ZonalField.on_parts(bounds, pressure))
-            sticks = stick_series(system.states, bounds, shear)
+            sticks = stick_tractions(system.states, bounds, shear)
             disk = sticks[0]
             if root and isinstance(disk, DiskSeries):
                 sticks[0] = replace(disk, weight=EdgeWeight(2.0 * root / np.pi, 0.0))

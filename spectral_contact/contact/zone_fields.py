@@ -1,4 +1,8 @@
-"""Pressure and traction on any zones, from the series of their parts."""
+"""Pressure and traction on zones, from the series on their parts.
+
+A zone that is an annulus has two parts, its inner and its outer half; the stick disk is one part.
+``y = 1 - s**2`` at the radius s; alpha, beta, kappa, f are those of `Parameters`.
+"""
 
 from __future__ import annotations
 
@@ -27,80 +31,120 @@ from spectral_contact.spectral.parts import gap
 if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
 
-#: Rounds of a fixed point whose error falls by 3 kappa f, a twentieth, in each.
-_ROUNDS = 14
+#: Rounds of the fixed-point iteration for e: each lowers the error by a factor ``3 kappa f``, which
+#: is 1/20 at most, so that 14 make it rounding.
+_EXPONENT_ROUNDS = 14
 
 
-def positive(pressures: Sequence[LogSeries]) -> bool:
-    """Return whether the pressure on all parts is: else the contact would open."""
-    return bool(np.min([one(DISTANCES) for one in pressures]) > 0.0)
+def all_positive(pressures: Sequence[LogSeries]) -> bool:
+    """Return whether the pressure is positive on all parts; else the contact would open."""
+    return bool(np.min([pressure(DISTANCES) for pressure in pressures]) > 0.0)
 
 
-def in_stick(solved: ZoneSolution) -> Iterator[tuple[Array, Array]]:
-    """Yield q and p at `DISTANCES` from every end of a stick zone."""
+def fields_in_stick(solved: ZoneSolution) -> Iterator[tuple[Array, Array]]:
+    """Yield q and p at `DISTANCES` from every boundary of a stick zone."""
     for k, shear in solved.shears.items():
-        at = solved.system.parts[k].family.points(DISTANCES)
-        yield np.sqrt(np.maximum(at.z, 0.0)) * shear(DISTANCES), solved.pressures[k](DISTANCES)
+        points = solved.system.parts[k].family.points(DISTANCES)
+        radius = np.sqrt(np.maximum(points.z, 0.0))
+        yield radius * shear(DISTANCES), solved.pressures[k](DISTANCES)
 
 
-def stick_series(
-    states: tuple[int, ...], bounds: Sequence[Radius], shear: Mapping[int, LogSeries]
+def stick_tractions(
+    states: tuple[int, ...], bounds: Sequence[Radius], shears: Mapping[int, LogSeries]
 ) -> dict[int, DiskSeries | AnnulusSeries]:
-    """Return the tractions of the stick zones, of q/s on the parts."""
-    found: dict[int, DiskSeries | AnnulusSeries] = {}
-    for zone in (k for k, state in enumerate(states) if state == 0):
-        if zone:
-            both = shear[2 * zone - 1], shear[2 * zone]
-            found[zone] = AnnulusSeries(bounds[zone], bounds[zone + 1], *both)
+    """Return the traction of each stick zone by its number.
+
+    Parameters
+    ----------
+    states : tuple of int
+        Of the zones: 0 for stick.
+    bounds : sequence of Radius
+        Boundaries, with centre and edge.
+    shears : mapping of int to LogSeries
+        q/s on each part in stick: part 0 is the disk, parts ``2 k - 1`` and ``2 k`` are the halves
+        of zone k.
+    """
+    tractions: dict[int, DiskSeries | AnnulusSeries] = {}
+    for zone, state in enumerate(states):
+        if state != 0:
+            continue
+        if zone == 0:
+            tractions[zone] = DiskSeries(bounds[1], shears[0].times(bounds[1].value))
         else:
-            found[zone] = DiskSeries(bounds[1], shear[0].times(bounds[1].value))
-    return found
+            inner_half = shears[2 * zone - 1]
+            outer_half = shears[2 * zone]
+            tractions[zone] = AnnulusSeries(bounds[zone], bounds[zone + 1], inner_half, outer_half)
+    return tractions
 
 
 def pressure_field(solved: ZoneSolution, parameters: Parameters) -> ZonalField:
     """Return the pressure on all zones."""
-    series = [*solved.pressures[:-1], _to_the_edge(solved, parameters)]
+    series = [*solved.pressures[:-1], _pressure_at_edge(solved, parameters)]
     return ZonalField.on_parts(solved.system.bounds, series)
 
 
-def least_radius(parameters: Parameters) -> float:
-    """Return the stick radius of a smooth surface under little friction, to a factor of 2."""
+def min_stick_radius(parameters: Parameters) -> float:
+    """Return the stick radius of a smooth surface under little friction, to a factor of 2.
+
+    It is the sum of its limits: ``4 exp(-2 kappa/f)`` without tangential compliance, ``2 beta f``
+    with much of it.
+    """
     _, beta, kappa, friction = parameters
     return 4.0 * exp(-2.0 * kappa / friction) + 2.0 * beta * friction
 
 
-def to_the_centre(pressure: ZonalField, within: Radius, parameters: Parameters) -> ZonalField:
-    """Return the pressure under a smooth punch with what it is within a radius from the centre.
+def with_central_asymptote(
+    pressure: ZonalField, radius: Radius, parameters: Parameters
+) -> ZonalField:
+    """Return the pressure on a smooth surface with a closed form inside a radius.
 
-    Where slip goes there ``p ~ s**-e / sqrt(1 - s**2)``, down to a stick disk that is not felt.
+    In slip ``p ~ s**-e / sqrt(1 - s**2)`` there, down to the stick disk, in which p is regular.
+
+    Parameters
+    ----------
+    pressure : ZonalField
+        Its first piece is replaced.
+    radius : Radius
+        Where the closed form takes its value from the pressure.
+    parameters : Parameters
     """
     exponent = _central_exponent(parameters.kappa * parameters.friction)
-    at_rim = float(pressure(np.array([within.value]), np.array([within.from_edge]))[0])
-    pieces = [_around_centre(within, at_rim, -exponent), *pressure.pieces[1:]]
-    stuck = least_radius(parameters)
-    if stuck > np.sqrt(TINY):
-        value = at_rim * (within.value / stuck) ** exponent
-        pieces.insert(0, _around_centre(Radius(stuck, 1.0 - stuck), value, 0.0))
+    at_radius = float(pressure(np.array([radius.value]), np.array([radius.from_edge]))[0])
+    pieces = [_power_piece(radius, at_radius, -exponent), *pressure.pieces[1:]]
+    stick_radius = min_stick_radius(parameters)
+    if stick_radius > np.sqrt(TINY):
+        at_stick_radius = at_radius * (radius.value / stick_radius) ** exponent
+        rim = Radius(stick_radius, 1.0 - stick_radius)
+        pieces.insert(0, _power_piece(rim, at_stick_radius, 0.0))
     return ZonalField(tuple(pieces))
 
 
-def _around_centre(outer: Radius, at_rim: float, exponent: float) -> ZonePiece:
-    """Return ``s**exponent / sqrt(1 - s**2)`` up to a radius, with this value there."""
+def _power_piece(outer: Radius, at_outer: float, exponent: float) -> ZonePiece:
+    """Return ``s**exponent / sqrt(1 - s**2)`` inside a radius, scaled to a value there."""
     shift = (1.0 - outer.square) / outer.square
-    weight = EdgeWeight(at_rim * float(np.sqrt(shift)), shift)
+    weight = EdgeWeight(at_outer * float(np.sqrt(shift)), shift)
     return ZonePiece(outer, DiskSeries(outer, None, weight, power=0, exponent=exponent))
 
 
 def _central_exponent(coupling: float) -> float:
-    """Return e of ``s**-e``: by what this presses down the surface its traction lifts it."""
+    """Return the exponent e of ``p ~ s**-e``, from a fixed-point iteration.
+
+    With ``q = f p`` the displacements that p and q make in normal direction are powers of s, too,
+    and have to cancel.
+
+    Parameters
+    ----------
+    coupling : float
+        ``kappa f``.
+    """
     e = 2.0 * coupling
-    for _ in range(_ROUNDS):
+    for _ in range(_EXPONENT_ROUNDS):
         ratio = gamma(1.0 + e / 2.0) * gamma((1.0 - e) / 2.0)
         e = 2.0 * coupling * (1.0 - e) * ratio / (gamma((1.0 + e) / 2.0) * gamma(1.0 - e / 2.0))
     return e
 
 
-def _to_the_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
+def _pressure_at_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
     """Return the pressure next to the edge; where it is singular it ends in its leading term."""
     series = solved.pressures[-1]
     if series.power == 0.0 or solved.system.states[-1]:

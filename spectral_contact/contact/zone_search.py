@@ -1,8 +1,18 @@
-"""Which zones partial slip has: guesses are solved for until one obeys the friction law.
+"""Which zones partial slip has: a list of candidates, each verified by the friction law.
 
-How zones were guessed does not matter then. Without elastic coupling the problem is a strictly
-convex minimisation under |q| <= f p: a traction that satisfies all conditions is the solution. With
-it uniqueness is not proved, and no search is known to be sure.
+A candidate is a sequence of zones (`Layout`: boundaries, and whether each zone sticks or slips)
+with the reason why it is tried. `ZoneSearch.outcome` takes the candidates in order, solves for the
+boundaries and fields of each, and has the friction law decide (`slip_outcome`). The first candidate
+on which the law holds is the solution; if there is none, the one that violates it least. The
+outcome tells which candidates were tried, and what refuted them (`PartialSlip.trials`).
+
+Where candidates come from does not matter for the result. Without elastic coupling the problem is a
+strictly convex minimisation under ``|q| <= f p``: fields that satisfy all conditions are the
+solution. With coupling uniqueness is not proved, and no search is known to be sure.
+
+Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, kappa the
+coupling, alpha and beta the normal and tangential compliance; ``y = 1 - s**2`` at the radius s, and
+the logit of a radius is ``ln(s**2/y)``. A surface is smooth if alpha = 0.
 """
 
 from __future__ import annotations
@@ -16,22 +26,32 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spectral_contact.contact.layout import Layout, NoBoundariesError, unmoved
+from spectral_contact.contact.layout import Layout, NoBoundariesError, Trial, fixed_disk
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import DEEPEST, ONSET, NormalContact
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
-    everywhere,
-    no_slip,
+    as_full_slip,
+    full_stick_outcome,
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import LEAST_PLAIN, NoStickDiskError, guessed_logit
-from spectral_contact.contact.zone_fields import least_radius, to_the_centre
-from spectral_contact.contact.zone_problem import (
-    FreeBoundaryProblem,
-    solve_zones,
+from spectral_contact.contact.tuning import (
+    CENTRAL_ASYMPTOTE_ERROR,
+    CENTRAL_CLEARANCE,
+    EDGE_MATCHING_ERROR,
+    EDGE_MATCHING_SLACK,
+    FIELD_TOLERANCE_EXPONENT,
+    MAX_ZONES,
+    MIN_EDGE_STICK_WIDTH,
+    MIN_WARM_START_WIDTH,
+    NARROW_SLIP_BAND,
+    SCAN_START,
+    SCAN_STEP,
 )
+from spectral_contact.contact.zone_fields import min_stick_radius, with_central_asymptote
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
@@ -42,48 +62,51 @@ if TYPE_CHECKING:
 
 Record = Callable[[str, Any, float], Any]
 
-#: What tolerance of the traction one of shear and stick radius takes, as a power of it: of 216
-#: scenes of sweeps at 1e-8 and 1e-12 none is solved again, 43 are with 0.5.
-_SUPERCONVERGENCE = 0.52
-#: Narrower zones than this, in logits, are not handed on: their slopes change within their width.
-_NARROWEST = 1e-3
-#: Where the edge of a smooth surface sticks over less than this, in ``y``, it is one disk.
-_NO_EDGE = 1e-80
-#: What a pressure ``s**-e / sqrt(1 - s**2)`` lacks, of ``kappa f s**2``: 2, measured.
-_BESIDE = 5.0
-#: Stick at a smooth edge is matched where that is expected to err by as many tolerances, or by so
-#: little: panels leave 1e-9 of a width of 1e-20, and 4e-7 of 1e-24.
-_ROUGHLY, _TOO_NARROW = 10.0, 1e-8
-#: No scene is known to have more than four zones; at the onset of slip noise looks like many more.
-_MOST_ZONES = 6
-#: One stick disk of which nothing is known, and one with narrow slip.
-_DISK, _WIDE_DISK = Layout((), (0, 1)), Layout((2.0,), (0, 1))
-#: From where on another stick radius is looked for, and in which steps, as logits; on smooth
-#: surfaces they are 10 apart and more, measured.
-_CLEAR, _APART = 1.0, 4.0
-#: Friction that lacks less than this lets no more slip than where full stick exceeds it: to 0.01 in
-#: the logit, measured, where it lacks half as much. Rough spaces have slip to as much in the logit.
-_ABOUT = 0.02
+#: States of a stick disk in a slip annulus.
+_DISK_STATES = (0, 1)
+#: A stick disk without a radius: the solver chooses where it begins.
+_DISK = Layout((), _DISK_STATES)
+#: A stick disk with a narrow slip annulus around it.
+_WIDE_DISK = Layout((2.0,), _DISK_STATES)
+#: The logit of a stick disk so small that its radius is rounding: the slip around it is that of
+#: full slip.
+_POINT_LOGIT = -2.0 * DEEPEST
 
 
-#: The logit of a stick disk whose radius is rounding: it has all the slip of a smaller one.
-_POINT = -2.0 * DEEPEST
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """Zones to solve for.
+
+    Attributes
+    ----------
+    zones : Layout
+        Their states, and boundaries to begin with.
+    reason : str
+        Why they are tried.
+    from_like_scene : bool
+        Whether they are the zones of a like scene. Newton's method then starts at these boundaries
+        with this Jacobian, and no search for better ones comes before it.
+    """
+
+    zones: Layout
+    reason: str
+    from_like_scene: bool = False
 
 
 class NoZonesError(ArithmeticError):
-    """No guess of the zones obeys the friction law; the text says what is amiss with each.
+    """The friction law holds on no candidate; the text says what refuted each.
 
     Attributes
     ----------
     best : PartialSlip or None
-        The guess that breaks the law least, if one was solved for.
+        The outcome that violates the law least, if one was solved for.
     """
 
     best: PartialSlip | None = None
 
 
-def _worst(outcome: PartialSlip) -> float:
-    """Return the largest error estimate that a tolerance bounds."""
+def _largest_error(outcome: PartialSlip) -> float:
+    """Return the largest of the error estimates that a tolerance bounds."""
     return max(
         outcome.approach_error, outcome.shear_error, outcome.pressure_error, outcome.traction_error
     )
@@ -91,21 +114,23 @@ def _worst(outcome: PartialSlip) -> float:
 
 @dataclass(eq=False)
 class ZoneSearch(ABC):
-    """Solves for guesses until the friction law holds.
+    """Solves for one candidate after the other until the friction law holds.
 
     Parameters
     ----------
     parameters : Parameters
     stick : FullStick
-        Full stick, with its fields.
+        Full stick in the same contact: its fields, the critical friction at which slip begins
+        (`critical`), and ``|q|/p`` at the edge (`edge_ratio`).
     tolerance : float
         Bound on the relative errors of the fields.
     max_unknowns : int
         Most unknowns of a space.
     record : callable
-        Takes the name of a step, its outcome and its beginning, returns the value.
-    near : Layout, optional
-        Zones that come first, as `PartialSlip.layout` of a like scene has them.
+        Takes the name of a step of the solve, its result and the time it began; notes the work and
+        returns the value of the result.
+    warm_start : Layout, optional
+        The first candidate: zones as `PartialSlip.layout` of a like scene has them.
     """
 
     parameters: Parameters
@@ -113,221 +138,268 @@ class ZoneSearch(ABC):
     tolerance: float
     max_unknowns: int
     record: Record
-    near: Layout | None = field(default=None, kw_only=True)
-    _reasons: list[str] = field(default_factory=list, init=False)
+    warm_start: Layout | None = field(default=None, kw_only=True)
+    _trials: list[Trial] = field(default_factory=list, init=False)
 
     def outcome(self) -> PartialSlip:
-        """Return the first outcome that obeys the friction law, or the best that will do."""
-        found = []
-        # the search for boundaries that are not there ends at the edge, past rounding
-        with np.errstate(all="ignore"):
-            for one in self._tried():
-                if one.settled:
-                    return one
-                found.append(one)
-        return self._least_wrong(found)
+        """Return the first outcome that obeys the friction law, or the best that will do.
 
-    def _tried(self) -> Iterator[PartialSlip]:
-        """Solve for guesses, of every kind once, and for what mends them."""
-        seen: set[tuple[int, ...]] = set()
-        for guess in self._guesses():
-            layout: Layout | None = None if guess.states in seen else guess
-            if guess is not _DISK:  # of which no radius is told: a better guess may be
-                seen.add(guess.states)
-            while layout is not None and self._possible(layout):
-                outcome = self._attempted(layout)
-                if outcome is None:
-                    break
-                seen.add(layout.states)
-                yield outcome
-                layout = outcome.mended
+        Its `trials` are all candidates that were solved for.
+        """
+        outcomes: list[PartialSlip] = []
+        tried: set[tuple[int, ...]] = set()
+        # Newton's method for boundaries that do not exist ends at the edge, in overflow
+        with np.errstate(all="ignore"):
+            for candidate in self._candidates():
+                if candidate.from_like_scene:
+                    outcomes += self._try(candidate)
+                elif candidate.zones.states not in tried:
+                    if candidate.zones.logits:  # a disk without a radius may come again with one
+                        tried.add(candidate.zones.states)
+                    outcomes += self._try_with_missing_stick(candidate, tried)
+                if outcomes and outcomes[-1].verified:
+                    return self._with_trials(outcomes[-1])
+        return self._with_trials(self._least_wrong(outcomes))
+
+    def _try_with_missing_stick(
+        self, candidate: Candidate, tried: set[tuple[int, ...]]
+    ) -> list[PartialSlip]:
+        """Try a candidate, then its zones with the stick whose absence refuted it, and so on.
+
+        The states of what is solved for are added to those that were tried.
+        """
+        outcomes: list[PartialSlip] = []
+        while self._is_possible(candidate.zones):
+            new = self._try(candidate)
+            if not new:
+                break
+            outcomes += new
+            tried.add(candidate.zones.states)
+            enlarged = None if new[0].verified else new[0].with_missing_stick
+            if enlarged is None:
+                break
+            candidate = Candidate(enlarged, "the zones before, with the stick missing there")
+        return outcomes
+
+    def _try(self, candidate: Candidate) -> list[PartialSlip]:
+        """Return the solution on a candidate, if there is one, and note the verdict on it."""
+        outcome = None
+        try:
+            outcome = self._solve(candidate)
+            verdict = outcome.verdict
+        # LinAlgError: a zone has no width, its boundaries coincide
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            verdict = str(error)
+        self._trials.append(Trial(candidate.zones, candidate.reason, verdict))
+        return [] if outcome is None else [outcome]
+
+    def _with_trials(self, outcome: PartialSlip) -> PartialSlip:
+        """Return an outcome that tells which candidates were tried."""
+        return replace(outcome, trials=tuple(self._trials))
 
     @cached_property
-    def _exceeded(self) -> Layout:
-        """Slip where full stick exceeds friction, and stick elsewhere."""
-        from spectral_contact.contact.onset import exceeded
+    def _violated_by_full_stick(self) -> Layout:
+        """Slip where full stick violates ``|q| <= f p``, stick elsewhere."""
+        from spectral_contact.contact.onset import slip_where_exceeded
 
-        return exceeded(self.stick, self.parameters)
+        return slip_where_exceeded(self.stick, self.parameters)
 
     @property
     def _smooth(self) -> bool:
-        """Whether p is infinite at the edge and q is not."""
+        """Whether full stick has an infinite p and a finite q at the edge: alpha = 0 < beta."""
         return self.parameters.alpha == 0.0 < self.parameters.beta
 
     @property
-    def _smooth_edge(self) -> float:
+    def _edge_stick_width(self) -> float:
         """The width in ``y`` over which a smooth edge sticks, but for a factor of about 1."""
         return (self.parameters.friction * self.parameters.beta) ** 2
 
     @property
     def _edge_sticks(self) -> bool:
-        """Whether a smooth edge does, over more than a point."""
-        return self._smooth and self._smooth_edge >= _NO_EDGE
+        """Whether the stick zone at a smooth edge is wide enough to be represented."""
+        return self._smooth and self._edge_stick_width >= MIN_EDGE_STICK_WIDTH
 
-    def _to_the_edge(self, logits: list[float], states: tuple[int, ...]) -> Layout:
-        """Return zones on rings, with the stick at a smooth edge if that is below all rings."""
+    def _with_edge_stick(self, logits: list[float], states: tuple[int, ...]) -> Layout:
+        """Return zones on rings, with stick at a smooth edge if it is narrower than any ring."""
         if self._edge_sticks and states[-1] != 0:
-            logits, states = [*logits, -log(self._smooth_edge)], (*states, 0)
+            return Layout((*logits, -log(self._edge_stick_width)), (*states, 0))
         return Layout(tuple(logits), states)
 
-    def _attempted(self, layout: Layout) -> PartialSlip | None:
-        """Return the solution on zones like these, if there is one."""
-        try:
-            return self._solved(layout)
-        # one of them has no width: its ends coincide
-        except (np.linalg.LinAlgError, ArithmeticError) as missing:
-            self._reasons.append(f"{len(layout.states)} zones: {missing}")
-            return None
+    @abstractmethod
+    def _candidates(self) -> Iterator[Candidate]:
+        """Yield candidates, the likeliest first."""
 
     @abstractmethod
-    def _guesses(self) -> Iterator[Layout]:
-        """Yield zones, the likeliest first."""
+    def _is_possible(self, zones: Layout) -> bool:
+        """Return whether a contact may have zones of these states."""
 
     @abstractmethod
-    def _possible(self, layout: Layout) -> bool:
-        """Return whether there may be zones like these."""
+    def _solve(self, candidate: Candidate) -> PartialSlip:
+        """Return the solution on a candidate, verified.
+
+        Raises
+        ------
+        ArithmeticError, LinAlgError
+            If there is none; the text is the verdict.
+        """
 
     @abstractmethod
-    def _solved(self, layout: Layout) -> PartialSlip:
-        """Return the solution on zones like these."""
-
-    @abstractmethod
-    def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
-        """Return the best of those that do not obey the law, or whose sense of slip is unknown."""
+    def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
+        """Return the best outcome where the law holds on none, or the sense of slip is unknown."""
 
 
 @dataclass(eq=False)
 class UncoupledSearch(ZoneSearch):
-    """The search under a pressure that is given, for kappa = 1.
-
-    Guesses are zones of a like scene, one stick disk and the stick that it lacks, narrow slip where
-    full stick breaks the law, and what an active set finds on rings.
+    """The search under a known pressure, for kappa = 1.
 
     Parameters
     ----------
-    known : NormalContact
-        The contact whose pressure is known.
+    contact : NormalContact
+        Normal contact, whose pressure is known.
     pointwise : bool
-        Whether the tolerance bounds q/s. If not, and slip is inside, it bounds the total shear
-        and the stick radius, which need less.
+        Whether the tolerance bounds the error of q/s at every radius. If not, it bounds those of
+        total shear and stick radius, for which looser fields do.
     """
 
-    known: NormalContact
+    contact: NormalContact
     pointwise: bool = True
 
     def outcome(self) -> PartialSlip:
-        """Return the best outcome; full stick where it fails and the errors decide on slip."""
-        best = self._handed_on() or super().outcome()
-        error = max(best.traction_error if self.pointwise else 0.0, best.shear_error)
-        failed = not best.consistent or error > self.tolerance
+        """Return the best outcome; full stick where it fails and f is critical to the errors."""
+        best = super().outcome()
+        failed = not best.consistent or self._error(best) > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
         if failed and self.parameters.friction > critical:
-            return no_slip(self.stick, self.parameters)
+            return self._with_trials(full_stick_outcome(self.stick, self.parameters))
         return best
 
-    def _handed_on(self) -> PartialSlip | None:
-        """Return the solution on the zones of a like scene if the friction law holds on them."""
-        layout = self.near
-        if layout is None or min(np.diff(layout.logits), default=0.0) <= _NARROWEST:
-            return None
-        begin = perf_counter()
-        try:
-            refinement = self._refined(layout)
-        except (np.linalg.LinAlgError, ArithmeticError):  # they have other zones
-            return None
-        zones = refinement.best.value
-        outcome = zones_outcome(zones, self.parameters, self.known)
-        error = max(zones.traction_error if self.pointwise else 0.0, zones.shear_error)
-        if not outcome.settled or outcome.slip_error == inf or error > self.tolerance:
-            return None
-        self.record(ZONE_SEARCH, refinement, begin)
-        return outcome
-
-    def _guesses(self) -> Iterator[Layout]:
-        """Yield one disk, and what full stick and rings tell."""
+    def _candidates(self) -> Iterator[Candidate]:
+        """Yield candidates: a like scene's zones, one disk, what full stick and rings show."""
+        beta = self.parameters.beta
+        friction = self.parameters.friction
+        start = self.warm_start
+        if start is not None and min(np.diff(start.logits), default=0.0) > MIN_WARM_START_WIDTH:
+            yield Candidate(start, "the zones of a like scene", from_like_scene=True)
         if not self._edge_sticks:
-            near = self.near or _DISK
-            yield _DISK if near.jacobian is None or near.states != _DISK.states else near
-        if self.parameters.beta == 0.0:
-            return
+            if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
+                yield Candidate(start, "one stick disk, about as large as that of a like scene")
+            else:
+                yield Candidate(_DISK, "one stick disk")
+        if beta == 0.0:
+            return  # one stick disk it is: without a layer q has no other zones
         from spectral_contact.contact.onset import is_narrow
 
-        violated = self._exceeded
-        if is_narrow(violated):  # rings miss it
+        violated = Candidate(
+            self._violated_by_full_stick, "slip where full stick exceeds the friction"
+        )
+        if is_narrow(violated.zones):  # it may fall between rings
             yield violated
         from spectral_contact.contact.active_set import ring_layout
 
-        found = ring_layout(self.parameters, coupled=False)
-        logits, states = [one.logit for one in found.boundaries], found.states
-        if found.centre_unseen:  # c = 2 beta f / kappa as f -> 0
-            centre = 2.0 * self.parameters.beta * self.parameters.friction
-            logits, states = [Radius(centre, 1.0 - centre).logit, *logits], (0, *states)
-        yield self._to_the_edge(logits, states)
-        yield violated  # rings have a pressure of their own
+        rings = ring_layout(self.parameters, coupled=False)
+        logits = [radius.logit for radius in rings.boundaries]
+        states = rings.states
+        if rings.centre_unresolved:
+            centre = 2.0 * beta * friction  # c -> 2 beta f / kappa as f -> 0
+            logits = [Radius(centre, 1.0 - centre).logit, *logits]
+            states = (0, *states)
+        yield Candidate(
+            self._with_edge_stick(logits, states), "the zones of an active set on rings"
+        )
+        # the pressure on rings is not quite the pressure of the contact
+        yield violated
 
-    def _possible(self, layout: Layout) -> bool:
+    def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: without a layer of q there is one stick disk."""
         if self.parameters.beta == 0.0 or (self._smooth and not self._edge_sticks):
-            return layout.states == _DISK.states
-        return 1 < len(layout.states) <= _MOST_ZONES
+            return zones.states == _DISK_STATES
+        return 1 < len(zones.states) <= MAX_ZONES
 
-    def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
-        if not found:  # slip about to start, thinner than its own conditioning
-            return no_slip(self.stick, self.parameters)
-        lawful = [one for one in found if one.consistent]
-        best = min(lawful or found, key=lambda outcome: outcome.apparent_violation)
-        if best.missing:  # a zone may be missing, of which the errors of its neighbours say nothing
+    def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
+        if not outcomes:  # slip is about to start, and too narrow to be solved for
+            return full_stick_outcome(self.stick, self.parameters)
+        lawful = [outcome for outcome in outcomes if outcome.consistent]
+        best = min(lawful or outcomes, key=lambda outcome: outcome.apparent_violation)
+        if best.missing:  # a zone may be missing, which no estimate of its neighbours includes
             best = replace(best, zones_error=max(best.zones_error, 1.0))
         return best
 
-    def _solved(self, layout: Layout) -> PartialSlip:
-        one_disk = layout.states == _DISK.states
-        if one_disk and not layout.logits:
-            layout = layout._replace(logits=(guessed_logit(self.parameters),))
+    def _solve(self, candidate: Candidate) -> PartialSlip:
+        if candidate.from_like_scene:
+            return self._solve_from_like_scene(candidate.zones)
+        zones = candidate.zones
+        one_disk = zones.states == _DISK_STATES
+        if one_disk and not zones.logits:
+            # a first radius, from the limits of little and of much friction
+            zones = zones._replace(logits=(guessed_logit(self.parameters),))
         begin = perf_counter()
         try:
-            refinement = self._refined(layout)
-        except NoStickDiskError as missing:
-            if missing.at_centre:
-                return self._all_slip()
+            refinement = self._refine(zones)
+        except NoStickDiskError as error:
+            if error.at_centre:
+                return self._full_slip()
             raise
-        zones: ZoneSolution = self.record(
+        solved: ZoneSolution = self.record(
             PARTIAL_SLIP if one_disk else ZONE_SEARCH, refinement, begin
         )
         begin = perf_counter()
-        outcome = zones_outcome(zones, self.parameters, self.known)
+        outcome = zones_outcome(solved, self.parameters, self.contact)
         if one_disk:
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
-    def _all_slip(self) -> PartialSlip:
-        """Return slip everywhere: the stick disk is smaller than 1e-54."""
+    def _solve_from_like_scene(self, zones: Layout) -> PartialSlip:
+        """Return the solution on the zones of a like scene if nothing is left to be desired.
+
+        Else a fresh start may give a better one, so that this candidate counts as refuted.
+        """
+        begin = perf_counter()
+        refinement = self._refine(zones)
+        outcome = zones_outcome(refinement.best.value, self.parameters, self.contact)
+        if not outcome.verified:
+            raise NoBoundariesError(outcome.verdict)
+        if outcome.slip_error == inf:
+            raise NoBoundariesError("no digit of the slip is known")
+        if self._error(refinement.best.value) > self.tolerance:
+            raise NoBoundariesError("the tolerance is not met from these boundaries")
+        self.record(ZONE_SEARCH, refinement, begin)
+        return outcome
+
+    def _error(self, solved: ZoneSolution | PartialSlip) -> float:
+        """Return the largest error estimate that the tolerance bounds."""
+        return max(solved.traction_error if self.pointwise else 0.0, solved.shear_error)
+
+    def _full_slip(self) -> PartialSlip:
+        """Return full slip: the stick disk is smaller than 1e-54."""
         # one space is enough: nothing depends on the fields in the disk
         point = FreeBoundaryProblem(
-            self.parameters, unmoved(_POINT), self.tolerance, known=self.known
+            self.parameters, fixed_disk(_POINT_LOGIT), self.tolerance, known=self.contact
         )
         solved = point.attempt(point.start()).value
-        outcome = zones_outcome(solved, self.parameters, self.known, felt=False)
-        return everywhere(outcome, self.parameters.friction)
+        outcome = zones_outcome(solved, self.parameters, self.contact, point_disk=True)
+        return as_full_slip(outcome, self.parameters.friction)
 
-    def _refined(self, layout: Layout) -> Refinement[ZoneSolution]:
-        """Solve on zones like these."""
+    def _refine(self, zones: Layout) -> Refinement[ZoneSolution]:
+        """Solve for boundaries and fields, to what the tolerance bounds."""
         if self.pointwise:
-            return self._to(self.tolerance, layout)
-        loose = self._to(self.tolerance**_SUPERCONVERGENCE, layout)
+            return self._refine_fields(self.tolerance, zones)
+        loose = self._refine_fields(self.tolerance**FIELD_TOLERANCE_EXPONENT, zones)
         solved = loose.best.value
         if max(solved.shear_error, solved.radius_error) <= self.tolerance:
             return loose
         try:
-            return self._to(self.tolerance, solved.layout)
-        except NoBoundariesError:  # nothing better is found near by
+            return self._refine_fields(self.tolerance, solved.layout)
+        except NoBoundariesError:  # from there Newton's method finds nothing better
             return loose
 
-    def _to(self, tolerance: float, layout: Layout) -> Refinement[ZoneSolution]:
-        """Solve on zones like these, with fields to a tolerance."""
+    def _refine_fields(self, tolerance: float, zones: Layout) -> Refinement[ZoneSolution]:
+        """Solve for boundaries and fields, the fields to a tolerance.
+
+        The accuracy of the boundaries follows from the tolerance of the search (`goal`).
+        """
         with np.errstate(all="ignore"):
             problem = FreeBoundaryProblem(
-                self.parameters, layout, tolerance, known=self.known, goal=self.tolerance
+                self.parameters, zones, tolerance, known=self.contact, goal=self.tolerance
             )
             return refine(problem, tolerance, self.max_unknowns)
 
@@ -335,176 +407,214 @@ class UncoupledSearch(ZoneSearch):
 class CoupledSearch(ZoneSearch):
     """The search with elastic coupling, where pressure and traction are one system.
 
-    Guesses are narrow slip where full stick breaks the law, what an active set finds on rings, all
-    slip there, and one stick disk. Of 600 random scenes, half of them at thresholds, none needed
-    another one.
+    Of 600 random scenes, half of them at thresholds, the law held in each on one of the candidates.
     """
-
-    def _tried(self) -> Iterator[PartialSlip]:
-        if self.near is not None:
-            outcome = self._attempted(self.near)
-            if outcome is not None:
-                yield outcome
-        yield from super()._tried()
 
     def outcome(self) -> PartialSlip:
         """Return the first outcome that obeys the friction law, or the best that will do.
 
-        Where stick at a smooth edge is so narrow that it is better matched in closed form than
-        resolved by panels, that comes first.
+        Where stick at a smooth edge is so narrow that a closed form is more accurate than panels,
+        the closed form comes first; the candidates follow if it misses the tolerance.
         """
-        matched = self._matched()
-        if matched is not None and matched.settled and _worst(matched) <= self.tolerance:
-            return matched
+        closed_form = self._one_disk_with_edge_stick()
+        if closed_form is not None and _largest_error(closed_form) <= self.tolerance:
+            return self._with_trials(closed_form)
         try:
             best = super().outcome()
         except NoZonesError:
-            if matched is None or not matched.settled:
+            if closed_form is None:
                 raise
-            return matched
-        if matched is not None and matched.settled and _worst(matched) < _worst(best):
-            return matched
+            return self._with_trials(closed_form)
+        if closed_form is not None and _largest_error(closed_form) < _largest_error(best):
+            return self._with_trials(closed_form)
         return best
 
-    def _matched(self) -> PartialSlip | None:
-        """Return one stick disk with stick at the edge in closed form, if that may be accurate."""
-        from spectral_contact.contact.edge_stick import expected_error, with_edge_stick
-
-        if not self._smooth or least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
-            return None
-        expected = expected_error(self.parameters)
-        if expected > max(_ROUGHLY * self.tolerance, _TOO_NARROW):
-            return None
-        begin, problem = perf_counter(), (self.parameters, _WIDE_DISK, self.tolerance)
-        try:
-            with np.errstate(all="ignore"):
-                layout = FreeBoundaryProblem(*problem).located()
-                zones = solve_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
-                solved = perf_counter()
-                outcome = with_edge_stick(zones.best.value, self.parameters)
-        except (np.linalg.LinAlgError, ArithmeticError) as missing:
-            self._reasons.append(f"a narrow edge: {missing}")
-            return None
-        if outcome.settled and not outcome.amiss:
-            self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
-            self.record(SLIP_FIELD, outcome, solved)
-            return outcome
-        self._reasons.append(f"a narrow edge: {outcome.amiss or 'the friction law is broken'}")
-        return None
-
-    def others(self, logit: float) -> list[float]:
-        """Return what other stick radii than that of a solution there may be, roughly.
-
-        Where full stick slips at the edge there is an even number of them; none, as far as seen.
-        So they are looked for where the edge sticks in full stick, or opens. Only larger ones are:
-        from small disks on, which is where friction, or the load, begins, the first is reached.
-        """
-        from spectral_contact.contact.coupled_radii import scanned, stick_radii
-
-        ratio = self.stick.edge_ratio
-        if not self._possible(_DISK) or (ratio is not None and ratio >= self.parameters.friction):
-            return []
-        problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-        further = scanned(problem, logit + _CLEAR, _APART)
-        found = stick_radii(problem, further, contacts=True)
-        return [Radius.from_logit(one.logit).value for one in found if one.possible]
-
-    def _guesses(self) -> Iterator[Layout]:
-        """Yield slip by full stick where it is narrow, zones on rings, and one disk."""
+    def _candidates(self) -> Iterator[Candidate]:
+        """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
         from spectral_contact.contact.active_set import ring_layout
         from spectral_contact.contact.onset import is_narrow
 
-        violated = self._exceeded
-        if is_narrow(violated):  # rings miss it, or its place
+        if self.warm_start is not None:
+            yield Candidate(self.warm_start, "the zones of a like scene", from_like_scene=True)
+        violated = Candidate(
+            self._violated_by_full_stick, "slip where full stick exceeds the friction"
+        )
+        if is_narrow(violated.zones):  # it may fall between rings, which at best misplace it
             yield violated
-        found = ring_layout(self.parameters, coupled=True)
-        told = (found.settled or self._smooth) and not found.centre_unseen
-        if told and found.on_rings.positive:
-            yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
-        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:  # else full stick will do
+        rings = ring_layout(self.parameters, coupled=True)
+        decided = (rings.converged or self._smooth) and not rings.centre_unresolved
+        if decided and rings.on_rings.positive:
+            zones = self._with_edge_stick(
+                [radius.logit for radius in rings.boundaries], rings.states
+            )
+            yield Candidate(zones, "the zones of an active set on rings")
+        # closer to the onset of slip than ONSET, a relative distance, full stick will do
+        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:
             yield violated
-        yield _DISK._replace(logits=violated.logits[:1]) if violated.logits else _WIDE_DISK
+        logits = violated.zones.logits
+        if logits:
+            disk = Layout(logits[:1], _DISK_STATES)
+            yield Candidate(disk, "one stick disk, up to where full stick exceeds the friction")
+        else:
+            yield Candidate(_WIDE_DISK, "one stick disk")
 
-    def _possible(self, layout: Layout) -> bool:
+    def _is_possible(self, zones: Layout) -> bool:
         """Return whether there is slip, and the edge may be as it is.
 
-        That of a smooth surface sticks with tangential compliance.
+        That of a smooth surface sticks if there is tangential compliance.
         """
-        if len(layout.states) == 2:
+        if len(zones.states) == 2:
             return not self._smooth
-        return len(layout.states) > 2 and self.parameters.beta > 0.0
+        return len(zones.states) > 2 and self.parameters.beta > 0.0
 
-    def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
-        lawful = [one for one in found if not one.amiss]
-        if not lawful and self._smooth and least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
-            return self._all_slip()
-        if not lawful:
-            unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
-            reasons = [*self._reasons, *(one.amiss for one in found)]
-            missing = NoZonesError("; ".join(reasons or [unseen]))
-            missing.best = min(found, key=lambda outcome: outcome.apparent_violation, default=None)
-            raise missing
-        return min(lawful, key=lambda outcome: outcome.apparent_violation)
+    @property
+    def _stick_disk_below_range(self) -> bool:
+        """Whether the stick disk is smaller than any that is solved for, exp(LEAST_PLAIN/2)."""
+        return min_stick_radius(self.parameters) ** 2 < exp(LEAST_PLAIN)
 
-    def _solved(self, layout: Layout) -> PartialSlip:
-        begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)
+    def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
+        lawful = [outcome for outcome in outcomes if not outcome.violation_text]
+        if lawful:
+            return min(lawful, key=lambda outcome: outcome.apparent_violation)
+        if self._smooth and self._stick_disk_below_range:
+            return self._full_slip()
+        unresolved = (
+            f"the edge sticks over some {self._edge_stick_width:.0e}, too little to resolve"
+        )
+        error = NoZonesError("; ".join(trial.text for trial in self._trials) or unresolved)
+        error.best = min(outcomes, key=lambda outcome: outcome.apparent_violation, default=None)
+        raise error
+
+    def _solve(self, candidate: Candidate) -> PartialSlip:
+        zones = candidate.zones
+        begin = perf_counter()
         try:
-            if layout is not self.near:
-                layout = self._narrowed(FreeBoundaryProblem(*problem).located())
-        except NoStickDiskError as missing:
-            if missing.at_centre:
-                return self._all_slip()
+            if not candidate.from_like_scene:
+                # first boundaries, from a small space
+                problem = FreeBoundaryProblem(self.parameters, zones, self.tolerance)
+                zones = self._narrowed_at_onset(problem.located())
+        except NoStickDiskError as error:
+            if error.at_centre:
+                return self._full_slip()
             raise
-        zones = solve_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
-        if not zones.best.error < 0.5:
+        refinement = solve_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
+        if not refinement.best.error < 0.5:
             raise NoZonesError("no digit of the fields is known")
         solved = perf_counter()
-        outcome = zones_outcome(zones.best.value, self.parameters)
-        if not outcome.amiss:
-            self.record(PARTIAL_SLIP, zones, begin + perf_counter() - solved)
+        outcome = zones_outcome(refinement.best.value, self.parameters)
+        if not outcome.violation_text:
+            self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
             self.record(SLIP_FIELD, outcome, solved)
         return outcome
 
-    def _narrowed(self, layout: Layout) -> Layout:
-        """Return a slip annulus that is narrower than rough spaces see, as full stick shows it.
+    def _narrowed_at_onset(self, zones: Layout) -> Layout:
+        """Return a slip annulus as narrow as full stick shows it, if a rough space has it wider.
 
-        Next to the onset all slips where full stick exceeds friction, and hardly anything more.
+        Next to the onset slip occupies the set where full stick violates ``|q| <= f p``.
         """
-        lack = 1.0 - self.parameters.friction / self.stick.critical
-        if layout.states != _DISK.states or lack >= _ABOUT:
-            return layout
-        near = self._exceeded
-        if near.states != layout.states or near.logits[0] < layout.logits[0] + _ABOUT:
-            return layout
-        assert layout.jacobian is not None
-        # conditions rise as the distance from the edge does
-        narrower = exp(layout.logits[0] - near.logits[0])
-        return layout._replace(logits=near.logits, jacobian=narrower * layout.jacobian)
+        onset_distance = 1.0 - self.parameters.friction / self.stick.critical
+        if zones.states != _DISK_STATES or onset_distance >= NARROW_SLIP_BAND:
+            return zones
+        violated = self._violated_by_full_stick
+        if (
+            violated.states != zones.states
+            or violated.logits[0] < zones.logits[0] + NARROW_SLIP_BAND
+        ):
+            return zones
+        assert zones.jacobian is not None
+        # the boundary residual grows like the distance of the boundary from the edge
+        narrower = exp(zones.logits[0] - violated.logits[0])
+        return zones._replace(logits=violated.logits, jacobian=narrower * zones.jacobian)
 
-    def _all_slip(self) -> PartialSlip:
-        """Return slip everywhere but in a disk too small to be felt."""
-        from spectral_contact.contact.little_friction import unfelt_disk
+    def _one_disk_with_edge_stick(self) -> PartialSlip | None:
+        """Return one stick disk with stick at the edge in closed form, if the law holds on it.
+
+        It is tried only where the closed form is expected to be accurate.
+        """
+        from spectral_contact.contact.edge_stick import expected_error, with_edge_stick
+
+        if not self._smooth or self._stick_disk_below_range:
+            return None
+        expected = expected_error(self.parameters)
+        if expected > max(EDGE_MATCHING_SLACK * self.tolerance, EDGE_MATCHING_ERROR):
+            return None
+        begin = perf_counter()
+        outcome = None
+        try:
+            with np.errstate(all="ignore"):
+                problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
+                zones = problem.located()
+                refinement = solve_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
+                solved = perf_counter()
+                outcome = with_edge_stick(refinement.best.value, self.parameters)
+                verdict = outcome.verdict
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            verdict = str(error)
+        reason = "one stick disk, with narrow stick at the edge in closed form"
+        self._trials.append(Trial(_WIDE_DISK, reason, verdict))
+        if outcome is None or not outcome.verified or outcome.violation_text:
+            return None
+        self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
+        self.record(SLIP_FIELD, outcome, solved)
+        return outcome
+
+    def larger_radii(self, logit: float) -> list[float]:
+        """Return stick radii, larger than that of a solution, that may be solutions as well.
+
+        They are accurate to some percent of their distance from the edge. Where full stick exceeds
+        the friction at the edge no scene is known that has any, so that they are looked for only
+        where the edge sticks in full stick, or opens. Smaller ones do not matter: a contact that
+        grows, or whose friction does, begins at small disks and reaches the smallest one first.
+
+        Parameters
+        ----------
+        logit : float
+            That of the stick radius of the solution.
+        """
+        from spectral_contact.contact.coupled_radii import scan_logits, stick_radii
+
+        ratio = self.stick.edge_ratio
+        if not self._is_possible(_DISK) or (
+            ratio is not None and ratio >= self.parameters.friction
+        ):
+            return []
+        problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
+        logits = scan_logits(problem, logit + SCAN_START, SCAN_STEP)
+        radii = stick_radii(problem, logits, contacts=True)
+        return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
+
+    def _full_slip(self) -> PartialSlip:
+        """Return full slip: the stick disk is too small to change the fields around it."""
+        from spectral_contact.contact.little_friction import full_slip_problem
 
         begin = perf_counter()
-        zones = solve_zones(*unfelt_disk(self.parameters), self.tolerance, self.max_unknowns)
-        self.record(PARTIAL_SLIP, zones, begin)
+        refinement = solve_zones(
+            *full_slip_problem(self.parameters), self.tolerance, self.max_unknowns
+        )
+        self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
-        point = zones_outcome(zones.best.value, self.parameters, felt=False)
+        outcome = zones_outcome(refinement.best.value, self.parameters, point_disk=True)
         if self.parameters.alpha == 0.0:
-            point = self._to_the_centre(point)
-        outcome = everywhere(point, self.parameters.friction)
-        if self._smooth:  # and the share of the load on an edge that sticks
-            outcome = replace(outcome, shear_error=outcome.shear_error + sqrt(self._smooth_edge))
+            outcome = self._with_central_asymptote(outcome)
+        outcome = as_full_slip(outcome, self.parameters.friction)
+        if self._smooth:  # add the part of the load that a sticking edge carries
+            shear_error = outcome.shear_error + sqrt(self._edge_stick_width)
+            outcome = replace(outcome, shear_error=shear_error)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
-    def _to_the_centre(self, outcome: PartialSlip) -> PartialSlip:
-        """Return slip on a smooth surface with the pressure that it has next to the centre."""
-        from spectral_contact.contact.little_friction import CLEAR, stand_in
+    def _with_central_asymptote(self, outcome: PartialSlip) -> PartialSlip:
+        """Return full slip on a smooth surface with p next to the centre in closed form.
+
+        The regularising disk spoils p up to some of its radii; there ``p ~ s**-e/sqrt(1 - s**2)``.
+        """
+        from spectral_contact.contact.little_friction import regularising_radius
 
         assert isinstance(outcome.pressure, ZonalField)
-        clear = CLEAR * stand_in(self.parameters).value
-        whole = to_the_centre(outcome.pressure, Radius(clear, 1.0 - clear), self.parameters)
+        radius = CENTRAL_CLEARANCE * regularising_radius(self.parameters).value
+        pressure = with_central_asymptote(
+            outcome.pressure, Radius(radius, 1.0 - radius), self.parameters
+        )
         coupling = self.parameters.kappa * self.parameters.friction
-        lost = coupling * (_BESIDE * clear**2 + CLEAR**-3)
-        return replace(outcome, pressure=whole, pressure_error=outcome.pressure_error + lost)
+        error = coupling * (CENTRAL_ASYMPTOTE_ERROR * radius**2 + CENTRAL_CLEARANCE**-3)
+        return replace(outcome, pressure=pressure, pressure_error=outcome.pressure_error + error)

@@ -8,6 +8,12 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from spectral_contact.contact.resolution import ONSET, NormalContact
+from spectral_contact.contact.tuning import (
+    HIDDEN_SLIP,
+    ONSET_ERROR_FACTOR,
+    ONSET_TOLERANCE_FACTOR,
+    OPTIONAL_SEARCH,
+)
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
@@ -20,7 +26,7 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.asked import closer_tolerance
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import place_of
+from spectral_contact.solving.sharing import log_parameters
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -31,17 +37,12 @@ if TYPE_CHECKING:
     from spectral_contact.solving.sharing import StickPath
 
 
-#: The error of full stick that stands for slip, in units of what friction lacks.
-_ROOM = 3.0
-#: Tolerance of full stick at which it is seen that a scene is that close.
-_DECIDES = 0.1 * ONSET
-#: A distance at which slip is not looked for if full stick is good enough; and one at which
-#: rounding hides it: at 1e-11 all annuli were found, at 1e-12 some, at 1e-13 hardly any.
-_HIDDEN, _ROUNDED = 1e-8, 3e-13
+#: Tolerance of full stick that tells whether ``1 - f/f_crit`` is below `ONSET`.
+_ONSET_TOLERANCE = ONSET_TOLERANCE_FACTOR * ONSET
 
 
 class CoupledRun(Run):
-    """The steps of a plan with elastic coupling; at friction 0 the traction is idle.
+    """The steps of a plan with elastic coupling; at friction 0 there is no traction to couple.
 
     Parameters are those of `Run`.
     """
@@ -51,157 +52,194 @@ class CoupledRun(Run):
         if self.scene.friction == 0.0:
             super().tangential(states, contact)
             return
-        self._together(states)
+        self._run_coupled(states)
 
-    def stick(self, contact: NormalContact, states: dict[str, StepState]) -> None:
-        """Solve the coupled full stick for its ratios: at friction 0 the fields are not its own."""
-        self._take(self._coupled_stick(self.rtol))
+    def run_full_stick(self, contact: NormalContact, states: dict[str, StepState]) -> None:
+        """Solve coupled full stick for its ratios q/p; this is called at friction 0 only."""
+        self._store_coupled_stick(self._coupled_stick(self.rtol))
 
     @property
     def parameters(self) -> Parameters:
-        """What pressure, traction and zones depend on."""
+        """Compliances, kappa and friction, as they are."""
         assert self.scene.friction is not None
         return super().parameters._replace(kappa=self.scene.kappa, friction=self.scene.friction)
 
-    def _together(self, states: dict[str, StepState]) -> None:
-        """Solve full stick, and what it decides."""
+    def _run_coupled(self, states: dict[str, StepState]) -> None:
+        """Solve full stick, and partial slip if friction is below the critical one."""
         if self.scene.friction == math.inf:
-            self.all_stick()
+            self.store_all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if states[COUPLING] is not StepState.RUN:
             return
         stick = self._coupled_stick(self.rtol)
-        self._take(stick)
+        self._store_coupled_stick(stick)
         if "pressure" in self.plan.quantities:
             self.values["opening"] = stick.opening
         if stick.opening is not None:
-            self.outcome[COUPLING] = PlannedStep(
+            self.updated_steps[COUPLING] = PlannedStep(
                 COUPLING,
                 StepState.RUN,
                 f"one system; the contact would open within {stick.opening:.3g} of the edge",
             )
-        if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
-            self._slipping(stick)
+        if states[PARTIAL_SLIP] is StepState.SKIPPED:
+            return
+        if self.is_supercritical(stick):
+            self.store_supercritical(stick)
+        else:
+            self._run_coupled_slip(stick)
 
     def _coupled_stick(self, rtol: float) -> FullStick:
-        scene, begin = self.scene, perf_counter()
-        asked = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
-        integrals = scene.friction == math.inf and asked <= {"approach", "total_shear"}
-        tolerance = rtol if scene.friction == math.inf else min(rtol, _DECIDES)
-        solved = self.stuck(self.parameters, tolerance=tolerance, pointwise=not integrals)
+        """Return coupled full stick; with finite friction close enough to decide on slip."""
+        begin = perf_counter()
+        if self.scene.friction == math.inf:
+            tolerance = rtol
+            quantities = set(self.plan.quantities) - {"zones", "stick_radius", "slip"}
+            pointwise = not quantities <= {"approach", "total_shear"}
+        else:
+            tolerance = min(rtol, _ONSET_TOLERANCE)
+            pointwise = True
+        solved = self.solve_full_stick(self.parameters, tolerance=tolerance, pointwise=pointwise)
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
 
-    def _take(self, stick: FullStick) -> None:
-        """Copy full stick, whose q/p has no meaning where the pressure is not positive."""
-        self.take_stick(stick, 1.0)
+    def _store_coupled_stick(self, stick: FullStick) -> None:
+        """Store full stick; q/p at the edge has no value if the pressure is not positive there."""
+        self.store_full_stick(stick, 1.0)
         if stick.edge_ratio is None and "edge_ratio" in self.plan.quantities:
-            self.lacking["edge_ratio"] = (
+            self.unavailable["edge_ratio"] = (
                 "the traction and the pressure oscillate at the edge of a smooth surface"
                 if stick.opening is None
                 else f"the contact would open within {stick.opening:.3g} of the edge"
             )
 
-    def _slipping(self, stick: FullStick) -> None:
-        """Take over partial slip."""
-        from spectral_contact.contact.onset import unresolved_slip
+    def _run_coupled_slip(self, stick: FullStick) -> None:
+        """Search for the zones of slip; store them, or full stick where slip is unresolved."""
         from spectral_contact.contact.zone_search import CoupledSearch, NoZonesError
 
         parameters = self.parameters
         search = CoupledSearch(parameters, stick, self.rtol, self.max_unknowns, self.record)
-        lack = 1.0 - parameters.friction / stick.critical
-        unsure = lack + stick.critical_error
-        hidden = lack <= _ROUNDED or (lack <= _HIDDEN and _ROOM * unsure < 0.5 * self.rtol)
-        with ProgressLine(self.shared.progress) as tell:
+        onset_distance = 1.0 - parameters.friction / stick.critical
+        max_onset_distance = onset_distance + stick.critical_error
+        full_stick_will_do = ONSET_ERROR_FACTOR * max_onset_distance < 0.5 * self.rtol
+        hidden = onset_distance <= HIDDEN_SLIP or (
+            onset_distance <= OPTIONAL_SEARCH and full_stick_will_do
+        )
+        with ProgressLine(self.cache.progress) as show_progress:
             if not (parameters.alpha and parameters.beta):
-                tell("zones of stick and slip")  # without a compliance it takes seconds
+                show_progress("zones of stick and slip")  # without a compliance it takes seconds
             try:
-                found = None if hidden else self._found(search, unsure)
-            except NoZonesError as missing:
-                self._take_unlawful(stick, missing)
+                slip = None if hidden else self._searched_zones(search, max_onset_distance)
+            except NoZonesError as error:
+                self._store_refuted(stick, error)
                 return
-        if found is None:
-            closer = closer_tolerance(self.rtol)
-            # hardly more than what is not known of full stick
-            if closer < min(self.rtol, _DECIDES) and _ROOM * unsure > 0.5 * self.rtol:
-                stick = self._coupled_stick(closer)
-                self._take(stick)
-                lack = max(1.0 - parameters.friction / stick.critical, 0.0)
-                unsure = lack + stick.critical_error
-            self._about_to_slip(stick, unsure, unresolved_slip(stick, parameters))
+        if slip is None:
+            self._store_unresolved_slip(stick, max_onset_distance)
             return
         if "opening" in self.values:
             self.values["opening"] = None
-        self.take(found, 1.0)
-        one = "pressure and traction are one system"
-        others = []
-        if found.layout is not None and found.zones[0].kind == "stick":
-            others = search.others(found.layout.logits[0])
-        if others:
-            radii = ", ".join(f"{radius:.3g}" for radius in others)
-            one += f"; a larger stick radius may satisfy the friction law, too: {radii}"
-        self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, one)
+        self.store(slip, 1.0)
+        reason = "pressure and traction are one system"
+        if slip.layout is not None and slip.zones[0].kind == "stick":
+            larger_radii = search.larger_radii(slip.layout.logits[0])
+            if larger_radii:
+                radii = ", ".join(f"{radius:.3g}" for radius in larger_radii)
+                reason += f"; a larger stick radius may satisfy the friction law, too: {radii}"
+        self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, reason)
 
-    def _found(self, search: CoupledSearch, unsure: float) -> PartialSlip | None:
-        """Return the zones, or None next to the onset where full stick is as good."""
+    def _searched_zones(self, search: CoupledSearch, onset_distance: float) -> PartialSlip | None:
+        """Return partial slip on the zones of a search, or None where full stick is as accurate.
+
+        That may be so only next to the onset of slip. Elsewhere a search that fails is repeated
+        with a closer tolerance, unless the surface is smooth.
+
+        Parameters
+        ----------
+        search : CoupledSearch
+        onset_distance : float
+            ``1 - f/f_crit``, with the error of the critical friction.
+        """
         from spectral_contact.contact.zone_search import NoZonesError
 
-        # stick radii of the same contact at other times, if it grows
-        path: StickPath | None = self.shared.get(COUPLING, (), lambda: None)
-        place = place_of(self.parameters)
-        search.near = None if path is None else path.near(place)
+        # of a growing contact: its stick radii at other times
+        path: StickPath | None = self.cache.get(COUPLING, (), lambda: None)
+        place = log_parameters(self.parameters)
+        search.warm_start = None if path is None else path.predict(place)
         try:
-            found = search.outcome()
+            slip = search.outcome()
         except NoZonesError:
-            if unsure <= ONSET:
+            if onset_distance <= ONSET:
                 return None
             closer = closer_tolerance(search.tolerance)
-            # without a compliance it takes seconds
-            if closer < search.tolerance and search.parameters.alpha and search.parameters.beta:
-                return self._found(replace(search, tolerance=closer), unsure)
+            rough = search.parameters.alpha and search.parameters.beta
+            if closer < search.tolerance and rough:  # a smooth surface takes seconds each time
+                return self._searched_zones(replace(search, tolerance=closer), onset_distance)
             raise
         if path is not None:
-            path.add(place, found.layout)
-        worst = max(
-            found.pressure_error, found.traction_error, found.shear_error, found.approach_error
-        )
-        good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
-        return found if good or unsure > ONSET else None
+            path.add(place, slip.layout)
+        error = max(slip.pressure_error, slip.traction_error, slip.shear_error, slip.approach_error)
+        accurate = slip.consistent and error <= max(self.rtol, ONSET_ERROR_FACTOR * onset_distance)
+        return slip if accurate or onset_distance > ONSET else None
 
-    def _take_unlawful(self, stick: FullStick, missing: NoZonesError) -> None:
-        """Take what breaks the friction law least, where no zones were found that obey it.
+    def _store_refuted(self, stick: FullStick, error: NoZonesError) -> None:
+        """Store the outcome that violates the friction law least, where the law holds on none.
 
-        That are the best of the zones that were solved for, or full stick. What a violation changes
-        is of its size, and nothing is known of where the surface slips.
+        That is the best outcome of the search, or full stick. The violation changes the fields by
+        about its own size, and leaves nothing known of where the surface slips.
         """
-        self.refusal = f"no zones were found that obey the friction law ({missing})"
-        excess = stick.critical / self.parameters.friction - 1.0
-        violation = excess if missing.best is None else missing.best.violation
-        if missing.best is None or violation > excess:
-            violation = excess
-            self.all_stick()
+        self.refusal = f"no zones were found that obey the friction law ({error})"
+        violation = stick.critical / self.parameters.friction - 1.0  # of full stick
+        best = error.best
+        if best is None or best.violation > violation:
+            self.store_all_stick()
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
         else:
-            self.take(replace(missing.best, consistent=False), 1.0)
-            self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, self.refusal)
+            violation = best.violation
+            self.store(replace(best, consistent=False), 1.0)
+            self.updated_steps[PARTIAL_SLIP] = PlannedStep(
+                PARTIAL_SLIP, StepState.RUN, self.refusal
+            )
         for name in self.bounded:
-            self.errors[name] += _ROOM * violation
+            self.errors[name] += ONSET_ERROR_FACTOR * violation
         self.errors.update(
             stick_radius=math.inf, zones=math.inf, slip=math.inf, violation=violation
         )
         self.endings.append(Ending.ZONES)
 
-    def _about_to_slip(self, stick: FullStick, lack: float, radius_error: float) -> None:
-        """Take full stick, with room for the slip that was not found.
+    def _store_unresolved_slip(self, stick: FullStick, onset_distance: float) -> None:
+        """Store full stick in place of slip that is too narrow to be resolved.
 
-        It exceeds friction by no more than friction lacks, and what that changes is of its size.
+        Its traction exceeds ``f p`` by ``1 - f/f_crit`` at most, and the slip changes the fields by
+        about as much, which is added to their errors. If that is little more than the error of the
+        critical friction, full stick is solved to a closer tolerance before.
+
+        Parameters
+        ----------
+        stick : FullStick
+        onset_distance : float
+            ``1 - f/f_crit``, with the error of the critical friction.
         """
-        self.all_stick()
-        room = _ROOM * lack
+        from spectral_contact.contact.onset import unresolved_slip
+
+        parameters = self.parameters
+        closer = closer_tolerance(self.rtol)
+        too_inaccurate = ONSET_ERROR_FACTOR * onset_distance > 0.5 * self.rtol
+        if closer < min(self.rtol, _ONSET_TOLERANCE) and too_inaccurate:
+            stick = self._coupled_stick(closer)
+            self._store_coupled_stick(stick)
+            onset_distance = (
+                max(1.0 - parameters.friction / stick.critical, 0.0) + stick.critical_error
+            )
+        radius_error = unresolved_slip(stick, parameters)
+        self.store_all_stick()
         for name in ("approach", "pressure", "traction", "total_shear"):
-            self.errors[name] += room
+            self.errors[name] += ONSET_ERROR_FACTOR * onset_distance
         self.errors.update(
-            stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0, violation=lack
+            stick_radius=radius_error,
+            zones=max(radius_error, 1.0),
+            slip=1.0,
+            violation=onset_distance,
         )
-        reason = f"slip is too narrow to be found: friction is {lack:.1e} below the critical"
+        reason = (
+            f"slip is too narrow to be found: friction is {onset_distance:.1e} below the critical"
+        )
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

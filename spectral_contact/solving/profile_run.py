@@ -26,7 +26,7 @@ from spectral_contact.solution import (
     StepState,
 )
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import Shared, extrapolated
+from spectral_contact.solving.sharing import StepCache, extrapolate
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -66,7 +66,7 @@ class ProfileRun(Run):
         todo: Plan,
         rtol: float,
         max_unknowns: int,
-        shared: Shared,
+        shared: StepCache,
         flat: FlatPunches,
     ) -> None:
         super().__init__(scene, todo, rtol, max_unknowns, shared)
@@ -84,7 +84,7 @@ class ProfileRun(Run):
         if self._grows(states):
             from spectral_contact.solving.stages import Stages
 
-            with ProgressLine(self.shared.progress) as tell:
+            with ProgressLine(self.cache.progress) as tell:
                 own, superposed = (self.scene, self.rtol, self.max_unknowns), self._fields()
                 history = Stages(*own, tell, superposed, self._flat)
                 if self.scene.couples:
@@ -145,7 +145,7 @@ class ProfileRun(Run):
         assert self._driving is not None
         radius, kappa = self.values["contact_radius"], scene.kappa
         compliances = self._driving.compliance, scene.tangential_compliance / radius
-        solved = self.stuck(
+        solved = self.solve_full_stick(
             Parameters(*compliances, 1.0, math.inf),
             self._driving,
             pointwise="traction" in self.plan.quantities,
@@ -169,7 +169,7 @@ class ProfileRun(Run):
         """Radii of contacts like this one, from scene to scene."""
         scene = self.scene
         key = (scene.profile, scene.normal_compliance, scene.layer, scene.load is None)
-        return self.shared.get(NORMAL, key, _RadiusPath)
+        return self.cache.get(NORMAL, key, _RadiusPath)
 
     @property
     def _along(self) -> float:
@@ -191,7 +191,7 @@ class ProfileRun(Run):
         solved, error = through_layer(
             scene.profile,
             layer,
-            self.tighter if drives else self.rtol,
+            self.pressure_tolerance if drives else self.rtol,
             self.max_unknowns,
             load=scene.load,
             approach=scene.approach,
@@ -299,7 +299,7 @@ class ProfileRun(Run):
             self.values["opening"] = opened = opening(pressed.field)
             if opened is not None:
                 told = f"one history; the contact would open within {opened:.3g} of the edge"
-                self.outcome[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
+                self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
         # what is left is relative to the pressure itself, or as good as
@@ -398,4 +398,4 @@ class _RadiusPath:
         times = {1.0 + place - at: np.array(log_radius) for place, log_radius in known}
         if len(times) < 2:
             return None
-        return math.exp(float(extrapolated(list(times), list(times.values()))))
+        return math.exp(float(extrapolate(list(times), list(times.values()))))

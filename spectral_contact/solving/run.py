@@ -1,4 +1,9 @@
-"""One solve: the steps of its plan in order, and what every kind of scene has of them."""
+"""One solve: the steps of its plan in order, as far as all kinds of scenes have them in common.
+
+`Run` solves normal contact, decides what follows without a solve (no friction, infinite friction,
+an incompressible body), solves full stick, and compares the friction with the critical one. Partial
+slip is left to subclasses. Values, fields and errors are stored as the solution has them.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.tuning import MIN_PRESSURE_TOLERANCE, PRESSURE_TOLERANCE_FACTOR
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
 from spectral_contact.scene import Scene
@@ -30,7 +36,7 @@ from spectral_contact.solution import (
     Work,
     Zone,
 )
-from spectral_contact.solving.sharing import Shared
+from spectral_contact.solving.sharing import StepCache
 from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
@@ -40,48 +46,67 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
-#: What follows from the pressure for everything tangential; no step of its own.
-#: Values that are there unasked.
-_BESIDE = ("opening", "domain_radius")
-#: The pressure drives the traction, so it is solved tighter, as far as rounding lets it.
-_TIGHTER, _TIGHTEST = 0.1, 1.2e-13
+#: Values of a solution that are there although no quantity asks for them.
+_UNREQUESTED_VALUES = ("opening", "domain_radius")
 
 
 class Run:
-    """The steps of a plan, with what they leave behind.
+    """The steps of a plan, and the results they store.
 
     Parameters
     ----------
     scene : Scene
-    todo : Plan
+    plan : Plan
     rtol : float
         Bound on relative errors.
     max_unknowns : int
         Most unknowns of one linear system.
-    shared : Shared
-        What scenes before this one have left.
+    cache : StepCache
+        Outcomes of steps of earlier scenes.
+
+    Attributes
+    ----------
+    values, errors : dict
+        Scalars and error estimates by the name of the quantity.
+    pressure, traction, slip, history
+        Fields, as far as they were solved for.
+    updated_steps : dict of str to PlannedStep
+        Steps that went otherwise than planned, or have a better reason now, by name.
+    unavailable : dict of str to str
+        Quantities that turned out to have no value, with the reason.
+    work : list of StepWork
+        Unknowns, time and ending of each step.
+    endings : list of Ending
+        How the steps ended.
+    unknowns_exceeded : bool
+        Whether a step needed more than `max_unknowns`.
+    wrong_slip : float
+        As of `PartialSlip`.
+    normal_key : tuple
+        All that the normal contact depends on.
     """
 
-    #: What `rtol` bounds; zone boundaries and slip are as good as their conditioning allows.
+    #: Quantities whose errors `rtol` bounds; those of zone boundaries and slip are as small as
+    #: their conditioning allows.
     bounded: tuple[str, ...] = ("approach", "pressure", "traction", "total_shear")
     #: Why no zones obey the friction law, if none were found that do.
     refusal: str = ""
 
     def __init__(
-        self, scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared
+        self, scene: Scene, plan: Plan, rtol: float, max_unknowns: int, cache: StepCache
     ) -> None:
-        self.shared = shared
+        self.cache = cache
         self.scene = scene
-        self.plan = todo
+        self.plan = plan
         self.rtol = rtol
         self.max_unknowns = max_unknowns
         self.normal_key: tuple[object, ...] = ()
-        self.exceeded = False
+        self.unknowns_exceeded = False
         self.wrong_slip = 0.0
         self.work: list[StepWork] = []
         self.endings: list[Ending] = []
-        self.outcome: dict[str, PlannedStep] = {}
-        self.lacking: dict[str, str] = {}
+        self.updated_steps: dict[str, PlannedStep] = {}
+        self.unavailable: dict[str, str] = {}
         self.values: dict[str, Any] = {}
         self.errors: dict[str, float] = {}
         self.pressure: PressureField | ZonalField | None = None
@@ -95,25 +120,26 @@ class Run:
         Parameters
         ----------
         rtol : float, optional
-            A looser tolerance than that of the run, which the solution is held against and has.
+            A looser tolerance, which replaces that of the run after the steps: it decides whether
+            the solution has converged.
         """
         states = {step.name: step.state for step in self.plan.steps}
         self.run_steps(states)
         if rtol is not None:
             self.rtol = rtol
-        done = self._done()
-        wanted = {*done.quantities}
+        plan = self._updated_plan()
+        wanted = set(plan.quantities)
         errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
         ending = self._ending()
         return Solution(
             self.scene,
             self.rtol,
-            done,
+            plan,
             ErrorEstimates(**errors),
             ending is Ending.CONVERGED,
             ending,
             Work(tuple(self.work)),
-            {k: v for k, v in self.values.items() if k in wanted or k in _BESIDE},
+            {k: v for k, v in self.values.items() if k in wanted or k in _UNREQUESTED_VALUES},
             self.pressure if "pressure" in wanted else None,
             self.traction if "traction" in wanted else None,
             self.slip if "slip" in wanted else None,
@@ -122,41 +148,41 @@ class Run:
 
     def _ending(self) -> Ending:
         """Return the worst ending of a step, unless all is within the tolerance."""
-        if self.exceeded:
+        if self.unknowns_exceeded:
             self.endings.append(Ending.UNKNOWNS)
         within = all(error <= self.rtol for error in self.bounded_errors())
-        if within and not self.exceeded and Ending.ZONES not in self.endings:
+        if within and not self.unknowns_exceeded and Ending.ZONES not in self.endings:
             return Ending.CONVERGED
-        found = [one for one in self.endings if one is not Ending.CONVERGED]
-        return max(found, key=list(Ending).index, default=Ending.ROUNDING)
+        endings = [ending for ending in self.endings if ending is not Ending.CONVERGED]
+        return max(endings, key=list(Ending).index, default=Ending.ROUNDING)
 
     @property
     def slip_unresolved(self) -> bool:
-        """Whether a closer tolerance is called for, as no digit of the slip is known.
+        """Whether no digit of the slip is known, so that a closer tolerance is called for.
 
-        It is if the slip is asked for, or if it seems to break the friction law by more than the
-        tolerance: that may be noise, or a zone that is missing.
+        That matters if the slip is wanted, or if it seems to violate the friction law by more than
+        the tolerance, which may be noise or a missing zone.
         """
         unknown = self.errors.get("slip") == math.inf
         return unknown and ("slip" in self.plan.quantities or self.wrong_slip > self.rtol)
 
     def run_steps(self, states: dict[str, StepState]) -> None:
-        """Run what is to be run."""
+        """Run the steps of these states."""
         contact = self._normal(states) if states[NORMAL] is StepState.RUN else None
         self.tangential(states, contact)
 
-    def _done(self) -> Plan:
-        """Return the plan with what became of it."""
-        if not self.outcome and not self.lacking:
+    def _updated_plan(self) -> Plan:
+        """Return the plan with the states and reasons that its steps have now."""
+        if not self.updated_steps and not self.unavailable:
             return self.plan
         return Plan(
-            tuple(name for name in self.plan.quantities if name not in self.lacking),
-            tuple(self.outcome.get(step.name, step) for step in self.plan.steps),
-            tuple(sorted({**dict(self.plan.missing), **self.lacking}.items())),
+            tuple(name for name in self.plan.quantities if name not in self.unavailable),
+            tuple(self.updated_steps.get(step.name, step) for step in self.plan.steps),
+            tuple(sorted({**dict(self.plan.missing), **self.unavailable}.items())),
         )
 
     def bounded_errors(self) -> list[float]:
-        """Return the estimates that `rtol` bounds, of what was asked."""
+        """Return the error estimates that `rtol` bounds, of wanted quantities."""
         return [
             self.errors[name]
             for name in self.bounded
@@ -164,12 +190,22 @@ class Run:
         ]
 
     def record(self, name: str, result: Any, begin: float) -> Any:
-        """Note the work of a step and return its value."""
+        """Note the work of a step, and return the value of its result.
+
+        Parameters
+        ----------
+        name : str
+            Of the step.
+        result : Refinement or any
+            A refinement has unknowns, an ending and a value; anything else is the value.
+        begin : float
+            The time at which the step began.
+        """
         seconds = perf_counter() - begin
         if isinstance(result, Refinement):
             best = result.best
             if best.unknowns > self.max_unknowns:
-                self.exceeded = True
+                self.unknowns_exceeded = True
             entry = StepWork(
                 name,
                 best.unknowns,
@@ -187,22 +223,26 @@ class Run:
         return result
 
     @property
-    def tighter(self) -> float:
-        """The tolerance of a pressure that drives a traction."""
-        return max(self.rtol * _TIGHTER, min(self.rtol, _TIGHTEST))
+    def pressure_tolerance(self) -> float:
+        """The tolerance of a pressure that loads the tangential problem: tighter than `rtol`."""
+        least = min(self.rtol, MIN_PRESSURE_TOLERANCE)
+        return max(self.rtol * PRESSURE_TOLERANCE_FACTOR, least)
 
     def _normal(self, states: dict[str, StepState]) -> NormalContact:
-        """Run the normal problem as tightly as the rest of the plan needs it."""
+        """Solve normal contact, to the tolerance that the rest of the plan needs."""
         begin = perf_counter()
-        drives = any(
-            states[name] is not StepState.SKIPPED for name in (FULL_STICK, PARTIAL_SLIP, SLIP_FIELD)
-        )
-        tolerance = self.tighter if drives else self.rtol
-        goal = "pressure" if "pressure" in self.plan.quantities else "approach"
-        goal = "drive" if drives else goal
+        tangential_steps = (FULL_STICK, PARTIAL_SLIP, SLIP_FIELD)
+        loads_tangential = any(states[name] is not StepState.SKIPPED for name in tangential_steps)
+        tolerance = self.pressure_tolerance if loads_tangential else self.rtol
+        if loads_tangential:
+            goal = "drive"
+        elif "pressure" in self.plan.quantities:
+            goal = "pressure"
+        else:
+            goal = "approach"
         compliance = self.scene.normal_compliance
         self.normal_key = compliance, tolerance, goal
-        solved = self.shared.get(
+        solved = self.cache.get(
             NORMAL,
             self.normal_key,
             lambda: solve_normal(compliance, tolerance, self.max_unknowns, goal=goal),
@@ -215,20 +255,29 @@ class Run:
         return contact
 
     def tangential(self, states: dict[str, StepState], contact: NormalContact | None) -> None:
-        """Fill in what follows by definition, then run what does not."""
-        scene, friction = self.scene, self.scene.friction
+        """Store what follows without a solve, then run the tangential steps.
+
+        Parameters
+        ----------
+        states : dict of str to StepState
+            Of the steps.
+        contact : NormalContact or None
+            Normal contact, if it was solved.
+        """
+        scene = self.scene
+        friction = scene.friction
         exact = {"traction": 0.0, "total_shear": 0.0, "stick_radius": 0.0, "zones": 0.0}
         if friction is None:
             self.values.update(total_shear=0.0, zones=(), stick_radius=None)
             self.errors.update(exact)
             return
         if scene.poisson_ratio == 0.5:
-            self.all_stick()
+            self.store_all_stick()
             self.values.update(total_shear=0.0, edge_ratio=0.0, critical_friction=0.0)
             self.errors.update(exact, slip=0.0, edge_ratio=0.0, critical_friction=0.0)
             return
         if friction == math.inf:
-            self.all_stick()
+            self.store_all_stick()
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if friction == 0.0:
             self.values.update(
@@ -242,14 +291,14 @@ class Run:
         if friction == 0.0 and states[SLIP_FIELD] is StepState.RUN:
             self._frictionless_slip(contact)
         if states[FULL_STICK] is StepState.RUN:
-            self.stick(contact, states)
+            self.run_full_stick(contact, states)
 
-    def all_stick(self) -> None:
-        """Note that the whole contact sticks."""
+    def store_all_stick(self) -> None:
+        """Store that the whole contact sticks."""
         self.values.update(stick_radius=1.0, zones=(Zone.between("stick", CENTRE, EDGE),))
 
     def _frictionless_slip(self, contact: NormalContact) -> None:
-        """At friction 0 the surface slides by all that the pressure moves it: u = -kappa g."""
+        """Store the slip at friction 0, the displacement by the pressure: ``u = -kappa g``."""
         from spectral_contact.contact.slip_displacement import free_displacement
 
         begin = perf_counter()
@@ -258,52 +307,91 @@ class Run:
         )
         self.errors["slip"] = error
 
-    def stick(self, contact: NormalContact, states: dict[str, StepState]) -> None:
-        """Solve full stick, and what it decides."""
+    def run_full_stick(self, contact: NormalContact, states: dict[str, StepState]) -> None:
+        """Solve full stick, and partial slip if friction is below the critical one."""
         stick = self._full_stick(contact)
-        self.take_stick(stick, self.scene.kappa)
-        if states[PARTIAL_SLIP] is not StepState.SKIPPED and not self.holds(stick):
-            self.slipping(contact, stick)
+        self.store_full_stick(stick, self.scene.kappa)
+        if states[PARTIAL_SLIP] is StepState.SKIPPED:
+            return
+        if self.is_supercritical(stick):
+            self.store_supercritical(stick)
+        else:
+            self.run_partial_slip(contact, stick)
 
     def _full_stick(self, contact: NormalContact) -> FullStick:
+        """Return full stick under the known pressure, from the cache if it is there.
+
+        Total shear alone needs looser fields (`pointwise`), and no ratio q/p (`ratios`). Finite
+        friction has to be compared with the critical one, which is a ratio.
+        """
         begin = perf_counter()
-        asked, held = set(self.plan.quantities), self.scene.friction == math.inf
-        fields = {"traction", "edge_ratio", "critical_friction"}
-        pointwise = bool(asked & (fields if held else fields | {"slip", "zones", "stick_radius"}))
-        # finite friction has to be compared with the critical one
-        ratios = not held or bool(asked & {"edge_ratio", "critical_friction"})
-        solved = self.shared.get(
+        quantities = set(self.plan.quantities)
+        infinite_friction = self.scene.friction == math.inf
+        needing_fields = {"traction", "edge_ratio", "critical_friction"}
+        if not infinite_friction:
+            needing_fields |= {"slip", "zones", "stick_radius"}
+        pointwise = bool(quantities & needing_fields)
+        ratios = not infinite_friction or bool(quantities & {"edge_ratio", "critical_friction"})
+        solved = self.cache.get(
             FULL_STICK,
             (*self.normal_key, self.parameters.beta, pointwise, ratios),
-            lambda: self.stuck(self.parameters, contact, pointwise=pointwise, ratios=ratios),
+            lambda: self.solve_full_stick(
+                self.parameters, contact, pointwise=pointwise, ratios=ratios
+            ),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
 
-    def stuck(
+    def solve_full_stick(
         self,
         parameters: Parameters,
-        known: NormalContact | None = None,
+        contact: NormalContact | None = None,
         *,
         tolerance: float | None = None,
         pointwise: bool = True,
         ratios: bool = True,
     ) -> FullStick | Refinement[FullStick]:
-        """Solve full stick, under a given pressure or not; the tolerance is that of the run."""
+        """Return full stick.
+
+        Parameters
+        ----------
+        parameters : Parameters
+            Their friction does not matter.
+        contact : NormalContact, optional
+            Normal contact, whose pressure is known; without it the pressure is solved for, too.
+        tolerance : float, optional
+            In place of that of the run.
+        pointwise : bool
+            Whether the tolerance bounds the error of the traction, else of the total shear.
+        ratios : bool
+            Whether q/p at the edge and its largest value, the critical friction, are wanted.
+        """
         from spectral_contact.contact.full_stick import full_stick, smooth_full_stick
         from spectral_contact.contact.zone_problem import solve_stick
 
-        if known is not None and parameters.alpha == 0.0 == parameters.beta:
-            return smooth_full_stick(known)
-        form = parameters._replace(friction=math.inf), tolerance or self.rtol, self.max_unknowns
-        found = solve_stick(*form, known=known, pointwise=pointwise)
-        return full_stick(found, known, pointwise=pointwise, ratios=ratios)
+        if contact is not None and parameters.alpha == 0.0 == parameters.beta:
+            return smooth_full_stick(contact)
+        solved = solve_stick(
+            parameters._replace(friction=math.inf),
+            tolerance or self.rtol,
+            self.max_unknowns,
+            known=contact,
+            pointwise=pointwise,
+        )
+        return full_stick(solved, contact, pointwise=pointwise, ratios=ratios)
 
-    def take_stick(self, stick: FullStick, scale: float) -> None:
-        """Copy full stick, with everything tangential scaled: at friction 0 its ratios alone."""
-        edge = stick.edge_ratio
+    def store_full_stick(self, stick: FullStick, scale: float) -> None:
+        """Store full stick; at friction 0 its ratios q/p alone, because its fields are others.
+
+        Parameters
+        ----------
+        stick : FullStick
+        scale : float
+            Factor of all that is tangential: kappa, if full stick was solved for kappa = 1.
+        """
+        edge_ratio = stick.edge_ratio
         self.values.update(
-            edge_ratio=None if edge is None else scale * edge,
+            edge_ratio=None if edge_ratio is None else scale * edge_ratio,
             critical_friction=scale * stick.critical,
         )
         self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
@@ -318,45 +406,56 @@ class Run:
             self.pressure = stick.pressure
             self.traction = None if stick.traction is None else stick.traction.times(scale)
 
-    def holds(self, stick: FullStick) -> bool:
-        """Return whether friction holds all, and note it if so."""
-        friction, critical = self.scene.friction, self.values["critical_friction"]
+    def is_supercritical(self, stick: FullStick) -> bool:
+        """Return whether the friction is not below the critical one, so that nothing slips.
+
+        Full stick has to be stored before.
+        """
+        friction = self.scene.friction
         assert friction is not None
-        if friction < critical:
-            return False
-        self.all_stick()
+        critical: float = self.values["critical_friction"]
+        return not friction < critical
+
+    def store_supercritical(self, stick: FullStick) -> None:
+        """Store that the whole contact sticks, with errors for the slip that may be unresolved."""
+        friction = self.scene.friction
+        critical = self.values["critical_friction"]
+        assert friction is not None
+        self.store_all_stick()
         self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
-        if critical > friction * (1.0 - stick.critical_error):  # the errors decide
+        if critical > friction * (1.0 - stick.critical_error):  # it may be below, by its error
             from spectral_contact.contact.onset import unresolved_slip
 
-            missed = unresolved_slip(stick, self.parameters)
-            self.errors.update(stick_radius=missed, zones=max(missed, 1.0), slip=1.0)
+            radius_error = unresolved_slip(stick, self.parameters)
+            self.errors.update(stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0)
         reason = f"friction is not below the critical {critical:.6g}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
-        return True
 
     @property
     def parameters(self) -> Parameters:
-        """What the zones depend on: without elastic coupling those for kappa = 1."""
+        """Compliances, kappa and friction; without elastic coupling scaled to kappa = 1."""
         scene = self.scene
         assert scene.friction is not None
-        compliances = scene.normal_compliance, scene.tangential_compliance
-        return Parameters(*compliances, 1.0, scene.friction / scene.kappa)
+        return Parameters(
+            scene.normal_compliance, scene.tangential_compliance, 1.0, scene.friction / scene.kappa
+        )
 
-    def slipping(self, contact: NormalContact, stick: FullStick) -> None:
-        """Find the zones, where friction does not hold all: of this class there are none."""
+    def run_partial_slip(self, contact: NormalContact, stick: FullStick) -> None:
+        """Solve partial slip and store it; subclasses do."""
         raise NotImplementedError
 
-    def take(self, solved: PartialSlip, scale: float) -> None:
-        """Copy the outcome of partial slip, with everything tangential scaled."""
+    def store(self, solved: PartialSlip, scale: float) -> None:
+        """Store partial slip, with all that is tangential scaled as in `store_full_stick`."""
         reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
-        self.outcome[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
+        self.updated_steps[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
         if len(solved.zones) > 2:
-            found = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
-            self.outcome[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, found)
+            reason = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
+            if len(solved.trials) > 1:
+                reason += f"; tried: {'; '.join(trial.text for trial in solved.trials)}"
+            self.updated_steps[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, reason)
         else:
             self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        self.outcome[SLIP_FIELD] = PlannedStep(
+        self.updated_steps[SLIP_FIELD] = PlannedStep(
             SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked"
         )
         self.values.update(
@@ -377,11 +476,12 @@ class Run:
         )
         self.wrong_slip = solved.wrong_slip
         self.pressure = solved.pressure
-        self.traction, self.slip = solved.traction.times(scale), solved.slip.times(scale)
+        self.traction = solved.traction.times(scale)
+        self.slip = solved.slip.times(scale)
         if not solved.consistent:
             self.endings.append(Ending.ZONES)
 
     def skip(self, reason: str, *names: str) -> None:
-        """Note why steps were not needed after all."""
+        """Note that steps were not needed, and why."""
         for name in names:
-            self.outcome[name] = PlannedStep(name, StepState.SKIPPED, reason)
+            self.updated_steps[name] = PlannedStep(name, StepState.SKIPPED, reason)

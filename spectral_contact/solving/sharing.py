@@ -1,4 +1,4 @@
-"""What scenes that are solved one after another have in common."""
+"""What scenes that are solved one after another reuse: outcomes of steps, and first zones."""
 
 from __future__ import annotations
 
@@ -8,6 +8,12 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
+from spectral_contact.contact.tuning import (
+    COLLINEARITY,
+    MAX_EXTRAPOLATION,
+    STICK_PATH_POINTS,
+    ZONE_PATH_POINTS,
+)
 from spectral_contact.fields import Array
 
 if TYPE_CHECKING:
@@ -15,21 +21,16 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.parameters import Parameters
 
 _T = TypeVar("_T")
-Place: TypeAlias = tuple[float, float, float]
-
-#: Stick radii that another one is interpolated from.
-_NEIGHBOURS = 6
-#: Scenes that are extrapolated from, and how far in a logarithm.
-_POINTS, _FARTHEST = 6, 1.0
+LogParameters: TypeAlias = tuple[float, float, float]
 
 
-class Shared:
-    """The latest outcome of steps that several scenes have in common.
+class StepCache:
+    """The latest outcome of each step, for scenes that have steps in common.
 
     Parameters
     ----------
     progress : bool or None
-        Whether what takes seconds shows its progress; None is where somebody watches.
+        Whether steps that take seconds show their progress; with None they do on a terminal.
     """
 
     def __init__(self, progress: bool | None = False) -> None:
@@ -37,16 +38,27 @@ class Shared:
         self._steps: dict[str, tuple[tuple[object, ...], Any]] = {}
 
     def get(self, step: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
-        """Return the outcome of a step, made anew if the latest one has another key."""
-        known = self._steps.get(step)
-        if known is None or known[0] != key:
-            known = self._steps[step] = key, make()
-        outcome: _T = known[1]
+        """Return the outcome of a step, made anew if the latest one has another key.
+
+        Parameters
+        ----------
+        step : str
+            Name of the step.
+        key : tuple
+            All that the outcome depends on.
+        make : callable
+            Makes the outcome.
+        """
+        entry = self._steps.get(step)
+        if entry is None or entry[0] != key:
+            entry = (key, make())
+            self._steps[step] = entry
+        outcome: _T = entry[1]
         return outcome
 
 
-def place_of(parameters: Parameters) -> Place:
-    """Return where a scene is on a path: ``(ln alpha, ln beta, ln f)``."""
+def log_parameters(parameters: Parameters) -> LogParameters:
+    """Return ``(ln alpha, ln beta, ln f)``, with minus infinity for 0."""
     alpha, beta, _, friction = parameters
     log_alpha, log_beta, log_friction = (
         math.log(x) if x > 0.0 else -math.inf for x in (alpha, beta, friction)
@@ -55,107 +67,134 @@ def place_of(parameters: Parameters) -> Place:
 
 
 class ZonePath:
-    """How the zones move from scene to scene, from the last ones with zones of the same kinds.
+    """The zones of the latest scenes of a path, and a prediction of those of the next one.
 
-    Between neighbours the logarithms of compliances and friction move the logits of the
-    boundaries smoothly: a polynomial in them goes through up to `_POINTS` scenes on a line.
+    Between neighbouring scenes the logits of the boundaries are smooth functions of the logarithms
+    of compliances and friction: along a line in these, a polynomial through up to
+    `ZONE_PATH_POINTS` scenes is extrapolated. Only scenes with zones of the same states are kept.
     """
 
     def __init__(self) -> None:
-        self._known: list[tuple[Place, Layout]] = []
+        self._scenes: list[tuple[LogParameters, Layout]] = []
 
-    def near(self, place: Place) -> Layout | None:
-        """Return where the zones may be: at ``(ln alpha, ln beta, ln f/kappa)``."""
-        if not self._known:
+    def predict(self, target: LogParameters) -> Layout | None:
+        """Return zones to start from, or None if no scene is close enough.
+
+        Parameters
+        ----------
+        target : tuple of float
+            Of the next scene: ``(ln alpha, ln beta, ln f/kappa)``.
+        """
+        if not self._scenes:
             return None
-        last, layout = self._known[-1]
-        ahead = _way(last, place)
-        along = max(ahead, key=abs)
-        if not 0.0 < abs(along) <= _FARTHEST:
-            return layout if along == 0.0 else None
-        times, logits = self._on_the_line(ahead, along)
-        guess = extrapolated(times, logits)
-        if (np.diff(guess) <= 0.0).any():
+        last, layout = self._scenes[-1]
+        step = _difference(last, target)
+        longest = max(step, key=abs)
+        if longest == 0.0:
             return layout
-        slopes = [one.jacobian for _, one in self._known[-2:] if one.jacobian is not None]
-        if len(times) > 1 and len(slopes) == 2:
-            layout = layout._replace(jacobian=extrapolated(times[:2], slopes[::-1]))
-        return layout._replace(logits=tuple(guess.tolist()))
+        if not abs(longest) <= MAX_EXTRAPOLATION:
+            return None
+        times, logits = self._collinear_scenes(step)
+        predicted = extrapolate(times, logits)
+        if (np.diff(predicted) <= 0.0).any():  # boundaries would cross
+            return layout
+        jacobians = [scene.jacobian for _, scene in self._scenes[-2:] if scene.jacobian is not None]
+        if len(times) > 1 and len(jacobians) == 2:
+            layout = layout._replace(jacobian=extrapolate(times[:2], jacobians[::-1]))
+        return layout._replace(logits=tuple(predicted.tolist()))
 
-    def _on_the_line(self, ahead: Place, along: float) -> tuple[list[float], list[Array]]:
-        """Return the latest scenes behind the last one: how far, and their boundaries."""
-        last, layout = self._known[-1]
-        times, logits = [0.0], [np.array(layout.logits)]
-        for other, one in reversed(self._known[:-1]):
-            back = _way(last, other)
-            time = back[ahead.index(along)] / along
-            off = max(abs(b - time * a) for a, b in zip(ahead, back, strict=True))
-            if off > 1e-6 * max(map(abs, back)) or time >= times[-1]:
+    def _collinear_scenes(self, step: LogParameters) -> tuple[list[float], list[Array]]:
+        """Return times and boundaries of the latest scenes on the line of the next step, backward.
+
+        Time is 0 at the last scene, 1 at the next one, and negative before.
+        """
+        last, layout = self._scenes[-1]
+        longest = max(step, key=abs)
+        times = [0.0]
+        logits = [np.array(layout.logits)]
+        for parameters, earlier in reversed(self._scenes[:-1]):
+            back = _difference(last, parameters)
+            time = back[step.index(longest)] / longest
+            off_line = max(abs(b - time * a) for a, b in zip(step, back, strict=True))
+            if off_line > COLLINEARITY * max(map(abs, back)) or time >= times[-1]:
                 break
             times.append(time)
-            logits.append(np.array(one.logits))
+            logits.append(np.array(earlier.logits))
         return times, logits
 
-    def add(self, place: Place, layout: Layout | None) -> None:
-        """Keep what a scene has found."""
+    def add(self, parameters: LogParameters, layout: Layout | None) -> None:
+        """Keep the zones of a scene; without zones all that was kept is dropped."""
         if layout is None:
-            self._known = []
+            self._scenes = []
             return
-        alike = [known for known in self._known if known[1].states == layout.states]
-        self._known = [*alike, (place, layout)][-_POINTS:]
+        same_states = [scene for scene in self._scenes if scene[1].states == layout.states]
+        self._scenes = [*same_states, (parameters, layout)][-ZONE_PATH_POINTS:]
 
 
 class StickPath:
-    """Where the stick radius may be: between those of radii that are known.
+    """The stick radii of a growing contact, and a prediction of others between them.
 
-    Its logit goes like the logarithm of the distance from the onset of slip at first.
+    A contact that grows changes ``alpha*`` and ``beta*``, which are compliances over the contact
+    radius, so that the coordinate of the path is the logarithm of the contact radius; once the
+    onset of slip is known, that of the distance from the onset. The logit of the stick radius is a
+    smooth function of it.
 
     Parameters
     ----------
     alpha, beta : float
         Compliances at a contact radius of 1.
+
+    Attributes
+    ----------
+    onset : float or None
+        The contact radius at which slip begins, if it is known.
     """
 
     def __init__(self, alpha: float, beta: float) -> None:
-        self._compliance, self._first = math.log(alpha or beta or 1.0), alpha > 0.0
-        self._known: dict[float, Layout] = {}
+        self._log_compliance = math.log(alpha or beta or 1.0)
+        self._uses_alpha = alpha > 0.0
+        self._layouts: dict[float, Layout] = {}
         self.onset: float | None = None
 
-    def _along(self, place: Place) -> float | None:
-        log_radius = self._compliance - (place[0] if self._first else place[1])
+    def _coordinate(self, parameters: LogParameters) -> float | None:
+        """Return the coordinate of a scene; None before the onset, or if there is no compliance."""
+        log_radius = self._log_compliance - (parameters[0] if self._uses_alpha else parameters[1])
         if not self.onset:
             return log_radius if math.isfinite(log_radius) else None
         past = math.exp(log_radius) / self.onset - 1.0
         return math.log(past) if past > 0.0 else None
 
-    def add(self, place: Place, layout: Layout | None) -> None:
-        """Keep what is found."""
-        along = self._along(place)
-        if along is not None and layout is not None and layout.jacobian is not None:
-            self._known[along] = layout
+    def add(self, parameters: LogParameters, layout: Layout | None) -> None:
+        """Keep the zones of a scene, if they have a Jacobian."""
+        coordinate = self._coordinate(parameters)
+        if coordinate is not None and layout is not None and layout.jacobian is not None:
+            self._layouts[coordinate] = layout
 
-    def near(self, place: Place) -> Layout | None:
-        """Return a guess."""
-        along = self._along(place)
-        if along is None or len(self._known) < 2:
+    def predict(self, parameters: LogParameters) -> Layout | None:
+        """Return zones to start from, or None if fewer than two scenes are kept."""
+        coordinate = self._coordinate(parameters)
+        if coordinate is None or len(self._layouts) < 2:
             return None
-        near = sorted(self._known, key=lambda one: abs(one - along))[:_NEIGHBOURS]
-        logits = [np.array(self._known[one].logits) for one in near]
-        logit = extrapolated([1.0 + one - along for one in near], logits)
-        return self._known[near[0]]._replace(logits=tuple(logit.tolist()))
+        nearest = sorted(self._layouts, key=lambda other: abs(other - coordinate))
+        nearest = nearest[:STICK_PATH_POINTS]
+        logits = [np.array(self._layouts[other].logits) for other in nearest]
+        predicted = extrapolate([1.0 + other - coordinate for other in nearest], logits)
+        return self._layouts[nearest[0]]._replace(logits=tuple(predicted.tolist()))
 
 
-def _way(start: Place, end: Place) -> Place:
-    """Return the difference of two places; a compliance that stays zero is no way."""
-    a, b, c = (0.0 if one == two else two - one for one, two in zip(start, end, strict=True))
-    return a, b, c
+def _difference(start: LogParameters, end: LogParameters) -> LogParameters:
+    """Return end minus start, with 0 for a parameter that is zero in both (minus infinity)."""
+    alpha, beta, friction = (0.0 if a == b else b - a for a, b in zip(start, end, strict=True))
+    return alpha, beta, friction
 
 
-def extrapolated(times: list[float], values: list[Array]) -> Array:
+def extrapolate(times: list[float], values: list[Array]) -> Array:
     """Return the polynomial through values at these times, at the time 1 (Neville)."""
     values = list(values)
     for order in range(1, len(values)):
         for i in range(len(values) - order):
-            s, t = times[i], times[i + order]
-            values[i] = ((1.0 - t) * values[i] - (1.0 - s) * values[i + 1]) / (s - t)
+            first = times[i]
+            last = times[i + order]
+            numerator = (1.0 - last) * values[i] - (1.0 - first) * values[i + 1]
+            values[i] = numerator / (first - last)
     return values[0]

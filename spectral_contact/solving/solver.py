@@ -14,8 +14,8 @@ from spectral_contact.solution import Plan, Solution
 from spectral_contact.solving.asked import checked_tolerance, closer_tolerance
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import Shared
-from spectral_contact.solving.uncoupled_run import FrictionOf, UncoupledRun
+from spectral_contact.solving.sharing import StepCache
+from spectral_contact.solving.uncoupled_run import RadiusFriction, UncoupledRun
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
@@ -77,7 +77,7 @@ def solve(
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     if progress is not None:
         ProgressLine(progress)  # refuses what it cannot be
-    run = _run(scene, todo, rtol, max_unknowns, Shared(progress))
+    run = _run(scene, todo, rtol, max_unknowns, StepCache(progress))
     with one_thread():
         solution = run.solution()
         solution = _resolved(run, solution, closer_for_zones=_zone_unknown(solution))
@@ -123,7 +123,7 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
         if closer >= tolerance:
             break
         tolerance = closer
-        shared = Shared(run.shared.progress)
+        shared = StepCache(run.cache.progress)
         run = _run(run.scene, run.plan, tolerance, run.max_unknowns, shared)
         try:
             found = run.solution(rtol)
@@ -149,7 +149,7 @@ def _from_looser(
     that are refused at 1e-9 or 1e-12 this finds all.
     """
     for tolerance in sorted({min(factor * rtol, 1e-2) for factor in _LOOSER} - {rtol}):
-        shared = Shared(progress)
+        shared = StepCache(progress)
         if _run(scene, todo, tolerance, max_unknowns, shared).solution().converged:
             found = _run(scene, todo, rtol, max_unknowns, shared).solution()
             if found.converged:
@@ -188,7 +188,7 @@ class Continuation:
         self._quantities = tuple(quantities)
         self._rtol = checked_tolerance(rtol, self._quantities)
         self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-        self._shared = Shared()
+        self._shared = StepCache()
 
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
         """Return the solution of the next scene, converged or not, and more quantities of it."""
@@ -197,7 +197,7 @@ class Continuation:
         with one_thread():
             return _resolved(run, run.solution())
 
-    def given_radius(self, scene: Scene, logit: float) -> FrictionOf | None:
+    def given_radius(self, scene: Scene, logit: float) -> RadiusFriction | None:
         """Return the friction with which a scene has one stick disk of this radius, if any has.
 
         That of the scene does not count.
@@ -208,12 +208,12 @@ class Continuation:
             return run.given_radius(logit)
 
 
-def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: Shared) -> Run:
+def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: StepCache) -> Run:
     """Return the run that the scene calls for."""
     if scene.profile is not None:
         from spectral_contact.solving.profile_run import ProfileRun
 
-        def flat(one: Scene, asked: Iterable[str], tolerance: float, others: Shared) -> Solution:
+        def flat(one: Scene, asked: Iterable[str], tolerance: float, others: StepCache) -> Solution:
             stage = _run(one, plan(one, asked), tolerance, max_unknowns, others)
             solution = stage.solution()
             if stage.refusal:  # nothing can be superposed

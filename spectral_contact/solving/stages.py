@@ -17,10 +17,10 @@ from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution
 from spectral_contact.solving.growth import Grower
-from spectral_contact.solving.sharing import Shared, StickPath
+from spectral_contact.solving.sharing import StepCache, StickPath
 from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
 
-FlatPunches = Callable[[Scene, tuple[str, ...], float, Shared], Solution]
+FlatPunches = Callable[[Scene, tuple[str, ...], float, StepCache], Solution]
 
 #: What the flat punches of a history are solved for.
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
@@ -77,7 +77,7 @@ class Stages:
         self._tight = max(_TIGHTER * rtol, _TIGHTEST)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
-        self._shared = Shared()
+        self._shared = StepCache()
         self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
         self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._solve = solve

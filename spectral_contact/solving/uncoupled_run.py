@@ -1,4 +1,4 @@
-"""One solve in the paper's model: partial slip under a pressure that is known."""
+"""One solve without elastic coupling: partial slip under a known pressure."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from spectral_contact.fields.series import Radius
 from spectral_contact.solution import PARTIAL_SLIP
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import ZonePath, place_of
+from spectral_contact.solving.sharing import ZonePath, log_parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class FrictionOf:
-    """The friction that a stick disk has, and the shear that goes with it.
+class RadiusFriction:
+    """The friction at which a stick disk has a given radius, and the total shear there.
 
     Attributes
     ----------
@@ -35,12 +35,18 @@ class FrictionOf:
 class UncoupledRun(Run):
     """The steps of a plan without elastic coupling; parameters are those of `Run`."""
 
-    def given_radius(self, logit: float) -> FrictionOf | None:
-        """Return the friction with which there is one stick disk of this radius.
+    def given_radius(self, logit: float) -> RadiusFriction | None:
+        """Return the friction at which the zones are one stick disk of a given radius.
 
-        That of the scene does not count. None if there is none, or the friction law does not hold,
-        or the tolerance is not met, or the traction is not positive: then alone the law holds
-        between two frictions at which it does (docs/internals).
+        The friction of the scene does not matter. None if there is no such friction, if the
+        friction law does not hold there or the tolerance is not met, or if the traction is not
+        positive: between two frictions at which the law holds it is known to hold only if the
+        traction is positive (docs/internals).
+
+        Parameters
+        ----------
+        logit : float
+            ``ln(c**2/(1 - c**2))`` of the stick radius c.
         """
         from spectral_contact.contact.slip_outcome import zones_outcome
         from spectral_contact.contact.stick_radius import NoStickDiskError
@@ -48,34 +54,40 @@ class UncoupledRun(Run):
 
         contact = self._normal({step.name: step.state for step in self.plan.steps})
         radius = Radius.from_logit(logit)
-        form = contact, self.parameters, radius, self.rtol, self.max_unknowns
         try:
-            solved, friction = solve_given_radius(*form)
+            solved, friction = solve_given_radius(
+                contact, self.parameters, radius, self.rtol, self.max_unknowns
+            )
         except NoStickDiskError:
             return None
         disk = solved.best.value
         outcome = zones_outcome(disk, self.parameters._replace(friction=friction), contact)
         positive = bool((disk.shears[0].at_ends() >= 0.0).all())
-        if not (outcome.settled and positive) or disk.shear_error > self.rtol:
+        if not (outcome.verified and positive) or disk.shear_error > self.rtol:
             return None
-        kappa, shift = self.scene.kappa, float(disk.shifts[0])
-        return FrictionOf(kappa * friction, shift, kappa * disk.total_shear, disk.shear_error)
+        kappa = self.scene.kappa
+        friction_error = float(disk.shifts[0])  # with a given radius the unknown is ln f
+        return RadiusFriction(
+            kappa * friction, friction_error, kappa * disk.total_shear, disk.shear_error
+        )
 
-    def slipping(self, contact: NormalContact, stick: FullStick) -> None:
-        """Find the zones."""
+    def run_partial_slip(self, contact: NormalContact, stick: FullStick) -> None:
+        """Search for the zones, starting from those of earlier scenes, and store the outcome."""
         from spectral_contact.contact.zone_search import UncoupledSearch
 
         parameters = self.parameters
-        path, place = self.shared.get(PARTIAL_SLIP, (), ZonePath), place_of(parameters)
-        solved = UncoupledSearch(
+        path = self.cache.get(PARTIAL_SLIP, (), ZonePath)
+        place = log_parameters(parameters)
+        search = UncoupledSearch(
             parameters,
             stick,
             self.rtol,
             self.max_unknowns,
             self.record,
             contact,
-            near=path.near(place),
+            warm_start=path.predict(place),
             pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
-        ).outcome()
+        )
+        solved = search.outcome()
         path.add(place, solved.layout)
-        self.take(solved, self.scene.kappa)
+        self.store(solved, self.scene.kappa)

@@ -26,7 +26,7 @@ from spectral_contact.threads import one_thread
 
 if TYPE_CHECKING:
     from spectral_contact.solving.solver import Continuation
-    from spectral_contact.solving.uncoupled_run import FrictionOf
+    from spectral_contact.solving.uncoupled_run import RadiusFriction
 
 _LOG = logging.getLogger(__name__)
 
@@ -105,7 +105,7 @@ class OnLine:
             return None
         return solution if solution.ending is Ending.CONVERGED else None
 
-    def at_radius(self, logit: float) -> FrictionOf | None:
+    def at_radius(self, logit: float) -> RadiusFriction | None:
         """Solve for the friction with which the first scene has one disk of this radius."""
         try:
             return self._work.path.given_radius(self._first, logit)

@@ -92,7 +92,7 @@ def compare(scene: Scene, solution: Any, rings: int, splits: int = 2) -> Row:
         "right": right,
     }
     row |= {
-        "settled": found.settled,
+        "settled": found.converged,
         "positive": found.on_rings.positive,
         "iterations": systems,
     }
@@ -152,7 +152,7 @@ def onsets() -> list[Row]:
                 row: Row = {"kind": kind, "compliances": [alpha, beta], "coupled": coupled}
                 row |= {"rings": rings, "seen": [], "wrong": []}
                 above = layout(replace(stick, friction=1.01 * critical), rings)
-                row["shift"] = 1.01 * (1.0 - float(above.on_rings.reserve.min())) - 1.0
+                row["shift"] = 1.01 * (1.0 - float(above.on_rings.margin.min())) - 1.0
                 for gap in GAPS:
                     below = layout(replace(stick, friction=critical * (1.0 - gap)), rings)
                     above = layout(replace(stick, friction=critical * (1.0 + gap)), rings)
@@ -170,7 +170,7 @@ def thresholds() -> list[Row]:
             found, systems = counted(scene, rings)
             row: Row = {"scene": scene.to_dict(), "rings": rings, "states": found.states}
             row["boundaries"] = [[one.value, one.from_edge] for one in found.boundaries]
-            rows.append(row | {"settled": found.settled, "iterations": systems})
+            rows.append(row | {"settled": found.converged, "iterations": systems})
     return rows
 
 

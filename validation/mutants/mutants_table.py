@@ -94,8 +94,8 @@ MUTANTS = (
     Mutant(
         "the least bad ending is told",
         f"{_PACKAGE}/solving/run.py",
-        "return max(found, key=",
-        "return min(found, key=",
+        "return max(endings, key=",
+        "return min(endings, key=",
         _ENDINGS,
     ),
     Mutant(
@@ -137,14 +137,14 @@ MUTANTS = (
     Mutant(
         "traction in stick may exceed friction",
         f"{_CONTACT}/slip_outcome.py",
-        "if not excess <= _BROKEN:",
+        "if not excess <= REFUTING_VIOLATION:",
         "if False:",
         _COUPLED,
     ),
     Mutant(
         "the pressure may pull",
         f"{_CONTACT}/slip_outcome.py",
-        "given is None and not fields.positive(solved.pressures)",
+        "contact is None and not zone_fields.all_positive(solved.pressures)",
         "False",
         _COUPLED,
     ),
@@ -256,7 +256,7 @@ MUTANTS = (
     Mutant(
         "slip is known where its zone is not",
         f"{_CONTACT}/friction_law.py",
-        "return _LOOSE * share * sqrt(share)",
+        "return BOUNDARY_SLIP_FACTOR * shift * sqrt(shift)",
         "return 0.0",
         f"{_UNIT}/contact/test_friction_law.py",
     ),
@@ -270,7 +270,7 @@ MUTANTS = (
     Mutant(
         "slip with the traction is consistent",
         f"{_CONTACT}/friction_law.py",
-        " and wrong <= max(slip_error, _NEGLIGIBLE)",
+        " and wrong <= max(slip_error, SLIP_ROUNDING)",
         "",
         f"{_UNIT}/contact/test_friction_law.py",
     ),
@@ -577,7 +577,7 @@ MUTANTS = (
     Mutant(
         "more unknowns than allowed converge",
         f"{_PACKAGE}/solving/run.py",
-        "if within and not self.exceeded and Ending",
+        "if within and not self.unknowns_exceeded and Ending",
         "if within and Ending",
         _ENDINGS,
     ),
@@ -768,8 +768,8 @@ SURVIVORS = (
         Mutant(
             "traction inward may exceed friction in stick",
             f"{_CONTACT}/friction_law.py",
-            "(np.abs(q) / (friction * p) for",
-            "(q / (friction * p) for",
+            "float((np.abs(q) / (friction * p)).max())",
+            "float((q / (friction * p)).max())",
             f"{_REFERENCE}/test_two_slip_annuli.py {_COUPLED}",
         ),
         _REWRITE,

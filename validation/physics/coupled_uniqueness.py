@@ -23,7 +23,7 @@ import numpy as np
 
 import spectral_contact
 from spectral_contact import Scene, solve
-from spectral_contact.contact.coupled_radii import PossibleRadius, scanned, stick_radii
+from spectral_contact.contact.coupled_radii import PossibleRadius, scan_logits, stick_radii
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
@@ -62,7 +62,7 @@ def radii(scene: Scene) -> list[PossibleRadius]:
     assert scene.friction is not None
     parameters = Parameters(*compliances, scene.kappa, scene.friction)
     problem = FreeBoundaryProblem(parameters, Layout((0.0,), (0, 1)), 1e-3)
-    return list(stick_radii(problem, scanned(problem, FIRST, STEP)))
+    return list(stick_radii(problem, scan_logits(problem, FIRST, STEP)))
 
 
 def table(record: Record) -> str:

@@ -98,7 +98,7 @@ SLIP = [
 def test_zones_are_those_of_the_solver(scene, coupled):
     scene = Scene(*astuple(scene), coupling=coupled)
     found, solution = layout(scene), solve(scene, 1e-4)
-    assert found.settled
+    assert found.converged
     assert found.on_rings.positive
     assert ["slip" if state else "stick" for state in found.states] == [
         zone.kind for zone in solution.zones
@@ -135,18 +135,18 @@ def astuple(scene):
 )
 def test_zones_at_thresholds(scene, states):
     found = layout(scene)
-    assert found.settled
+    assert found.converged
     assert found.states == states
 
 
 @pytest.mark.parametrize("coupled", [False, True])
 def test_a_stick_disk_smaller_than_any_ring_is_said_to_be_unseen(coupled):
     found = layout(Scene(0.3, 0.1, 0.1, 1e-80, coupling=coupled))
-    assert found.settled
+    assert found.converged
     assert found.states == (1,)
-    assert found.centre_unseen
+    assert found.centre_unresolved
     seen = layout(Scene(0.3, 0.1, 0.1, 1e-5, coupling=coupled))  # below the first grid
-    assert not seen.centre_unseen
+    assert not seen.centre_unresolved
     assert seen.boundaries[0].value == pytest.approx(0.2 * 1e-5 / Scene(0.3).kappa, rel=0.2)
 
 
@@ -164,7 +164,7 @@ def test_layers_so_thin_that_full_stick_would_open_are_told():
     """The pressure at the edge is 0 at alpha = beta = 1.909e-4."""
     assert ring_layout(Parameters(2.1e-4, 2.1e-4, 0.25, inf), coupled=True).on_rings.positive
     thin = ring_layout(Parameters(1.7e-4, 1.7e-4, 0.25, inf), coupled=True)
-    assert thin.settled
+    assert thin.converged
     assert not thin.on_rings.positive
 
 
@@ -175,14 +175,14 @@ compliance = st.one_of(st.just(0.0), st.floats(-8.0, 3.0).map(lambda x: 10.0**x)
 def test_the_law_holds_on_every_ring(alpha, beta, exponent, nu, coupled):
     scene = Scene(nu, alpha, beta, 10.0**exponent, coupling=coupled)
     found = layout(scene, rings=20, splits=1)
-    assert found.settled
+    assert found.converged
     assert 2.0 * pi * found.on_rings.pressure @ found.on_rings.law.rings.mass == pytest.approx(1.0)
     if found.on_rings.positive:
         limit = scene.friction * found.on_rings.pressure
         assert (np.abs(found.on_rings.traction) <= limit * (1.0 + 1e-12)).all()
         assert (found.on_rings.slip * found.on_rings.traction <= 0.0).all()
         slips = found.on_rings.states != 0
-        assert ((found.on_rings.reserve >= 0.0) != slips).all()
+        assert ((found.on_rings.margin >= 0.0) != slips).all()
         assert found.on_rings.traction[slips] == pytest.approx(
             (found.on_rings.states * limit)[slips]
         )
@@ -199,8 +199,10 @@ def test_one_change_at_a_time_comes_to_the_same(monkeypatch):
     scene = Scene(0.3, 0.05, 1.0, 0.23 / 7.0)
     found = layout(scene, rings=12, splits=0)
     systems = len(solved)
-    monkeypatch.setattr(active_set, "_PATIENCE", 0)
-    monkeypatch.setattr(active_set.RingState, "wanted", one_more_wrong(active_set.RingState.wanted))
+    monkeypatch.setattr(active_set, "RING_PATIENCE", 0)
+    monkeypatch.setattr(
+        active_set.RingState, "states_by_law", one_more_wrong(active_set.RingState.states_by_law)
+    )
     slow = layout(scene, rings=12, splits=0)
     assert len(solved) - systems > systems
     assert (slow.on_rings.states == found.on_rings.states).all()
@@ -218,9 +220,9 @@ def one_more_wrong(wanted):
 
 
 def test_states_that_do_not_settle_are_told(monkeypatch):
-    monkeypatch.setattr(active_set, "_MOST", 1)
+    monkeypatch.setattr(active_set, "MAX_RING_SYSTEMS", 1)
     found = layout(Scene(0.1, 0.5, 0.5, 0.1))
-    assert not found.settled
+    assert not found.converged
 
 
 def test_rings_that_err_next_to_narrow_ones_are_no_zones():

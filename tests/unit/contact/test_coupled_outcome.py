@@ -28,12 +28,12 @@ def disk():
 def test_a_disk_that_obeys_the_law_passes():
     outcome = zones_outcome(disk(), PARAMETERS)
     assert outcome.consistent
-    assert outcome.amiss == ""
+    assert outcome.violation_text == ""
 
 
 def test_traction_in_stick_beyond_friction_is_refused():
     outcome = zones_outcome(disk(), PARAMETERS._replace(friction=0.15 * (1.0 - 1e-4)))
-    assert outcome.amiss == "the traction in stick exceeds friction"
+    assert outcome.violation_text == "the traction in stick exceeds friction"
 
 
 def test_rounding_of_radii_next_to_a_boundary_is_no_traction_beyond_friction():
@@ -47,17 +47,17 @@ def test_pressure_that_pulls_is_refused(part):
     pressures = list(disk().pressures)
     pressures[part] = pressures[part].times(-1.0)
     outcome = zones_outcome(replace(disk(), pressures=pressures), PARAMETERS)
-    assert outcome.amiss == "the pressure is not positive"
+    assert outcome.violation_text == "the pressure is not positive"
 
 
 def test_zones_without_width_are_no_zones(monkeypatch):
-    own = zone_search.CoupledSearch._guesses
+    original = zone_search.CoupledSearch._candidates
 
-    def guesses(search):
-        yield Layout((1.0, 1.0), (0, 1, 0))
-        yield from own(search)
+    def candidates(search):
+        yield zone_search.Candidate(Layout((1.0, 1.0), (0, 1, 0)), "zones without width")
+        yield from original(search)
 
-    monkeypatch.setattr(zone_search.CoupledSearch, "_guesses", guesses)
+    monkeypatch.setattr(zone_search.CoupledSearch, "_candidates", candidates)
     assert len(solve(Scene(0.3, 0.3, 0.2, 0.1, coupling=True), 1e-4).zones) == 2
 
 

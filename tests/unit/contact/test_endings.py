@@ -6,7 +6,7 @@ import pytest
 
 from spectral_contact import Ending, Scene, StepState, plan, solve
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import Shared
+from spectral_contact.solving.sharing import StepCache
 
 
 @pytest.mark.parametrize(
@@ -27,7 +27,7 @@ def test_the_worst_ending_of_the_steps_is_told(endings, expected):
             self.endings[:] = endings
 
     scene = Scene(0.3)
-    solution = Ended(scene, plan(scene, ("approach",)), 1e-8, 1000, Shared()).solution()
+    solution = Ended(scene, plan(scene, ("approach",)), 1e-8, 1000, StepCache()).solution()
     assert not solution.converged
     assert solution.ending is expected
 
@@ -39,7 +39,7 @@ def test_zones_that_break_the_law_are_no_convergence_however_small_the_errors():
             self.endings.append(Ending.ZONES)
 
     scene = Scene(0.3)
-    solution = Broken(scene, plan(scene), 1e-8, 1000, Shared()).solution()
+    solution = Broken(scene, plan(scene), 1e-8, 1000, StepCache()).solution()
     assert not solution.converged
     assert solution.ending is Ending.ZONES
 

@@ -5,7 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact.contact.friction_law import known_share, loose_slip, missing_stick, obeys
+from spectral_contact.contact.friction_law import (
+    inf_if_unresolved,
+    missing_stick,
+    obeys,
+    slip_error_from_boundaries,
+)
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
@@ -27,8 +32,15 @@ def test_the_law_holds_to_the_errors_or_to_rounding(excess, error, wrong, slip_e
 
 
 def test_no_digit_is_infinite():
-    assert (known_share(0.9), known_share(1.1), known_share(math.nan)) == (0.9, math.inf, math.inf)
-    assert (loose_slip(0.0), loose_slip(math.inf)) == (0.0, math.inf)
+    assert (inf_if_unresolved(0.9), inf_if_unresolved(1.1), inf_if_unresolved(math.nan)) == (
+        0.9,
+        math.inf,
+        math.inf,
+    )
+    assert (slip_error_from_boundaries(0.0), slip_error_from_boundaries(math.inf)) == (
+        0.0,
+        math.inf,
+    )
 
 
 def test_intervals_of_the_wrong_sense():
@@ -53,6 +65,6 @@ def test_inside_what_errors_make_is_no_zone_and_at_the_edge_it_is():
     y = np.concatenate([one.sampling().y for one in annulus.families])
     deep = np.sort(y)
     sample = np.where(((y >= deep[3]) & (y <= deep[6])) | (y <= deep[1]), 1e-3, -1.0)
-    assert missing_stick(annulus, sample, 1.0, 1e-3, known=1e-2) == ((deep[1], 0.0),)
+    assert missing_stick(annulus, sample, 1.0, 1e-3, excused=1e-2) == ((deep[1], 0.0),)
     # rounding of what slips more elsewhere
     assert missing_stick(annulus, sample, 1e8, 1e-3) == ()

@@ -158,21 +158,21 @@ def place(friction, beta=1.0):
 
 def test_the_path_of_the_zones():
     path = ZonePath()
-    assert path.near(place(0.1)) is None
+    assert path.predict(place(0.1)) is None
     slopes = np.array([[0.3]])
     path.add(place(0.1), Layout((-1.0,), (0, 1), slopes))
-    assert path.near(place(0.15)).logits == (-1.0,)
-    assert path.near(place(0.01)) is None  # too far
+    assert path.predict(place(0.15)).logits == (-1.0,)
+    assert path.predict(place(0.01)) is None  # too far
     path.add(place(0.2), Layout((-0.5,), (0, 1), 2 * slopes))
-    near = path.near(place(0.4))
+    near = path.predict(place(0.4))
     assert near.logits[0] == pytest.approx(0.0)
     assert near.jacobian == pytest.approx(3 * slopes)
-    assert path.near(place(0.2)).logits == (-0.5,)  # the same scene again
-    assert path.near(place(0.2, 1.1)).logits == (-0.5,)  # other compliances, near by
+    assert path.predict(place(0.2)).logits == (-0.5,)  # the same scene again
+    assert path.predict(place(0.2, 1.1)).logits == (-0.5,)  # other compliances, near by
     path.add(place(0.2), Layout((-0.5,), (0, 1), slopes))  # twice the same gives no direction
-    assert path.near(place(0.25)).logits == (-0.5,)
+    assert path.predict(place(0.25)).logits == (-0.5,)
     path.add(place(0.3), None)
-    assert path.near(place(0.3)) is None
+    assert path.predict(place(0.3)) is None
 
 
 def test_the_path_is_a_polynomial_through_its_last_scenes():
@@ -182,16 +182,16 @@ def test_the_path_is_a_polynomial_through_its_last_scenes():
     for t in at:
         logits = (float(cubic(t)), float(cubic(t)) + 20.0)
         path.add((0.0, 0.0, t), Layout(logits, (0, 1, 0), t * slopes))
-    near = path.near((0.0, 0.0, at[-1] + 0.2))
+    near = path.predict((0.0, 0.0, at[-1] + 0.2))
     assert near.logits[0] == pytest.approx(cubic(at[-1] + 0.2), abs=1e-11)
     assert np.allclose(near.jacobian, (at[-1] + 0.2) * slopes, atol=1e-12)
     # boundaries in the wrong order are no guess
     path.add((0.0, 0.0, at[-1] + 0.1), Layout((0.0, 1e-6), (0, 1, 0), slopes))
-    assert path.near((0.0, 0.0, at[-1] + 0.9)).logits == (0.0, 1e-6)
-    assert path.near((0.5, 0.0, at[-1] + 0.1)).logits == (0.0, 1e-6)  # not on the line
+    assert path.predict((0.0, 0.0, at[-1] + 0.9)).logits == (0.0, 1e-6)
+    assert path.predict((0.5, 0.0, at[-1] + 0.1)).logits == (0.0, 1e-6)  # not on the line
     # zones of another kind begin anew
     path.add((0.0, 0.0, 0.0), Layout((0.0,), (0, 1), slopes[:1, :1]))
-    assert path.near((0.0, 0.0, 0.1)).logits == (0.0,)
+    assert path.predict((0.0, 0.0, 0.1)).logits == (0.0,)
 
 
 def test_what_cannot_be_asked_is_refused_before_any_scene():

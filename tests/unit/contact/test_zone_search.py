@@ -1,0 +1,120 @@
+"""The search of the zones: which candidates are tried, in which order, and what is told of them."""
+
+import math
+
+import pytest
+
+from spectral_contact import Scene, StepState, solve
+from spectral_contact.contact import active_set
+from spectral_contact.contact.full_stick import full_stick
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.normal import solve_normal
+from spectral_contact.contact.zone_problem import solve_stick
+from spectral_contact.contact.zone_search import CoupledSearch, NoZonesError, UncoupledSearch
+from spectral_contact.spectral.parameters import Parameters
+
+HOLDS = "the friction law holds"
+
+
+def value(name, result, begin):
+    """Return the value of a step whose work nobody notes."""
+    return result.best.value if hasattr(result, "best") else result
+
+
+def uncoupled(alpha, beta, friction, warm_start=None):
+    """Return the search of a scene; the friction is over kappa."""
+    parameters = Parameters(alpha, beta, 1.0, friction)
+    contact = solve_normal(alpha, 1e-8, 5000, goal="drive").best.value
+    infinite = parameters._replace(friction=math.inf)
+    stick = full_stick(solve_stick(infinite, 1e-8, 5000, known=contact), contact).best.value
+    return UncoupledSearch(parameters, stick, 1e-6, 5000, value, contact, warm_start=warm_start)
+
+
+def test_where_one_disk_will_do_nothing_else_is_tried():
+    outcome = uncoupled(0.5, 0.5, 0.5).outcome()
+    [trial] = outcome.trials
+    assert trial.zones.states == (0, 1)
+    assert trial.reason == "one stick disk"
+    assert trial.verdict == HOLDS
+    assert trial.text == f"2 zones (one stick disk): {HOLDS}"
+
+
+def test_slip_inside_tells_what_refuted_one_disk():
+    outcome = uncoupled(0.05, 1.0, 0.23).outcome()
+    assert [zone.kind for zone in outcome.zones] == ["stick", "slip", "stick"]
+    *refuted, last = outcome.trials
+    assert last.verdict == HOLDS
+    assert last.zones.states == (0, 1, 0)
+    assert refuted[0].reason == "one stick disk"
+    assert all(trial.verdict != HOLDS for trial in refuted)
+
+
+def test_zones_of_a_like_scene_come_first_and_alone_if_they_hold():
+    zones = uncoupled(0.05, 1.0, 0.23).outcome().layout
+    outcome = uncoupled(0.05, 1.0, 0.232, warm_start=zones).outcome()
+    [trial] = outcome.trials
+    assert trial.reason == "the zones of a like scene"
+    assert trial.verdict == HOLDS
+
+
+def test_zones_of_an_unlike_scene_are_refuted_and_the_search_goes_on():
+    zones = uncoupled(0.05, 1.0, 0.23).outcome().layout
+    outcome = uncoupled(0.5, 0.5, 0.5, warm_start=zones).outcome()
+    first, *_, last = outcome.trials
+    assert first.reason == "the zones of a like scene"
+    assert first.verdict != HOLDS
+    assert last.verdict == HOLDS
+    assert last.zones.states == (0, 1)
+
+
+def test_narrow_zones_of_a_like_scene_are_not_tried():
+    narrow = Layout((1.0, 1.0005), (0, 1, 0))
+    outcome = uncoupled(0.5, 0.5, 0.5, warm_start=narrow).outcome()
+    assert [trial.reason for trial in outcome.trials] == ["one stick disk"]
+
+
+def test_the_plan_tells_which_zones_were_tried():
+    solution = solve(Scene(0.3, 0.05, 1.0, 0.23 / 7.0), 1e-6)
+    [step] = [step for step in solution.plan.steps if step.name == "zone search"]
+    assert step.state is StepState.RUN
+    assert "3 zones found; tried: 2 zones (one stick disk): " in step.reason
+    assert step.reason.endswith(HOLDS)
+
+
+def test_an_error_tells_what_refuted_each_candidate(monkeypatch):
+    parameters = Parameters(0.3, 0.2, 0.25, 0.15)
+    infinite = parameters._replace(friction=math.inf)
+    stick = full_stick(solve_stick(infinite, 1e-4, 5000), None).best.value
+    search = CoupledSearch(parameters, stick, 1e-4, 5000, value)
+    fails = "no such boundaries"
+
+    def refuse(search, candidate):
+        raise ArithmeticError(fails)
+
+    monkeypatch.setattr(CoupledSearch, "_solve", refuse)
+    with pytest.raises(NoZonesError) as caught:
+        search.outcome()
+    tried = str(caught.value).split("; ")
+    assert all(text.endswith(fails) for text in tried)
+    assert any("an active set on rings" in text for text in tried)
+    assert caught.value.best is None
+
+
+def test_states_are_tried_once_but_a_disk_without_radius(monkeypatch):
+    """Rings and full stick have the same zones here: they are solved for once."""
+    parameters = Parameters(0.3, 0.2, 0.25, 0.15)
+    infinite = parameters._replace(friction=math.inf)
+    stick = full_stick(solve_stick(infinite, 1e-4, 5000), None).best.value
+    rings = active_set.ring_layout(parameters, coupled=True)
+    assert rings.states == (0, 1)
+    search = CoupledSearch(parameters, stick, 1e-4, 5000, value)
+    reasons = []
+
+    def refuse(search, candidate):
+        reasons.append(candidate.reason)
+        raise ArithmeticError("no such boundaries")
+
+    monkeypatch.setattr(CoupledSearch, "_solve", refuse)
+    with pytest.raises(NoZonesError):
+        search.outcome()
+    assert reasons == ["the zones of an active set on rings"]
