@@ -17,7 +17,7 @@ from spectral_contact.spectral import contact_system, spaces
 #: Every module of the contact, and those that each kind of scene may load: a module that is new
 #: is needed by nothing until it is listed, and a name that is gone is missed.
 CONTACT = {module.name for module in pkgutil.iter_modules(contact.__path__)}
-NORMAL = {"normal", "refine", "resolution"}
+NORMAL = {"normal", "refine", "resolution", "tuning"}
 ZONES = {
     "error_estimate",
     "free_boundary",

@@ -136,7 +136,7 @@ def test_a_disk_below_all_that_are_looked_for_is_none(scene, rtol):
 def test_full_stick_is_no_answer_where_friction_bears_far_less(monkeypatch):
     from spectral_contact.contact.zone_search import UncoupledSearch
 
-    monkeypatch.setattr(UncoupledSearch, "_tried", lambda self: iter(()))
+    monkeypatch.setattr(UncoupledSearch, "_candidates", lambda self: iter(()))
     scene = Scene(0.3, 0.1, 0.1, 0.05)
     solution = solve(scene, 1e-6, strict=False)
     assert solution.ending is Ending.ZONES

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import zone_problem, zone_search
+from spectral_contact.contact import active_set, zone_problem
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -99,10 +99,8 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
 
 def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
     systems, searches = [], []
-    solve_system, search = (
-        zone_problem.FreeBoundaryProblem.system,
-        zone_search.UncoupledSearch._guesses,
-    )
+    solve_system = zone_problem.FreeBoundaryProblem.system
+    search = active_set.ring_layout
 
     def counted(problem, *form, **more):
         systems.extend([1] * (len(problem.states) > 2))  # those of one disk come before
@@ -110,7 +108,7 @@ def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monk
 
     monkeypatch.setattr(zone_problem.FreeBoundaryProblem, "system", counted)
     monkeypatch.setattr(
-        zone_search.UncoupledSearch, "_guesses", lambda *a: searches.append(1) or search(*a)
+        active_set, "ring_layout", lambda *a, **more: searches.append(1) or search(*a, **more)
     )
     scenes, continuation = walk_inside(1e-8, np.linspace(0.032, 0.035, 20))
     for scene in scenes[:-5]:

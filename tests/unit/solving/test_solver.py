@@ -363,7 +363,7 @@ def test_a_soft_layer_has_one_stick_radius_at_any_tolerance():
 
 @pytest.mark.parametrize("doubtful", [0.5, 0.1], ids=["not doubted", "doubted"])
 def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch, doubtful):
-    monkeypatch.setattr(slip_outcome, "_DOUBTFUL", doubtful)
+    monkeypatch.setattr(slip_outcome, "DOUBTFUL_VIOLATION", doubtful)
     # at a closer tolerance, which would be tried next, it is known
     monkeypatch.setattr(solver, "closer_tolerance", lambda rtol: rtol)
     solution = solve(Scene(0.3, 0.5, 0.5, friction=0.1010183145), 3e-5)

@@ -48,10 +48,11 @@ def test_a_grid_has_the_numbers_of_solve_and_their_estimates():
             solution = solve(scene, 1e-8, SCALARS)
             here = found.sel(normal_compliance=alpha, friction=friction)
             for name in SCALARS:
-                assert here[name] == pytest.approx(getattr(solution, name), rel=1e-13)
-                error = getattr(solution.error, name)
-                # what rounding has in an estimate is not the same from another start
-                assert here[f"{name}_error"] == pytest.approx(error, rel=1e-6, abs=1e-14)
+                value, error = getattr(solution, name), getattr(solution.error, name)
+                swept, swept_error = float(here[name]), float(here[f"{name}_error"])
+                # boundaries come from another start, and with them the last digits
+                assert abs(swept / value - 1.0) <= error + swept_error
+                assert swept_error <= 1e-8
 
 
 def test_coordinates_have_names_units_and_meanings():

@@ -168,7 +168,7 @@ def test_a_slice_is_drawn():
 @pytest.mark.parametrize(
     ("scenes", "arguments", "message"),
     [
-        (BALL, {"load": [1.0, 2.0], "approach": [1.0]}, "load .* None with approach"),
+        (BALL, {"load": [1.0, 2.0], "approach": [1.0]}, "load .* left out if approach is given"),
         (BALL, {"load": [1.0, -2.0]}, "load = -2.0"),
         (BALL, {"contact_radius": [np.nan]}, "contact_radius = nan"),
         (Scene(0.3), {"load": [1.0, 2.0]}, "load = .* None without a profile"),
