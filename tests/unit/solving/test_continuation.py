@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
-from spectral_contact.contact import active_set, zone_problem
+from spectral_contact.contact import zone_problem
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import ZonePath
 from spectral_contact.solving.solver import Continuation
@@ -97,23 +97,18 @@ def walk_inside(rtol, frictions, quantities=("stick_radius", "total_shear")):
     return [Scene(0.3, 0.05, 1.0, f) for f in frictions], Continuation(rtol, quantities, 20_000)
 
 
-def test_neighbours_find_interior_zones_in_few_systems_and_without_a_search(monkeypatch):
-    systems, searches = [], []
+def test_neighbours_find_interior_zones_in_few_systems(monkeypatch):
+    systems = []
     solve_system = zone_problem.FreeBoundaryProblem.system
-    search = active_set.ring_layout
 
     def counted(problem, *form, **more):
         systems.extend([1] * (len(problem.states) > 2))  # those of one disk come before
         return solve_system(problem, *form, **more)
 
     monkeypatch.setattr(zone_problem.FreeBoundaryProblem, "system", counted)
-    monkeypatch.setattr(
-        active_set, "ring_layout", lambda *a, **more: searches.append(1) or search(*a, **more)
-    )
     scenes, continuation = walk_inside(1e-8, np.linspace(0.032, 0.035, 20))
     for scene in scenes[:-5]:
         continuation.solve(scene)
-    assert len(searches) == 1
     systems.clear()
     for scene in scenes[-5:]:
         assert continuation.solve(scene).converged
