@@ -15,7 +15,7 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import DEEPEST
+from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.regularised import Cholesky
@@ -245,7 +245,7 @@ def ring_layout(
     splits : int
         How often rings around boundaries are split.
     """
-    logits = graded_rings(rings, _EXPONENT, _WIDEST, DEEPEST, DEEPEST)
+    logits = graded_rings(rings, _EXPONENT, _WIDEST, EPSILON_DEPTH, EPSILON_DEPTH)
     states = np.zeros(len(logits) - 1, dtype=int)
     # on smooth surfaces coupled full stick oscillates, so the states without coupling come first
     passes = [False] * coupled + [coupled] * (splits + 1)

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES, stick_excess
-from spectral_contact.contact.resolution import DEEPEST, PROBE
+from spectral_contact.contact.resolution import EPSILON_DEPTH
+from spectral_contact.contact.tuning import PROBE_TOL
 from spectral_contact.contact.zone_fields import positive
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class PossibleRadius:
     @property
     def possible(self) -> bool:
         """Whether it may be a contact; the sense of its slip is not looked at."""
-        return self.positive and self.excess <= PROBE  # no smaller one is told
+        return self.positive and self.excess <= PROBE_TOL  # no smaller one is told
 
 
 def stick_radii(
@@ -62,22 +63,22 @@ def stick_radii(
     from scipy.optimize import brentq
 
     def condition(logit: float) -> float:
-        return float(problem.rough(logit).boundary_residual[0])
+        return float(problem.coarse_solution(logit).boundary_residual[0])
 
-    solved = ((one, problem.rough(one)) for one in logits)
+    solved = ((one, problem.coarse_solution(one)) for one in logits)
     trials = takewhile(
         lambda pair: not contacts or positive(pair[1].system.series(pair[1].values)[0]), solved
     )
     for (low, first), (high, second) in pairwise(trials):
         if (first.boundary_residual[0] > 0.0) != (second.boundary_residual[0] > 0.0):
             root = float(brentq(condition, low, high, xtol=_NEAR))
-            yield _described(root, problem.rough(root))
+            yield _described(root, problem.coarse_solution(root))
 
 
 def scanned(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of radii to look at: from a first one to where slip is in the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
-    last = min(DEEPEST, _PAST - log(layers)) if layers > 0.0 else DEEPEST
+    last = min(EPSILON_DEPTH, _PAST - log(layers)) if layers > 0.0 else EPSILON_DEPTH
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 

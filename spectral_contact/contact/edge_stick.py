@@ -30,8 +30,9 @@ from scipy.special import beta as beta_function
 from scipy.special import betainc
 
 from spectral_contact.contact.error_estimate import ZoneSolution
-from spectral_contact.contact.resolution import DEEPEST, PANEL_WIDTH, ROUNDING
+from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
+from spectral_contact.contact.tuning import PANEL_WIDTH, ROUNDING
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,
@@ -60,7 +61,7 @@ _NEGLIGIBLE = 1e-10
 #: Degree of the panels on which fields are sampled: the inner solution is then right to rounding.
 _DEGREE = 24
 #: How far below the width panels toward the edge and toward the boundary reach, in ``-ln``.
-_BELOW = DEEPEST + 4.0
+_BELOW = EPSILON_DEPTH + 4.0
 
 
 class EdgeStick(NamedTuple):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from spectral_contact.contact.resolution import DEEPEST, places
+from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parts import gap
 
@@ -24,7 +24,7 @@ _TOUCHING = float(np.cbrt(_NEGLIGIBLE)) ** 2
 #: Slip over a narrow annulus is like ``(x (1 - x))**(3/2)``: 8 x**(3/2) of its largest at an end.
 _LOOSE = 10.0
 #: Distances from the ends of zones, of their extent, at which the law is looked at.
-DISTANCES = np.exp(-places(DEEPEST, 400))
+DISTANCES = np.exp(-sample_depths(EPSILON_DEPTH, 400))
 
 
 def missing_stick(
@@ -108,7 +108,7 @@ def loose_slip(share: float) -> float:
 
 
 def stick_excess(friction: float, sticking: Iterable[tuple[Array, Array]]) -> float:
-    """Return the largest ``|q|/(f p) - 1`` in stick, or 0, from pairs of q and p in places.
+    """Return the largest ``|q|/(f p) - 1`` in stick, or 0, from pairs of q and p in sample_depths.
 
     Next to a boundary they differ by a root of the distance: both are to be of the same distances,
     which are small but exact.

@@ -14,19 +14,18 @@ from math import atan2, exp, inf, log, pi, sqrt
 
 import numpy as np
 
-from spectral_contact.contact.error_estimate import ZoneSolution, relative_changes, sizes_of
+from spectral_contact.contact.error_estimate import ZoneSolution, relative_changes
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.refine import Attempt, Refinement
+from spectral_contact.contact.refine import Refinement, SpaceSolution
 from spectral_contact.contact.resolution import (
-    CLOSED_FORM_ROUNDING,
-    SAFETY,
     TINY,
     NormalContact,
-    crossing,
-    places,
-    share_of_change,
+    first_sign_change,
+    relative_panel_changes,
+    sample_depths,
 )
-from spectral_contact.contact.zone_spaces import ended
+from spectral_contact.contact.tuning import CLOSED_FORM_ROUNDING, FUNCTIONAL_SAFETY
+from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of
 
@@ -84,18 +83,20 @@ def smooth_full_stick(contact: NormalContact) -> FullStick:
 
 
 def _with_fields(
-    stick: FullStick, solved: Attempt[ZoneSolution], contact: NormalContact | None, *, ratios: bool
+    stick: FullStick,
+    solved: SpaceSolution[ZoneSolution],
+    contact: NormalContact | None,
+    *,
+    ratios: bool,
 ) -> FullStick:
     """Return full stick with its fields, and with their ratio where it means something."""
     zones, system, q, opening = solved.value, solved.value.system, solved.value.shears[0], None
     panels = system.fields[-1].panels
     if contact is None:
-        p, q = ended(zones.pressures[0], q, system.parameters, 1.0)
+        p, q = with_asymptotic_tail(zones.pressures[0], q, system.parameters, 1.0)
         pressure, opening = PressureField(None, p), _opening(p)
         ratios = opening is None and not p.oscillation
-        each = relative_changes(
-            system, zones.solution[:, 1], sizes_of(system, zones.solution[:, 0])
-        )
+        each = relative_changes(system, zones.solution[:, 0], zones.solution[:, 1])
         shares = [(panels, one) for one in each]
     else:
         pressure, shares = contact.pressure, [(panels, solved.indicators)]
@@ -111,8 +112,8 @@ def _with_fields(
     at_edge = 0.0 if any(one.panels.power for one in system.fields) else _at_edge(zones)
     if contact is not None and contact.panels is not None and contact.changes:
         mesh, lost = contact.panels, contact.changes[0].coefficients
-        share = share_of_change(mesh, lost, pressure.at_ends())
-        shares.append((mesh, SAFETY * contact.rate**2 * share))
+        share = relative_panel_changes(mesh, lost, pressure.at_ends())
+        shares.append((mesh, FUNCTIONAL_SAFETY * contact.rate**2 * share))
         at_edge += abs(series_of(mesh, lost).limit / pressure.value(0.0))
     return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
 
@@ -132,11 +133,11 @@ def _opening(pressure: LogSeries) -> float | None:
     """Return the distance from the edge at which the pressure first changes sign."""
     count = len(pressure.coefficients)
     depth = count * pressure.width
-    x = places(depth, 8 * count + 1)  # close enough to see every change of sign
+    x = sample_depths(depth, 8 * count + 1)  # close enough to see every change of sign
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
-        depth = crossing(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
+        depth = first_sign_change(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
     elif pressure.oscillation:
         depth += atan2(pressure.tail[0], -pressure.tail[1]) / pressure.oscillation
     else:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, unmoved
-from spectral_contact.contact.resolution import ROUNDING, TINY
-from spectral_contact.contact.stick_radius import least_logit
+from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.stick_radius import min_logit
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -22,7 +23,7 @@ def stand_in(parameters: Parameters) -> Radius:
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
-        return Radius.from_logit(least_logit(parameters))
+        return Radius.from_logit(min_logit(parameters))
     c = min(2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY)), _MOST_STAND_IN)
     return Radius(float(c), float(1.0 - c))
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import DEEPEST, LEADING, crossing, places
+from spectral_contact.contact.resolution import EPSILON_DEPTH, first_sign_change, sample_depths
+from spectral_contact.contact.tuning import LEADING_TERM_DEPTH
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -56,12 +57,14 @@ def exceeded(stick: FullStick, parameters: Parameters, friction: float | None = 
         return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
 
     peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    aside = np.exp(-places(DEEPEST, 200))
+    aside = np.exp(-sample_depths(EPSILON_DEPTH, 200))
     near = peak + np.concatenate([-aside, [0.0], aside])
-    x = np.unique(np.concatenate([places(depth, 4001), near[(near > 0.0) & (near < depth)]]))
+    x = np.unique(np.concatenate([sample_depths(depth, 4001), near[(near > 0.0) & (near < depth)]]))
     above = excess(x) > 0.0
     turns = np.flatnonzero(above[1:] != above[:-1]).tolist()
-    ends = [float(x[0])] * bool(above[0]) + [crossing(excess, x[i], x[i + 1]) for i in turns]
+    ends = [float(x[0])] * bool(above[0]) + [
+        first_sign_change(excess, x[i], x[i + 1]) for i in turns
+    ]
     beyond = [*ends, depth] if above[-1] else ends
     middles = (np.array(beyond[::2]) + np.array(beyond[1::2])) / 2.0
     signs = np.sign(sheared(middles)).astype(int).tolist()
@@ -80,5 +83,7 @@ def _depth(parameters: Parameters) -> float:
     alpha, beta, kappa, friction = parameters
     if alpha == 0.0 < beta:
         # the edge sticks for y below (f beta / kappa)^2: there p exceeds what q can be
-        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING
-    return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + LEADING
+        return (
+            max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING_TERM_DEPTH
+        )
+    return max([0.0, *(-log(c) for c in (alpha, beta) if c > 0.0)]) + LEADING_TERM_DEPTH

@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legder, legroots
 
-from spectral_contact.contact.resolution import (
+from spectral_contact.contact.resolution import sample_depths
+from spectral_contact.contact.tuning import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
-    LEADING,
+    LEADING_TERM_DEPTH,
     TRACTION_ROUNDING,
-    places,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
@@ -28,7 +28,7 @@ _AT_ONE_PLACE = 0.5
 #: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
 _GRID, _POINTS = 129, 16
 #: Further places in the tail, in ``-ln y`` past the panels: loose spaces have none there.
-_IN_TAIL = np.linspace(0.0, LEADING, 65)[1:]
+_IN_TAIL = np.linspace(0.0, LEADING_TERM_DEPTH, 65)[1:]
 _NODES, _ = gauss_rule(_POINTS)
 #: From values at the nodes to the Legendre coefficients of the slope.
 _SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
@@ -142,7 +142,7 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     edge = 0.0 if at_edge == inf else series.limit / at_edge
     if edge == inf:
         return LargestRatio(inf, inf, 0.0)
-    x = np.concatenate([places(depth, _GRID), depth + _IN_TAIL])
+    x = np.concatenate([sample_depths(depth, _GRID), depth + _IN_TAIL])
     values = ratio(x)
     values[_GRID:] *= 1.0 - TRACTION_ROUNDING  # in the tail it differs from the edge by that
     i = int(np.argmax(values))

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.pressure_loads import load_outside, mean_inside
-from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, SAFETY, starting_resolution
+from spectral_contact.contact.resolution import EPSILON_DEPTH, starting_resolution
+from spectral_contact.contact.tuning import FIELD_ROUNDING, FUNCTIONAL_SAFETY
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,
@@ -120,7 +121,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1], power=0))
         samples.append(np.concatenate(own))
     largest = max(float(np.abs(v).max()) for v in samples)
-    return SlipFields(fields, samples, largest, 2.0 * SAFETY * unresolved)
+    return SlipFields(fields, samples, largest, 2.0 * FUNCTIONAL_SAFETY * unresolved)
 
 
 def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
@@ -157,7 +158,7 @@ def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> fl
 
     Seen at points graded to the inner end, where it is largest.
     """
-    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, DEEPEST, 41)))
+    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, EPSILON_DEPTH, 41)))
     total = np.zeros(len(points.offset))
     for zone in _inside(stuck, inner):
         total += _from_stuck(zone, points)

@@ -21,8 +21,9 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, ZoneNumbers
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY, NormalContact
+from spectral_contact.contact.resolution import TINY, NormalContact
 from spectral_contact.contact.slip_displacement import Slipping, slip_displacement
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -169,13 +170,13 @@ def zones_outcome(
     """
     from spectral_contact.contact import zone_fields as fields
 
-    slipping, lost = solved.slipping
+    slipping, lost = solved.slip_samples
     if not felt:
-        solved = replace(solved, stuck=[], stray=0.0, loose=0.0)
+        solved = replace(solved, stuck=[], residual_error=0.0, zone_width_error=0.0)
     given, own = (None, solved) if known is None else (known.pressure, known)
     solved = replace(
         solved,
-        stray=solved.stray + lost,
+        residual_error=solved.residual_error + lost,
         approach=own.approach,
         approach_error=own.approach_error,
         pressure_error=own.pressure_error,
@@ -220,13 +221,13 @@ def _held(
         else:
             traction.append(ZonePiece(outer, sticks.get(k)))
         displacement.append(ZonePiece(outer, next(slips) if state else None))
-    stray = solved.stray + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
+    stray = solved.residual_error + unresolved + FIELD_ROUNDING / (2.0 * np.pi)
     if beta > 0.0:  # p is largest at the outermost slip end
         last = max(k for k, state in enumerate(solved.system.states) if state)
         highest = float(pressure.at(np.array(bounds[last][1].rest)))
         stray += beta * friction * highest * solved.pressure_error
     largest = max(largest, TINY)
-    known, loose = known_share(stray / largest), loose_slip(solved.loose)
+    known, loose = known_share(stray / largest), loose_slip(solved.zone_width_error)
     wrong = max(0.0, *(float(one.max()) for one in samples)) / largest
     allowed = known + min(loose, 0.5)
     error = max(solved.traction_error, solved.pressure_error)

@@ -20,13 +20,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.error_estimate import JACOBIAN_CURVATURE, relative_size
+from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.normal import SMALL_COMPLIANCE
-from spectral_contact.contact.resolution import ROUNDING, NormalContact
+from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.tuning import JACOBIAN_CURVATURE, ROUNDING, SMALL_COMPLIANCE
 from spectral_contact.contact.zone_fields import stick_series
-from spectral_contact.contact.zone_problem import narrowest
+from spectral_contact.contact.zone_problem import min_zone_width
 from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
 from spectral_contact.fields.series import (
     DiskSeries,
@@ -42,7 +42,7 @@ from spectral_contact.spectral.parameters import Parameters
 
 Array = NDArray[np.float64]
 
-#: Nodes, and half the width of their interval over that of the narrowest zone: so near that the
+#: Nodes, and half the width of their interval over that of the min_zone_width zone: so near that the
 #: factors of the middle serve, and polynomials are right to 1e-12.
 _PLACES, _WIDTH = 8, 0.06
 _NODES, _FIT = chebyshev_interpolation(_PLACES)
@@ -159,7 +159,7 @@ class _AtBoundaries:
     ) -> None:
         self.parameters, self.names = parameters, names
         self.system_at = system_at
-        self.narrowest = narrowest(logits)
+        self.narrowest = min_zone_width(logits)
         self.fields = self._solution(logits)
         #: derivatives of boundary residual, approach and shear by the logits, as rows
         self.moved = self._boundary_derivatives(logits)

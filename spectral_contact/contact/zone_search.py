@@ -19,14 +19,15 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, NoBoundariesError, unmoved
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import DEEPEST, ONSET, NormalContact
+from spectral_contact.contact.resolution import EPSILON_DEPTH, NormalContact
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     everywhere,
     no_slip,
     zones_outcome,
 )
-from spectral_contact.contact.stick_radius import LEAST_PLAIN, NoStickDiskError, guessed_logit
+from spectral_contact.contact.stick_radius import NoStickDiskError, limiting_logit
+from spectral_contact.contact.tuning import MIN_SMOOTH_LOGIT, ONSET_BAND
 from spectral_contact.contact.zone_fields import least_radius, to_the_centre
 from spectral_contact.contact.zone_problem import (
     FreeBoundaryProblem,
@@ -67,7 +68,7 @@ _ABOUT = 0.02
 
 
 #: The logit of a stick disk whose radius is rounding: it has all the slip of a smaller one.
-_POINT = -2.0 * DEEPEST
+_POINT = -2.0 * EPSILON_DEPTH
 
 
 class NoZonesError(ArithmeticError):
@@ -283,7 +284,7 @@ class UncoupledSearch(ZoneSearch):
     def _solved(self, layout: Layout) -> PartialSlip:
         one_disk = layout.states == _DISK.states
         if one_disk and not layout.logits:
-            layout = layout._replace(logits=(guessed_logit(self.parameters),))
+            layout = layout._replace(logits=(limiting_logit(self.parameters),))
         begin = perf_counter()
         try:
             refinement = self._refined(layout)
@@ -323,7 +324,11 @@ class UncoupledSearch(ZoneSearch):
         """Solve on zones like these, with fields to a tolerance."""
         with np.errstate(all="ignore"):
             problem = FreeBoundaryProblem(
-                self.parameters, layout, tolerance, known=self.known, goal=self.tolerance
+                self.parameters,
+                layout,
+                tolerance,
+                known=self.known,
+                boundary_tolerance=self.tolerance,
             )
             return refine(problem, tolerance, self.max_unknowns)
 
@@ -366,7 +371,7 @@ class CoupledSearch(ZoneSearch):
         """Return one stick disk with stick at the edge in closed form, if that may be accurate."""
         from spectral_contact.contact.edge_stick import expected_error, with_edge_stick
 
-        if not self._smooth or least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
+        if not self._smooth or least_radius(self.parameters) ** 2 < exp(MIN_SMOOTH_LOGIT):
             return None
         expected = expected_error(self.parameters)
         if expected > max(_ROUGHLY * self.tolerance, _TOO_NARROW):
@@ -374,7 +379,7 @@ class CoupledSearch(ZoneSearch):
         begin, problem = perf_counter(), (self.parameters, _WIDE_DISK, self.tolerance)
         try:
             with np.errstate(all="ignore"):
-                layout = FreeBoundaryProblem(*problem).located()
+                layout = FreeBoundaryProblem(*problem).initial_layout()
                 zones = solve_zones(self.parameters, layout, self.tolerance, self.max_unknowns)
                 solved = perf_counter()
                 outcome = with_edge_stick(zones.best.value, self.parameters)
@@ -417,7 +422,9 @@ class CoupledSearch(ZoneSearch):
         told = (found.settled or self._smooth) and not found.centre_unseen
         if told and found.on_rings.positive:
             yield self._to_the_edge([one.logit for one in found.boundaries], found.states)
-        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:  # else full stick will do
+        if (
+            1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND
+        ):  # else full stick will do
             yield violated
         yield _DISK._replace(logits=violated.logits[:1]) if violated.logits else _WIDE_DISK
 
@@ -432,7 +439,11 @@ class CoupledSearch(ZoneSearch):
 
     def _least_wrong(self, found: list[PartialSlip]) -> PartialSlip:
         lawful = [one for one in found if not one.amiss]
-        if not lawful and self._smooth and least_radius(self.parameters) ** 2 < exp(LEAST_PLAIN):
+        if (
+            not lawful
+            and self._smooth
+            and least_radius(self.parameters) ** 2 < exp(MIN_SMOOTH_LOGIT)
+        ):
             return self._all_slip()
         if not lawful:
             unseen = f"the edge sticks over some {self._smooth_edge:.0e}, too little to resolve"
@@ -446,7 +457,7 @@ class CoupledSearch(ZoneSearch):
         begin, problem = perf_counter(), (self.parameters, layout, self.tolerance)
         try:
             if layout is not self.near:
-                layout = self._narrowed(FreeBoundaryProblem(*problem).located())
+                layout = self._narrowed(FreeBoundaryProblem(*problem).initial_layout())
         except NoStickDiskError as missing:
             if missing.at_centre:
                 return self._all_slip()

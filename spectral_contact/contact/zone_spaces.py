@@ -13,13 +13,12 @@ from math import atan, atanh, ceil, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.resolution import (
-    LEADING,
+from spectral_contact.contact.resolution import bend_weight, slip_degree
+from spectral_contact.contact.tuning import (
+    COARSE_TOL,
+    LEADING_TERM_DEPTH,
     PANEL_WIDTH,
-    ROOT_DEPTH,
-    ROUGH,
-    nearness,
-    slip_degree,
+    ROOT_TAIL_DEPTH,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.cache import kept
@@ -50,7 +49,7 @@ _QUADRATURE, _FINEST = 0.01, 1e-11
 
 def leading_depth(alpha: float, beta: float, extent: float) -> float:
     """Return the depth toward the edge past which a singular field is its leading term."""
-    return LEADING + thinnest_layer(alpha, beta, extent)
+    return LEADING_TERM_DEPTH + thinnest_layer(alpha, beta, extent)
 
 
 def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
@@ -58,7 +57,7 @@ def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
     return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
 
 
-def ended(
+def with_asymptotic_tail(
     pressure: LogSeries, shear: LogSeries, parameters: Parameters, extent: float
 ) -> list[LogSeries]:
     """Return p and q/s toward an edge that sticks; what is singular ends in its leading term.
@@ -108,8 +107,8 @@ def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     return atan(2.0 * kappa * friction) / pi - 0.5 if states[-1] > 0 else -0.5
 
 
-def parted(resolution: Resolution, counts: Sequence[int], power: float) -> list[Resolution]:
-    """Return the spaces of all parts, with their numbers of panels, from what `joined` returns.
+def split_spaces(resolution: Resolution, counts: Sequence[int], power: float) -> list[Resolution]:
+    """Return the spaces of all parts, with their numbers of panels, from what `concatenate_spaces` returns.
 
     The last one has the endpoint weight of the pressure, see `edge_power`. A tail of roots is that
     of the disk.
@@ -197,7 +196,7 @@ def known_pressure_spaces(
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
     if beta == 0.0 and states == (0, 1):
         spaces[0] = _rigid_disk(alpha, radii[0], tolerance)
-    accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < ROUGH else tolerance
+    accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < COARSE_TOL else tolerance
     degree = slip_degree(accuracy)
     return [
         Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
@@ -243,7 +242,9 @@ def _to_the_edge(
     if alpha > 0.0:
         return _space(layer + _FELT, [(layer - _FELT, _BEND)], tolerance, 1.0, _AT_EDGE)
     if beta == 0.0:
-        begin = LEADING if power == -0.5 else 0.0  # else it settles to its endpoint weight
+        begin = (
+            LEADING_TERM_DEPTH if power == -0.5 else 0.0
+        )  # else it settles to its endpoint weight
         return _space(begin, [], tolerance, 1.0, _AT_EDGE, power=power)
     return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
 
@@ -256,7 +257,7 @@ def _all_sticks(
     Next to the edge of a smooth surface they have square roots.
     """
     layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-    begin = max(layers, default=LEADING)
+    begin = max(layers, default=LEADING_TERM_DEPTH)
     bends = [(layer - _BEFORE, _BEND) for layer in layers]
     rate, power = 0.5 if smooth else 1.0, -0.5 if alpha == 0.0 else 0.0
     return _space(begin, bends, tolerance, rate, first, power=power, spare=spare)
@@ -294,13 +295,13 @@ def _settling(
     power: float,
     spare: float,
 ) -> Resolution:
-    depth = begin + ((digits + 2.0) / rate if rate else ROOT_DEPTH)
+    depth = begin + ((digits + 2.0) / rate if rate else ROOT_TAIL_DEPTH)
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
     missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
     more = np.zeros(panels)
     for place, share in bends:
-        more = np.maximum(more, share * nearness(panels, place))
+        more = np.maximum(more, share * bend_weight(panels, place))
     if first:
         more[:2] = np.maximum(more[:2], (first, _TURN))
     degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)

@@ -7,7 +7,8 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.resolution import ONSET, NormalContact
+from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.tuning import ONSET_BAND
 from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 #: The error of full stick that stands for slip, in units of what friction lacks.
 _ROOM = 3.0
 #: Tolerance of full stick at which it is seen that a scene is that close.
-_DECIDES = 0.1 * ONSET
+_DECIDES = 0.1 * ONSET_BAND
 #: A distance at which slip is not looked for if full stick is good enough; and one at which
 #: rounding hides it: at 1e-11 all annuli were found, at 1e-12 some, at 1e-13 hardly any.
 _HIDDEN, _ROUNDED = 1e-8, 3e-13
@@ -153,7 +154,7 @@ class CoupledRun(Run):
         try:
             found = search.outcome()
         except NoZonesError:
-            if unsure <= ONSET:
+            if unsure <= ONSET_BAND:
                 return None
             closer = closer_tolerance(search.tolerance)
             # without a compliance it takes seconds
@@ -166,7 +167,7 @@ class CoupledRun(Run):
             found.pressure_error, found.traction_error, found.shear_error, found.approach_error
         )
         good = found.consistent and worst <= max(self.rtol, _ROOM * unsure)
-        return found if good or unsure > ONSET else None
+        return found if good or unsure > ONSET_BAND else None
 
     def _take_unlawful(self, stick: FullStick, missing: NoZonesError) -> None:
         """Take what breaks the friction law least, where no zones were found that obey it.

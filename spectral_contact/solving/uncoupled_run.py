@@ -58,7 +58,7 @@ class UncoupledRun(Run):
         positive = bool((disk.shears[0].at_ends() >= 0.0).all())
         if not (outcome.settled and positive) or disk.shear_error > self.rtol:
             return None
-        kappa, shift = self.scene.kappa, float(disk.shifts[0])
+        kappa, shift = self.scene.kappa, float(disk.logit_errors[0])
         return FrictionOf(kappa * friction, shift, kappa * disk.total_shear, disk.shear_error)
 
     def slipping(self, contact: NormalContact, stick: FullStick) -> None:

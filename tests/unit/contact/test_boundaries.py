@@ -7,7 +7,7 @@ from spectral_contact.contact.zone_newton import ZonesNewton, ZoneState, longest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.stick_radius import differences
+from spectral_contact.contact.stick_radius import fd_jacobian
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.factored import factored
@@ -26,7 +26,7 @@ SLOPES = np.array([[1.0, 0.2], [0.0, 0.5], [1.0, -3.0]])
 
 
 def test_differences_are_the_slopes():
-    assert np.allclose(differences(values, ROOT), SLOPES, rtol=0, atol=1e-6)
+    assert np.allclose(fd_jacobian(values, ROOT), SLOPES, rtol=0, atol=1e-6)
 
 
 def test_slopes_are_learnt_from_steps():
@@ -75,7 +75,7 @@ def test_slopes_of_the_fields_are_those_of_differences(kappa, friction):
         system = problem.system(spaces, logits)
         return problem.settled(ZoneState.begin(factored(system)), 1e-12).mismatch
 
-    truth = differences(conditions, problem.logits)
+    truth = fd_jacobian(conditions, problem.logits)
     told = state.slopes([], 1e-4)
     assert np.abs(np.linalg.solve(told, truth) - np.eye(2)).max() < 1e-3
 
