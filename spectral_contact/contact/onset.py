@@ -56,7 +56,7 @@ def exceeded(stick: FullStick, parameters: Parameters, friction: float | None = 
             ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
         return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
 
-    peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
+    peak = -log(stick.critical_y) if stick.critical_y > 0.0 else depth
     aside = np.exp(-sample_depths(EPSILON_DEPTH, 200))
     near = peak + np.concatenate([-aside, [0.0], aside])
     x = np.unique(np.concatenate([sample_depths(depth, 4001), near[(near > 0.0) & (near < depth)]]))

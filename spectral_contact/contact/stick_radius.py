@@ -148,16 +148,16 @@ def central_slope(function: Callable[[float], float], x: float) -> float:
 def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
     """Return the derivatives of a residual by the logits, by central differences.
 
-    The half step h is a share of the width w of the narrower zone at the boundary, as the residual
-    varies over w: ``h/w = (noise / w**2)**(1/3)``, which balances rounding and curvature, at most
-    MAX_DIFFERENCE_SHARE.
+    With w the width of the narrower zone at the boundary, over which the residual varies, the half
+    step h balances the noise of the residual and its third derivative:
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most MAX_DIFFERENCE_SHARE.
     """
     columns = []
     widths = np.diff(logits)
     for i in range(len(logits)):
         width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
-        share = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
-        half_step = min(share, MAX_DIFFERENCE_SHARE) * width
+        relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
+        half_step = min(relative_step, MAX_DIFFERENCE_SHARE) * width
         step = half_step * np.eye(len(logits))[i]
         difference = residual_at(logits + step) - residual_at(logits - step)
         columns.append(difference / (2.0 * half_step))

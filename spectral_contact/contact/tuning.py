@@ -1,7 +1,9 @@
 """The tuned numbers of the contact problems: what each means, and what it was measured against.
 
 A number stands here if it was chosen by a measurement. What follows from a formula stands where the
-formula is. The last column of a comment names the command that measures the number again.
+formula is. A comment says what the number means, what it was measured against, and the study that
+shows its effect: change the number and run that command again. "Not measured again" stands where no
+study shows the effect.
 """
 
 from __future__ import annotations
@@ -49,11 +51,11 @@ RESIDUAL_NOISE = 1e-13
 #: estimates of shear and boundaries are 1.7 and 1.9 times as large in the mean of 50 random scenes:
 #: validation/honesty/sharpness.py.
 NEGLIGIBLE_SHARE = 0.01
-#: Tolerance of the space and of the steps in which several boundaries are located first. It costs
-#: time only: validation/cost/bench_coupled.py.
+#: Tolerance of the space and of the steps in which several boundaries are located first. Its cost:
+#: validation/cost/bench_coupled.py.
 COARSE_TOL = 1e-3
 #: Boundaries superconverge: a space for the root of the tolerance has nearly all of their digits,
-#: so they are moved in it first, if that root is below this. It costs time only:
+#: so they are moved in it first, if that root is below this. Its cost:
 #: validation/cost/bench_solve.py.
 HALFWAY_TOL = 1e-4
 #: Tolerance of the space in which the boundary of one stick disk is located, and in which a field
@@ -97,7 +99,8 @@ ROOT_EDGE_SAFETY = 2.5
 #: estimate: validation/honesty/honesty.py.
 RATIO_BOUND_FACTOR = 0.5
 #: Relative change of the Jacobian of the boundary residual while a boundary moves by the width of
-#: the narrowest zone: validation/honesty/honesty_thresholds.py.
+#: the narrowest zone. Not measured again; validation/honesty/honesty_thresholds.py compares the
+#: boundaries of narrow zones with their estimates.
 JACOBIAN_CURVATURE = 8.0
 #: Least contraction of one correction of the fields that is taken for the estimate of what is left.
 #: With 1e-4 estimates of stick radii are 0.6 times as large in the mean of 91 scenes, and the
@@ -110,20 +113,19 @@ ONSET_BAND = 1e-4
 
 # Refinement
 
-#: Refinement aims at this share of the tolerance, so that one more solve is rarely needed. It costs
-#: time only: validation/cost/bench_solve.py.
+#: Refinement aims at this share of the tolerance, so that one more solve is rarely needed. Its
+#: cost: validation/cost/bench_solve.py.
 REFINEMENT_MARGIN = 0.15
-#: Most degrees that one refinement adds to a panel: validation/cost/bench_solve.py.
+#: Most degrees that one refinement adds to a panel. Its cost: validation/cost/bench_solve.py.
 MAX_ADDED_DEGREES = 8
 #: Highest degree of a panel. Beyond it rounding grows and the error does not fall: not measured
 #: again.
 MAX_DEGREE = 40
-#: Most spaces that a refinement tries: not measured again; no scene of validation/net.py takes them
-#: all.
+#: Most spaces that a refinement tries: not measured again.
 MAX_SPACES = 12
 #: Where refinement of unknown zones stalls, it begins again with the first space of this share of
 #: the tolerance, this many times in all, and never with that of a tolerance below the last of the
-#: three: not measured again; validation/net.py shows scenes that are lost.
+#: three: not measured again. validation/net.py lists scenes that no longer converge.
 RESTART_FACTOR = 0.1
 MAX_STARTS = 3
 MIN_RESTART_TOL = 1e-12
@@ -145,8 +147,8 @@ EXTRA_BOUNDARY_DEPTH = 10.0
 SMALL_COMPLIANCE = 1e-2
 
 # First spaces. A number that is too small costs a second solve, one that is too large unknowns:
-# validation/cost/bench_solve.py and bench_coupled.py show both. The estimate decides whether a
-# space is accepted, so no number here makes a result wrong, but for the slip degrees.
+# validation/cost/bench_solve.py and bench_coupled.py show both. An estimate decides whether a space
+# is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
 #: Slope of degrees on any panel and, in addition, at a bend of the pressure (normal contact). With
 #: 0.43 in place of 0.45 four of 46 random scenes of full stick need another space; with 0.15 in
@@ -199,8 +201,8 @@ MAX_LOGIT = 100.0
 MIN_SMOOTH_LOGIT = -40.0
 #: Longest step of a boundary, as a logit: not measured again.
 MAX_LOGIT_STEP = 2.0
-#: Secants for one stick radius begin with this slope of the boundary residual in the logit: it
-#: costs steps only. Not measured again.
+#: Secant steps for one stick radius begin with this slope of the boundary residual in the logit.
+#: Not measured again.
 FIRST_SECANT_SLOPE = 0.5
 #: Most secant steps, of which 4 are enough but next to onsets: not measured again.
 MAX_SECANT_STEPS = 10
@@ -213,24 +215,24 @@ WIDE_LOGIT_STEP = 0.05
 #: no digit of 25 scenes changes.
 MAX_DIFFERENCE_SHARE = 0.2
 #: The Jacobian is valid while boundaries move by less than this share of the narrowest zone: not
-#: measured again; validation/honesty/honesty_thresholds.py shows scenes that are lost.
+#: measured again. validation/honesty/honesty_thresholds.py counts scenes that are refused.
 JACOBIAN_RANGE = 0.1
 #: A last zone that is narrower than this share of alpha is taken for none: 1e-12 loses annuli of
 #: 4e-12, and with 1e-16 no digit of them changes: validation/honesty/honesty_thresholds.py.
 MIN_EDGE_ZONE_SHARE = 1e-14
-#: The matrix is factored anew when a correction is more than this share of the one before. It costs
-#: time only: validation/cost/bench_coupled.py.
+#: The matrix is factored anew when a correction is more than this share of the one before. Its
+#: cost: validation/cost/bench_coupled.py.
 MAX_CONTRACTION = 0.2
 #: A step of the boundaries is taken when the fields are accurate to this share of it: not measured
 #: again.
 FIELD_TO_STEP = 0.01
 #: A step longer than this share of the one before is a stalled one, and the search ends after more
-#: than so many stalled steps in a row: validation/honesty/honesty_thresholds.py shows scenes that
-#: are lost.
+#: than so many stalled steps in a row. Not measured again; validation/honesty/honesty_thresholds.py
+#: counts scenes that are refused.
 STALLED_STEP_RATIO = 0.5
 MAX_STALLED_STEPS = 8
-#: Most steps of the boundaries, and most corrections of the fields at given boundaries: bounds that
-#: no scene of validation/net.py reaches.
+#: Most steps of the boundaries, and most corrections of the fields at given boundaries. Not
+#: measured again.
 MAX_NEWTON_STEPS = 40
 MAX_CORRECTIONS = 30
 #: Broyden's update drops combinations of steps whose singular value is below this share of the
@@ -249,8 +251,8 @@ DERIVATIVE_NODES = 8
 DERIVATIVE_CORRECTIONS = 4
 DERIVATIVE_NEWTON_STEPS = 2
 
-# Samples: numbers of points at which functions are evaluated together. They cost time only, unless
-# a function changes sign twice between two of them.
+# Samples: numbers of points at which functions are evaluated together. Not measured again: more
+# cost time, and fewer may miss two changes of sign, or a maximum, between two points.
 
 #: Least depth at which a field is evaluated: at 0 ``q/s`` is 0/0 and rounds like 1/s, here by 30.
 MIN_SAMPLE_DEPTH = 1e-3

@@ -192,14 +192,14 @@ MUTANTS = (
     ),
     Mutant(
         "a zone narrower than its errors is certain",
-        f"{_CONTACT}/zone_assessment.py",
+        f"{_CONTACT}/error_estimate.py",
         "        return inf\n",
         "        return max(map(max, errors))\n",
         f"{_UNIT}/contact/test_boundaries.py",
     ),
     Mutant(
         "Newton's method believes in boundaries that are not near",
-        f"{_CONTACT}/zone_newton.py",
+        f"{_CONTACT}/free_boundary.py",
         'raise NoBoundariesError("no boundaries near by")',
         "pass",
         f"{_UNIT}/solving/test_continuation.py -k given_up",
@@ -229,7 +229,7 @@ MUTANTS = (
         "secants that crawl are given up next to an onset",
         f"{_CONTACT}/stick_radius.py",
         "    return _enclosed_root(function, x, value, error, least)\n\n\ndef",
-        "    return x, 1.0 / inverse\n\n\ndef",
+        "    return x, 1.0 / inverse_slope\n\n\ndef",
         f"{_UNIT}/contact/test_stick_radius.py -k enclosed",
     ),
     Mutant(
@@ -450,8 +450,8 @@ MUTANTS = (
     Mutant(
         "coupled slip that rings miss is not looked for where full stick has it",
         f"{_CONTACT}/zone_search.py",
-        "if 1.0 - self.parameters.friction / self.stick.critical > ONSET:",
-        "if False:",
+        "1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND",
+        "False",
         f"{_REFERENCE}/test_coupled_zones.py -k rings_that",
     ),
     Mutant(
@@ -549,8 +549,8 @@ MUTANTS = (
     Mutant(
         "a boundary is known however far off it may be",
         f"{_PACKAGE}/contact/resolution.py",
-        "if shift > 0.5:",
-        "if shift > 50.0:",
+        "if logit_error > 0.5:",
+        "if logit_error > 50.0:",
         f"{_SOLVER} -k narrower_than",
     ),
     Mutant(
@@ -569,9 +569,9 @@ MUTANTS = (
     ),
     Mutant(
         "the shear of coupled slip has the error of its changes alone",
-        f"{_PACKAGE}/contact/zone_assessment.py",
-        "shear_error=self._sheared() + known,",
-        "shear_error=self._sheared(),",
+        f"{_PACKAGE}/contact/error_estimate.py",
+        "shear_error=self._shear_change() + integral_floor,",
+        "shear_error=self._shear_change(),",
         _ESTIMATES,
     ),
     Mutant(
