@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from spectral_contact.contact.normal import by_compliance, solve_normal
+from spectral_contact.contact.normal import compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
@@ -100,7 +100,7 @@ class Setting:
         solved = solve_normal(alpha, SLOPE_ERROR, _MOST_UNKNOWNS, goal="pressure")
         if not isinstance(solved, Refinement):
             return np.zeros(s.shape)
-        return np.asarray(alpha * by_compliance(solved).pressure(s, 1.0 - s))
+        return np.asarray(alpha * compliance_derivative(solved).pressure(s, 1.0 - s))
 
     def radii(self, radius: tuple[float, ...] | None, count: int) -> Array:
         """Return the radii of `count` punches [m]; None is the scene's."""

@@ -18,7 +18,7 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import DEEPEST
+from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.tuning import (
     FIRST_RINGS,
     MAX_RING_SYSTEMS,
@@ -277,7 +277,7 @@ def ring_layout(
     splits : int
         How often the rings around boundaries are split.
     """
-    logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, DEEPEST, DEEPEST)
+    logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, EPSILON_DEPTH, EPSILON_DEPTH)
     states = np.zeros(len(logits) - 1, dtype=int)
     if coupled:
         # on smooth surfaces coupled full stick oscillates: begin with the states without coupling

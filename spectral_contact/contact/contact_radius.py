@@ -17,7 +17,7 @@ import numpy as np
 from spectral_contact.contact.indented import solve_indentation
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles.base import Profile
 

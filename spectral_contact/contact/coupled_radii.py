@@ -16,8 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES, stick_violation
-from spectral_contact.contact.resolution import DEEPEST, PROBE
-from spectral_contact.contact.tuning import SCAN_ACCURACY, SCAN_PAST_LAYERS
+from spectral_contact.contact.resolution import (
+    EPSILON_DEPTH,
+)
+from spectral_contact.contact.tuning import (
+    PROBE_TOL,
+    SCAN_ACCURACY,
+    SCAN_PAST_LAYERS,
+)
 from spectral_contact.contact.zone_fields import all_positive
 
 if TYPE_CHECKING:
@@ -48,7 +54,7 @@ class PossibleRadius:
 
         The sense of the slip is not verified.
         """
-        return self.positive and self.excess <= PROBE
+        return self.positive and self.excess <= PROBE_TOL
 
 
 def stick_radii(
@@ -68,25 +74,25 @@ def stick_radii(
     from scipy.optimize import brentq
 
     def residual(logit: float) -> float:
-        return float(problem.rough(logit).boundary_residual[0])
+        return float(problem.coarse_solution(logit).boundary_residual[0])
 
     def continues(trial: tuple[float, FieldSolution]) -> bool:
         solution = trial[1]
         return not contacts or all_positive(solution.system.series(solution.values)[0])
 
-    trials = takewhile(continues, ((logit, problem.rough(logit)) for logit in logits))
+    trials = takewhile(continues, ((logit, problem.coarse_solution(logit)) for logit in logits))
     for (low, low_solution), (high, high_solution) in pairwise(trials):
         low_residual = low_solution.boundary_residual[0]
         high_residual = high_solution.boundary_residual[0]
         if (low_residual > 0.0) != (high_residual > 0.0):
             root = float(brentq(residual, low, high, xtol=SCAN_ACCURACY))
-            yield _assessed(root, problem.rough(root))
+            yield _assessed(root, problem.coarse_solution(root))
 
 
 def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
     """Yield the logits of a scan: from a first one to where all slip is within the layers."""
     layers = min(problem.parameters.alpha, problem.parameters.beta)
-    last = min(DEEPEST, SCAN_PAST_LAYERS - log(layers)) if layers > 0.0 else DEEPEST
+    last = min(EPSILON_DEPTH, SCAN_PAST_LAYERS - log(layers)) if layers > 0.0 else EPSILON_DEPTH
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 

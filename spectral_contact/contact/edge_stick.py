@@ -31,7 +31,9 @@ from scipy.special import beta as beta_function
 from scipy.special import betainc
 
 from spectral_contact.contact.error_estimate import ZoneSolution
-from spectral_contact.contact.resolution import DEEPEST, PANEL_WIDTH, ROUNDING
+from spectral_contact.contact.resolution import (
+    EPSILON_DEPTH,
+)
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.tuning import (
     EDGE_ERROR_INSIDE,
@@ -41,6 +43,8 @@ from spectral_contact.contact.tuning import (
     EDGE_WIDTH_FACTOR,
     MAX_MATCHED_WIDTH,
     MIN_MATCHED_WIDTH,
+    PANEL_WIDTH,
+    ROUNDING,
     SLIP_ROUNDING,
 )
 from spectral_contact.fields.legendre import legendre_sum
@@ -59,7 +63,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
 #: How far below the width panels toward the edge and toward the boundary reach, in ``-ln``.
-_DEPTH_BELOW_WIDTH = DEEPEST + EDGE_SAMPLING_MARGIN
+_DEPTH_BELOW_WIDTH = EPSILON_DEPTH + EDGE_SAMPLING_MARGIN
 
 
 class EdgeStick(NamedTuple):

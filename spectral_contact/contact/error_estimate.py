@@ -1,4 +1,16 @@
-"""What the solution on any zones is worth: the one assessment, with elastic coupling or without."""
+"""Estimates of the errors of a solution on any zones, with elastic coupling or without.
+
+The *changes* of a solution are the contributions of the top two degrees of every panel, and of the
+top degree alone (`FieldSolution.coarse_differences`). From them follow
+
+- the errors of the fields, panel by panel: change times a decay rate (`resolution`);
+- bounds r of the error of the boundary residual, and by them those of the boundaries,
+  ``|J^-1| r`` with J its Jacobian by the logits;
+- the errors of approach and shear: their changes, and what the boundaries make. In full stick with
+  an unknown pressure they are energies of the changes.
+
+Second-order terms, what corrections leave, and rounding are added to all.
+"""
 
 from __future__ import annotations
 
@@ -10,28 +22,32 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
-from spectral_contact.contact.free_boundary import (
-    LEAST_CONTRACTION,
-    FieldSolution,
-    Iterate,
-    Perturbation,
-)
+from spectral_contact.contact.free_boundary import FieldSolution, Iterate, Perturbation
 from spectral_contact.contact.layout import Layout, NoBoundariesError, ScalarResults
-from spectral_contact.contact.refine import Attempt
+from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.resolution import (
-    CENTRE_ROUNDS,
-    FIELD_ROUNDING,
-    LEAST_RATE,
-    MOST_ROUNDS,
-    ROUNDING,
-    SAFETY,
-    TRACTION_ROUNDING,
-    boundary_error,
     decay_rates,
     expected_error,
-    share_of_change,
+    radius_errors,
+    relative_panel_changes,
 )
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
+from spectral_contact.contact.tuning import (
+    BOUNDARY_DECAY_RATE,
+    CENTRE_ROUNDING_FACTOR,
+    COUPLED_INTEGRAL_ROUNDING,
+    EDGE_DECAY_RATE,
+    FIELD_ROUNDING,
+    FUNCTIONAL_SAFETY,
+    JACOBIAN_CURVATURE,
+    KNOWN_PRESSURE_INTEGRAL_ROUNDING,
+    MIN_CONTRACTION,
+    RIGID_ROUNDING_FACTOR,
+    ROOT_EDGE_SAFETY,
+    ROUNDING,
+    STICK_INTEGRAL_ROUNDING,
+    TRACTION_ROUNDING,
+)
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
@@ -51,8 +67,10 @@ class FieldErrors(NamedTuple):
     Attributes
     ----------
     pressure, traction : float
+        The largest ones on any panel.
     indicators, rates : ndarray
-        What every panel of every part contributes, and by what factor one more degree lowers it.
+        For every panel of every part the larger one of both errors, and the factor by which one
+        more degree lowers it.
     """
 
     pressure: float
@@ -64,144 +82,150 @@ class FieldErrors(NamedTuple):
 def _field_errors(
     spaces: list[Resolution], system: ContactSystem, values: Array, change: Array
 ) -> FieldErrors:
-    """Return the errors of the fields, from the change that a coarser space makes."""
+    """Return the errors of the fields, from the change of the top two degrees."""
     alpha, beta, _, _ = system.parameters
     last = len(system.parts) - 1
-    # at an edge that sticks the field of the only compliance has a root
-    rooted = system.parts[last].sticks and (alpha > 0.0) != (beta > 0.0)
-    largest = [0.0, 0.0]
+    # with one compliance only its field has a square root at an edge that sticks
+    has_root = system.parts[last].sticks and (alpha > 0.0) != (beta > 0.0)
+    root_is_shear = beta > 0.0
+    largest = [0.0, 0.0]  # of p and of q/s
     indicators = [np.zeros(len(space.degrees)) for space in spaces]
-    slowest = [np.full(len(space.degrees), LEAST_RATE) for space in spaces]
-    shares = relative_changes(system, change, sizes_of(system, values))
-    for field, share in zip(system.fields, shares, strict=True):
-        k, panels = field.part, field.panels
-        if rooted and k == last and field.is_shear == (beta > 0.0):
-            at_end = abs(series_of(panels, field.coefficients(values)).at_ends()[-1])
-            lost = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
-            # no degree of a panel helps
-            largest[field.is_shear] = max(_ROOT * float(lost / at_end), largest[field.is_shear])
+    slowest_rates = [np.full(len(space.degrees), BOUNDARY_DECAY_RATE) for space in spaces]
+    panel_changes = relative_changes(system, values, change)
+    for field, relative in zip(system.fields, panel_changes, strict=True):
+        k = field.part
+        panels = field.panels
+        if has_root and k == last and field.is_shear == root_is_shear:
+            # an error of the tail, which no degree of a panel lowers: it is no indicator
+            at_edge = abs(series_of(panels, field.coefficients(values)).at_ends()[-1])
+            tail_change = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
+            root_error = ROOT_EDGE_SAFETY * float(tail_change / at_edge)
+            largest[field.is_shear] = max(root_error, largest[field.is_shear])
         rates = decay_rates(spaces[k], field.coefficients(values))
         if system.pressure_known and not system.radii:
-            rates[-1] = max(rates[-1], _EDGE_RATE)
-        errors = expected_error(share, rates)
+            rates[-1] = max(rates[-1], EDGE_DECAY_RATE)
+        errors = expected_error(relative, rates)
         largest[field.is_shear] = max(largest[field.is_shear], float(errors.max()))
         np.maximum(indicators[k], errors, out=indicators[k])
-        np.maximum(slowest[k], rates, out=slowest[k])
-    return FieldErrors(largest[0], largest[1], np.concatenate(indicators), np.concatenate(slowest))
+        np.maximum(slowest_rates[k], rates, out=slowest_rates[k])
+    return FieldErrors(
+        largest[0], largest[1], np.concatenate(indicators), np.concatenate(slowest_rates)
+    )
 
 
-def sizes_of(system: ContactSystem, values: Array) -> list[Array]:
-    """Return what changes of the unknown fields are relative to, at the ends of the panels.
+def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
+    """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
 
-    Where p or q/s changes sign in full stick it is the root of the sum of both squares.
+    They are the fields themselves. Where p or ``u = q/s`` changes sign in full stick they are
+    ``sqrt(p^2 + u^2)`` for p and ``sqrt(u^2 + (kappa p)^2)`` for u.
     """
-    ends = [
+    sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
     ]
     full_stick = not (system.pressure_known or system.radii)
-    if full_stick and any((end * end[0] <= 0.0).any() for end in ends):
-        pressure, shear = ends
+    if full_stick and any((size * size[0] <= 0.0).any() for size in sizes):
+        pressure, shear = sizes
         kappa = system.parameters.kappa
-        ends = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
-    return ends
+        sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
+    return sizes
 
 
-def relative_changes(system: ContactSystem, change: Array, sizes: list[Array]) -> list[Array]:
-    """Return a change of the unknown fields on every panel, relative to their sizes there."""
+def relative_changes(system: ContactSystem, values: Array, change: Array) -> list[Array]:
+    """Return a change of the unknown fields on every panel, relative to the fields there.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    values, change : ndarray, shape (unknowns,)
+        The vector of the system, and a change of it.
+    """
     alpha, beta, _, _ = system.parameters
     # in a part where one field is singular at the edge, both are their leading terms deep down
-    singular = {field.part for field in system.fields if field.panels.power}
-    shares = []
-    for field, size in zip(system.fields, sizes, strict=True):
+    singular_parts = {field.part for field in system.fields if field.panels.power}
+    changes = []
+    for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
         part = system.parts[field.part]
-        reach = part.family.reach
+        extent = part.family.reach
         leading = inf
-        if field.part in singular:
-            leading = leading_depth(alpha, beta, reach)
-        known = inf
+        if field.part in singular_parts:
+            leading = leading_depth(alpha, beta, extent)
+        cutoff = inf
         if part.boundary >= 0:
-            known = rounding_depth(part.family.boundary, reach)
-        coefficients = field.coefficients(change)
-        shares.append(
-            share_of_change(field.panels, coefficients, size, leading=leading, known=known)
+            cutoff = rounding_depth(part.family.boundary, extent)
+        changes.append(
+            relative_panel_changes(
+                field.panels,
+                field.coefficients(change),
+                size,
+                leading_depth=leading,
+                cutoff_depth=cutoff,
+            )
         )
-    return shares
+    return changes
 
 
 def relative_size(fields: FieldSolution, change: Array) -> float:
     """Return the largest relative change of the fields on any panel."""
-    sizes = sizes_of(fields.system, fields.values)
-    shares = relative_changes(fields.system, change, sizes)
-    return max(float(share.max()) for share in shares)
-
-
-#: Error at an end with a root there, relative to the change of the tail: 1.9, measured.
-_ROOT = 2.5
-#: At the edge q has terms ``y ln y``, which fall like a power of the degree in the last panel:
-#: rates seen are too fast. Errors are 0.75 of estimates at most, of 870 scenes and tolerances.
-_EDGE_RATE = 0.5
-#: By how much of itself the Jacobian changes over the width of a zone.
-JACOBIAN_CURVATURE = 8.0
-#: What rounding leaves of approach and shear, with boundaries, under a pressure that is given, and
-#: without boundaries. Of 60 random scenes solved as one disk and as zones at 1e-12 the shears
-#: differ by 9.6 ROUNDING or less, half of them by 0.1.
-_NOISE, _KNOWN_NOISE, _STUCK_NOISE = 2.0 * FIELD_ROUNDING, 12.0 * ROUNDING, 2.0 * ROUNDING
+    changes = relative_changes(fields.system, fields.values, change)
+    return max(float(relative.max()) for relative in changes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ZoneSolution(ScalarResults):
-    """The solution on any zones, before it is held against the friction law.
+    """The solution on any zones, before the friction law is checked.
 
     Attributes
     ----------
     stuck : list of StickZone
         Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
-    loose : float
-        By what share of a slip zone its ends may be off, at the most.
-    stray : float
-        Estimate of the largest error of E.
+    zone_width_error : float
+        Largest relative error of the width of a slip zone.
+    residual_error : float
+        Estimate of the largest error of E where it drives the displacement in slip.
     jacobian : ndarray
         Derivatives of the boundary residual by the logits.
     pressures, shears : list of LogSeries, dict of LogSeries
         p on the disk and toward both ends of every zone around it, and q/s where they stick.
     system : ContactSystem
     solution : ndarray, shape (unknowns, 3)
-        The vector of the system, and what the top two degrees and the top one contribute to it.
-    shifts : ndarray, shape (boundaries,)
-        How far the boundaries may be off, as logits.
+        The vector of the system, and the contributions of the top two degrees and of the top one.
+    logit_errors : ndarray, shape (boundaries,)
+        Estimates of the errors of the logits of the boundaries.
     """
 
     stuck: list[StickZone]
-    loose: float
-    stray: float
+    zone_width_error: float
+    residual_error: float
     jacobian: Array
     pressures: list[LogSeries]
     shears: dict[int, LogSeries]
     system: ContactSystem
     solution: Array
-    shifts: Array
+    logit_errors: Array
 
     @property
     def layout(self) -> Layout:
-        """The zones, as a like scene may begin with them."""
-        return Layout(
-            tuple(one.logit for one in self.system.radii), self.system.states, self.jacobian
-        )
+        """The zones with their Jacobian, from which nearly the same contact can start."""
+        logits = tuple(radius.logit for radius in self.system.radii)
+        return Layout(logits, self.system.states, self.jacobian)
 
     @property
-    def slipping(self) -> tuple[list[SlipZone], float]:
+    def slip_samples(self) -> tuple[list[SlipZone], float]:
         """The slip zones with E at their sampling points, and the largest change of E there.
 
-        The displacement changes by a quarter of that at most; E is seen at these points alone.
+        The displacement is an integral of E from these points; it changes by a quarter of that
+        change at most.
         """
-        found, lost = [], 0.0
+        zones = []
+        largest_change = 0.0
         for zone, state in enumerate(self.system.states):
             if state:
                 annulus = self.system.slip_annulus(zone)
-                each = self.system.residual_in_slip(self.solution[:, :2], annulus)
-                found.append(SlipZone(annulus, state, [one[:, 0] for one in each]))
-                lost = max(lost, *(float(np.abs(one[:, 1]).max()) for one in each))
-        return found, lost
+                halves = self.system.residual_in_slip(self.solution[:, :2], annulus)
+                zones.append(SlipZone(annulus, state, [half[:, 0] for half in halves]))
+                changes = (float(np.abs(half[:, 1]).max()) for half in halves)
+                largest_change = max(largest_change, *changes)
+        return zones, largest_change
 
 
 class ZoneEstimate:
@@ -212,8 +236,21 @@ class ZoneEstimate:
     iterate : Iterate
         Boundaries, fields and Jacobian.
     spaces : list of Resolution
+        Spaces of all parts.
     pointwise : bool
-        Whether the fields are wanted, else approach and shear alone.
+        Whether the tolerance bounds the fields, else approach and shear.
+
+    Attributes
+    ----------
+    values : ndarray
+        The vector of the system for unit load.
+    effects : list of Perturbation
+        Effects of the top two degrees, and of the top one.
+    changes : list of ndarray
+        The same as changes of `values`.
+    fields : FieldErrors
+    noise : float
+        Rounding of integral quantities, and errors of negligible corrections.
 
     Raises
     ------
@@ -222,19 +259,25 @@ class ZoneEstimate:
     """
 
     def __init__(self, iterate: Iterate, spaces: list[Resolution], *, pointwise: bool) -> None:
-        fields = iterate.fields
-        if not np.isfinite(fields.values).all():
+        solution = iterate.fields
+        if not np.isfinite(solution.values).all():
             raise NoBoundariesError("the system has no solution that is finite")
-        self.iterate, self.pointwise = iterate, pointwise
-        self.solution, self.remaining = fields, iterate.remaining
-        self.system, self.effects = fields.system, fields.coarse_differences()
-        self.whole = fields.values * fields.approach
-        self.moved = [fields.approach * effect.change for effect in self.effects]
-        self.fields = _field_errors(spaces, self.system, self.whole, self.moved[0])
-        self.noise = _STUCK_NOISE
-        if self.system.radii:
-            self.noise = _KNOWN_NOISE if self.system.pressure_known else _NOISE
-        self.noise += LEAST_CONTRACTION * self.remaining
+        self.iterate = iterate
+        self.pointwise = pointwise
+        self.solution = solution
+        self.remaining = iterate.remaining
+        self.system = solution.system
+        self.effects = solution.coarse_differences()
+        self.values = solution.values * solution.approach
+        self.changes = [solution.approach * effect.change for effect in self.effects]
+        self.fields = _field_errors(spaces, self.system, self.values, self.changes[0])
+        if not self.system.radii:
+            rounding = STICK_INTEGRAL_ROUNDING
+        elif self.system.pressure_known:
+            rounding = KNOWN_PRESSURE_INTEGRAL_ROUNDING
+        else:
+            rounding = COUPLED_INTEGRAL_ROUNDING
+        self.noise = rounding + MIN_CONTRACTION * self.remaining
 
     @cached_property
     def end_perturbation(self) -> Perturbation:
@@ -242,29 +285,37 @@ class ZoneEstimate:
 
         Zero without tangential compliance, where E(b) is zero whatever the boundaries.
         """
-        share = 2.0 if self.system.parameters.beta > 0.0 else 0.0
-        return self.solution.boundary_perturbation(share)
+        factor = 2.0 if self.system.parameters.beta > 0.0 else 0.0
+        return self.solution.boundary_perturbation(factor)
 
     @cached_property
     def inverse(self) -> Array:
-        """Moduli of the inverse Jacobian: how far a residual moves the boundaries."""
+        """Moduli of the inverse Jacobian, ``|d logit / d residual|``."""
         return np.asarray(np.abs(np.linalg.inv(self.iterate.jacobian)))
 
     @cached_property
     def boundary_error(self) -> float:
-        """The relative error of the fields by where the boundaries are."""
+        """The relative error of the fields by the errors of the boundaries.
+
+        With a residual above rounding it is the first-order change of the fields, at most twice
+        the step of the logits. Else it is twice the step, or the step itself for one disk, whose
+        q/s changes by half of it at most, or by 16 times a residual that is rounding (120 scenes,
+        validation/honesty/honesty.py).
+        """
         residual = np.abs(self.solution.boundary_residual)
         step = float((self.inverse @ residual).max(initial=0.0))
         if step > ROUNDING and self.system.parameters.beta > 0.0:
             return min(relative_size(self.solution, self.end_perturbation.change), 2.0 * step)
-        # q/s of one disk changes by half of that or, of 120 scenes, by 16 times the residual: at a
-        # small disk the first is twice the error, else both are rounding
         one_disk = self.system.pressure_known and len(self.system.radii) == 1
         return step * (1.0 if one_disk else 2.0)
 
     @cached_property
     def second_order(self) -> float:
-        """The square of the error: quantities of second order are hardly better than that."""
+        """The square of the error of the fields.
+
+        Quantities whose error is of second order are given no smaller estimate, even if their
+        changes cancel.
+        """
         error = float(self.fields.indicators.max()) + self.remaining
         error += self.boundary_error + TRACTION_ROUNDING
         return error * error  # a power would overflow where the traction nearly vanishes
@@ -273,175 +324,225 @@ class ZoneEstimate:
     def residual_bound(self) -> Array:
         """Bounds of the errors of the boundary residual."""
         changes = np.max([np.abs(effect.boundary_residual) for effect in self.effects], axis=0)
-        bound = 2.0 * SAFETY * LEAST_RATE * changes
+        bound = 2.0 * FUNCTIONAL_SAFETY * BOUNDARY_DECAY_RATE * changes
         bound += self.second_order + self.noise + self.remaining
         return np.asarray(bound + 2.0 * np.abs(self.solution.boundary_residual))
 
     @cached_property
-    def shifts(self) -> Array:
-        """How far the boundaries may be off, as logits."""
+    def logit_errors(self) -> Array:
+        """Estimates of the errors of the logits, ``|J^-1| r`` and a term of second order.
+
+        The Jacobian varies over the width of the narrower zone at a boundary.
+        """
         logits = self.iterate.logits
         if not len(logits):
             return np.zeros(0)
-        shifts = self.inverse @ self.residual_bound + float(np.finfo(float).eps) * np.abs(logits)
-        # the Jacobian changes within the width of a zone, that of a narrow one next to the onset
+        errors = self.inverse @ self.residual_bound + float(np.finfo(float).eps) * np.abs(logits)
         widths = np.concatenate([[inf], np.diff(logits), [inf]])
         narrower = np.minimum(widths[1:], widths[:-1])
-        return np.asarray(shifts * (1.0 + JACOBIAN_CURVATURE * shifts / narrower))
+        return np.asarray(errors * (1.0 + JACOBIAN_CURVATURE * errors / narrower))
 
-    def attempt(self) -> Attempt[ZoneSolution]:
+    def attempt(self) -> SpaceSolution[ZoneSolution]:
         """Return the solution with its errors."""
-        system, fields = self.system, self.fields
-        known = self.second_order + self.noise
+        system = self.system
+        fields = self.fields
+        integral_floor = self.second_order + self.noise
         if not system.pressure_known:
-            known += self.boundary_error
-        left = self.remaining + self.boundary_error
-        rounding = TRACTION_ROUNDING * self._rounds
-        errors = fields.pressure + left + FIELD_ROUNDING, fields.traction + left + rounding
+            integral_floor += self.boundary_error
+        field_floor = self.remaining + self.boundary_error
+        pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
+        traction_rounding = TRACTION_ROUNDING * self._traction_rounding_factor
+        traction_error = fields.traction + field_floor + traction_rounding
         boundary_errors = tuple(
-            boundary_error(float(d), r) for d, r in zip(self.shifts, system.radii, strict=True)
+            radius_errors(float(error), radius)
+            for error, radius in zip(self.logit_errors, system.radii, strict=True)
         )
-        stuck, stray = self._displacements()
-        pressures, shears = system.series(self.whole)
+        stuck, residual_error = self._displacement_source()
+        pressures, shears = system.series(self.values)
         value = ZoneSolution(
             approach=self.solution.approach,
-            total_shear=system.total_shear(self.whole),
+            total_shear=system.total_shear(self.values),
             stuck=stuck,
-            approach_error=max(abs(one.approach) for one in self.effects) + known,
-            shear_error=self._sheared() + known,
-            pressure_error=errors[0],
-            traction_error=errors[1],
-            radius_error=max((one[0] for one in boundary_errors[:1]), default=0.0),
-            zones_error=zones_error(system.radii, boundary_errors),
-            loose=_loosest(system, boundary_errors),
-            stray=stray,
+            approach_error=max(abs(effect.approach) for effect in self.effects) + integral_floor,
+            shear_error=self._shear_change() + integral_floor,
+            pressure_error=pressure_error,
+            traction_error=traction_error,
+            radius_error=boundary_errors[0][0] if boundary_errors else 0.0,
+            zones_error=largest_boundary_error(system.radii, boundary_errors),
+            zone_width_error=_zone_width_error(system, boundary_errors),
+            residual_error=residual_error,
             jacobian=self.iterate.jacobian,
             pressures=pressures,
             shears=shears,
             system=system,
-            solution=np.column_stack([self.whole, *self.moved]),
-            shifts=self.shifts,
+            solution=np.column_stack([self.values, *self.changes]),
+            logit_errors=self.logit_errors,
         )
-        # no degree lowers what rounding leaves
+        # no degree lowers the error of the corrections
         fields.indicators[fields.indicators <= self.remaining] = 0.0
-        attempt = Attempt(value, max(errors), fields.indicators, fields.rates, system.unknowns)
-        return (
-            self._by_energies(attempt)
-            if system.symmetric and not system.pressure_known
-            else attempt
-        )
+        error = max(pressure_error, traction_error)
+        solution = SpaceSolution(value, error, fields.indicators, fields.rates, system.unknowns)
+        if system.symmetric and not system.pressure_known:
+            return self._with_energies(solution)
+        return solution
 
     @property
-    def _rounds(self) -> float:
-        """By how much more q/s rounds at the centre than elsewhere."""
-        (alpha, beta, _, _), radii = self.system.parameters, self.system.radii
-        share = beta / radii[0].value if radii else beta
-        if share < HARMLESS and len(radii) == int(self.system.pressure_known):
-            # under still less compliance a disk loses less
-            return MOST_ROUNDS if share > HARMLESS**4 or not radii else CENTRE_ROUNDS
-        return 1.0 if radii or (self.system.pressure_known and alpha > 0.0) else CENTRE_ROUNDS
+    def _traction_rounding_factor(self) -> float:
+        """The factor by which q/s at the centre rounds more than TRACTION_ROUNDING.
 
-    def _sheared(self) -> float:
-        """Return the relative error of the shear by changes, and by how far boundaries are off."""
-        shear, solution = self.system.total_shear, self.solution
-        changes = max(abs(shear(one)) for one in self.moved)
+        ==================================================  ======================
+        case                                                factor
+        ==================================================  ======================
+        full stick, coupled, or one disk under a known
+        pressure, with b = beta (over the stick radius)
+        - below HARMLESS                                    RIGID_ROUNDING_FACTOR
+        - one disk, below HARMLESS**4                       CENTRE_ROUNDING_FACTOR
+        other full stick, coupled or on a smooth surface    CENTRE_ROUNDING_FACTOR
+        others                                              1
+        ==================================================  ======================
+        """
+        alpha, beta, _, _ = self.system.parameters
+        radii = self.system.radii
+        relative_beta = beta / radii[0].value if radii else beta
+        boundaries = 1 if self.system.pressure_known else 0
+        if len(radii) == boundaries and relative_beta < HARMLESS:
+            if radii and relative_beta <= HARMLESS**4:
+                return CENTRE_ROUNDING_FACTOR
+            return RIGID_ROUNDING_FACTOR
+        if radii or (self.system.pressure_known and alpha > 0.0):
+            return 1.0
+        return CENTRE_ROUNDING_FACTOR
+
+    def _shear_change(self) -> float:
+        """Return the relative error of the shear by the changes and by the boundaries.
+
+        Under a known pressure the errors of the boundary residual, as defects, change the shear by
+        its response to them. Without tangential compliance there is no response; the traction
+        inside a boundary is then bounded by that of a defect on the whole disk. With an unknown
+        pressure the shear is stationary in the boundaries, and their error enters squared.
+        """
+        total_shear = self.system.total_shear
+        solution = self.solution
+        changes = max(abs(total_shear(change)) for change in self.changes)
         if self.system.pressure_known:
             bound = self.residual_bound
             response = self.system.shear_row @ solution.factors.responses
-            if self.system.parameters.beta == 0.0:  # nothing responds: what all inside would bear
-                changed = [np.abs(effect.boundary_residual) for effect in self.effects]
-                bound = np.max(changed, axis=0) + 2.0 * np.abs(solution.boundary_residual)
+            if self.system.parameters.beta == 0.0:
+                residuals = [np.abs(effect.boundary_residual) for effect in self.effects]
+                bound = np.max(residuals, axis=0) + 2.0 * np.abs(solution.boundary_residual)
                 response = pi * np.array([radius.square for radius in self.system.radii])
             defects = solution.approach * np.abs(solution.drive) * bound
-            return (changes + float(np.abs(response) @ defects)) / abs(shear(self.whole))
-        rest = np.array([one.rest for one in self.system.radii])
-        bend = 2.0 * float((self.shifts**2 * rest).max(initial=0.0))
-        return changes / abs(shear(self.whole)) + bend
+            return (changes + float(np.abs(response) @ defects)) / abs(total_shear(self.values))
+        distances = np.array([radius.rest for radius in self.system.radii])
+        curvature = 2.0 * float((self.logit_errors**2 * distances).max(initial=0.0))
+        return changes / abs(total_shear(self.values)) + curvature
 
-    def _by_energies(self, attempt: Attempt[ZoneSolution]) -> Attempt[ZoneSolution]:
-        """Return full stick with the errors of approach and shear as energies of changes.
+    def _with_energies(self, solution: SpaceSolution[ZoneSolution]) -> SpaceSolution[ZoneSolution]:
+        """Return full stick with the errors of approach and shear as energies of the changes.
 
-        That of the shear is a product with its dual: no accident makes either small.
+        The error of the approach is the energy of that of the fields; the error of the shear is the
+        product of it with that of the dual solution. Neither is small by cancellation.
         """
-        solution, system, rates = self.solution, self.system, attempt.rates**2
-        factors = cast("Symmetric", solution.factors)
-        energies = factors.energies(solution.values)
-        dual = factors.energies(factors.step(system.shear_row))
-        raised = energies.sum(axis=0) / solution.load_integral(solution.values)
-        products = np.sqrt(energies * dual).sum(axis=0)
-        sheared = products / abs(system.total_shear(solution.values))
-        errors = [float(one[:-1] @ rates + one[-1]) + self.noise for one in (raised, sheared)]
-        value = replace(
-            attempt.value, approach_error=errors[0], shear_error=sum(errors) + _STUCK_NOISE
+        system = self.system
+        fields = self.solution
+        rates = solution.rates**2
+        factors = cast("Symmetric", fields.factors)
+        energies = factors.energies(fields.values)
+        dual_energies = factors.energies(factors.step(system.shear_row))
+        # by panels, the tail last
+        of_approach = energies.sum(axis=0) / fields.load_integral(fields.values)
+        products = np.sqrt(energies * dual_energies).sum(axis=0)
+        of_shear = products / abs(system.total_shear(fields.values))
+        approach_error, own_shear_error = (
+            float(panels[:-1] @ rates + panels[-1]) + self.noise
+            for panels in (of_approach, of_shear)
         )
-        attempt = replace(attempt, value=value)
+        # the shear is that for unit load, and has the error of the approach, too
+        shear_error = approach_error + own_shear_error + STICK_INTEGRAL_ROUNDING
+        value = replace(solution.value, approach_error=approach_error, shear_error=shear_error)
+        solution = replace(solution, value=value)
         if self.pointwise:
-            return attempt
-        error, indicators = max(value.approach_error, value.shear_error), raised + sheared
-        return replace(attempt, error=error, indicators=indicators[:-1], rates=rates)
+            return solution
+        indicators = of_approach + of_shear
+        error = max(approach_error, shear_error)
+        return replace(solution, error=error, indicators=indicators[:-1], rates=rates)
 
-    def _displacements(self) -> tuple[list[StickZone], float]:
-        """Return what the slip zones see of E in stick, and the most that errors make there."""
-        system, solution = self.system, self.solution
+    def _displacement_source(self) -> tuple[list[StickZone], float]:
+        """Return the integrals of E over the stick zones, and the largest error of E by them.
+
+        E in stick drives the displacement in slip. Its error is estimated by the displacement that
+        its change makes at the ends of slip zones, and by the steps of E and of ``beta q`` at the
+        boundaries.
+        """
+        system = self.system
+        solution = self.solution
         if not any(system.states):
             return [], 0.0
         scale = solution.approach
         defects = scale * np.column_stack([solution.defects, self.effects[0].defects])
-        values, approach = np.column_stack([self.whole, self.moved[0]]), np.array([scale, 0.0])
-        residual = system.pointwise_residual(values, approach, defects).tangential
-        whole, lost = (_stuck(system, [values[:, k] for values in residual]) for k in (0, 1))
-        # at the boundaries E and q have steps
+        columns = np.column_stack([self.values, self.changes[0]])
+        residual = system.pointwise_residual(columns, np.array([scale, 0.0]), defects).tangential
+        stuck = _stuck(system, [values[:, 0] for values in residual])
+        stuck_changes = _stuck(system, [values[:, 1] for values in residual])
         jumps = np.abs(system.jump_rows @ self.end_perturbation.change)
         steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jumps
         largest = max(
-            largest_displacement(lost, *ends)
+            largest_displacement(stuck_changes, *ends)
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
             if state
         )
-        if system.pressure_known and len(system.radii) == 1:  # measured of one disk alone
+        if system.pressure_known and len(system.radii) == 1:
+            # calibrated for one disk only (FUNCTIONAL_SAFETY): others take the change itself
             largest *= float(self.fields.rates[np.argmax(self.fields.indicators)])
-        stray = largest + scale * float(steps.max(initial=0.0))
-        return whole, SAFETY * stray
+        return stuck, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
 
 
-def _loosest(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
-    """Return by what share of a slip zone errors of its ends may move them, at the most."""
-    bounds, loosest = system.bounds, 0.0
-    shifts = [0.0, *_unsure(system.radii, errors), 0.0]
+def _zone_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
+    """Return the largest relative error of the width of a slip zone, by those of its ends."""
+    bounds = system.bounds
+    largest = 0.0
+    end_errors = [0.0, *_square_errors(system.radii, errors), 0.0]
     for i in np.flatnonzero(system.states).tolist():
         width = gap(*bounds[i : i + 2])
-        loosest = max(loosest, (shifts[i] + shifts[i + 1]) / width if width > 0.0 else inf)
-    return loosest
+        relative = (end_errors[i] + end_errors[i + 1]) / width if width > 0.0 else inf
+        largest = max(largest, relative)
+    return largest
 
 
-def _unsure(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> list[float]:
-    """Return how far boundaries may be off in ``s**2``, from errors as `zones_error` has them."""
-    each = zip(radii, errors, strict=True)
-    return [min(2.0 * at.square * own, at.rest * edge) for at, (own, edge) in each]
+def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> list[float]:
+    """Return the errors of ``b**2`` for boundaries b, from those of b and of ``1 - b``.
 
-
-def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[StickZone]:
-    """Return the quadrature of ``t^2 E dt`` over the stick zones."""
-    parts: dict[int, list[tuple[Points, Array]]] = {}
-    # farther out than the last that sticks E is not known
-    each = zip(
-        system.parts, system.operators.nodes, system.operators.shear_weights, misfit, strict=False
-    )
-    for part, nodes, weights, missed in each:
-        if part.state == 0:
-            # as seen from outside what is smooth is gathered at the samples
-            weighted = nodes.gathered((pi * weights * missed)[:, None])[:, 0]
-            parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
-    return [StickZone(system.bounds[zone + 1], tuple(own)) for zone, own in parts.items()]
-
-
-def zones_error(radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]) -> float:
-    """Return the largest of the boundaries' errors; infinite if a zone may not be there.
-
-    They are relative, from the centre and from the edge.
+    The lesser one of both: which is more accurate depends on the end that b is next to.
     """
-    unsure = _unsure(radii, errors)
+    return [
+        min(2.0 * radius.square * radius_error, radius.rest * distance_error)
+        for radius, (radius_error, distance_error) in zip(radii, errors, strict=True)
+    ]
+
+
+def _stuck(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
+    """Return the quadrature of ``t^2 E dt`` over the stick zones, from E at the nodes."""
+    parts: dict[int, list[tuple[Points, Array]]] = {}
+    # E is given up to the outermost part that sticks
+    operators = system.operators
+    inputs = zip(system.parts, operators.nodes, operators.shear_weights, residual, strict=False)
+    for part, nodes, weights, values in inputs:
+        if part.state == 0:
+            # far from the nodes their sum is one over the fewer sampling points
+            weighted = nodes.gathered((pi * weights * values)[:, None])[:, 0]
+            parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
+    return [StickZone(system.bounds[zone + 1], tuple(pieces)) for zone, pieces in parts.items()]
+
+
+def largest_boundary_error(
+    radii: tuple[Radius, ...], errors: tuple[tuple[float, float], ...]
+) -> float:
+    """Return the largest relative error of a boundary b or of its distance ``1 - b``.
+
+    Infinite where the errors of its ends exceed the width of a zone between boundaries.
+    """
+    square_errors = _square_errors(radii, errors)
     widths = starmap(gap, pairwise(radii))
-    if any(width <= sum(off) for width, off in zip(widths, pairwise(unsure), strict=True)):
+    if any(width <= sum(ends) for width, ends in zip(widths, pairwise(square_errors), strict=True)):
         return inf
     return max(map(max, errors), default=0.0)

@@ -20,8 +20,21 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.layout import NoBoundariesError
-from spectral_contact.contact.resolution import ROUGH, ROUNDING, TINY
-from spectral_contact.contact.stick_radius import NOISE
+from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.tuning import (
+    COARSE_TOL,
+    FIELD_TO_STEP,
+    MAX_CONTRACTION,
+    MAX_CORRECTIONS,
+    MAX_LOGIT_STEP,
+    MAX_NEWTON_STEPS,
+    MAX_STALLED_STEPS,
+    MIN_CONTRACTION,
+    MIN_STEP_ANGLE,
+    RESIDUAL_NOISE,
+    ROUNDING,
+    STALLED_RESIDUAL_RATIO,
+)
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.threads import cached_property
@@ -29,37 +42,20 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.spectral.contact_system import ContactSystem
 
-#: The matrix is factored anew when a correction is more than this share of the one before.
-_SLOWEST_CONTRACTION = 0.2
-#: The share of itself that a correction leaves at least. With 1e-4 estimates of stick radii are 0.6
-#: times as large in the mean of 91 scenes, and the largest error is 0.55 of one, else 0.50.
-LEAST_CONTRACTION = 0.01
-#: The fields are known to this share of a step of the boundaries before it is taken.
-_FIELD_TO_STEP = 0.01
-#: A step stalls if it leaves more than this share of the boundary residual. After so many of these
-#: in a row there are no boundaries near by.
-_STALLED_SHARE, _MOST_STALLED = 0.5, 8
-#: Longest step of a boundary, as a logit.
-_LONGEST_STEP = 2.0
-#: Most steps of the boundaries, and corrections of the fields at given ones.
-_MOST_STEPS, _MOST_CORRECTIONS = 40, 30
-#: Steps whose directions differ by less than this tell the Jacobian nothing new.
-_LEAST_ANGLE = 0.03
-
 SystemAt = Callable[[Array], "ContactSystem"]
 
 
 class Perturbation(NamedTuple):
-    """What a change of the space does at unit load.
+    """A first-order change of a solution at unit load, by another space or other defects.
 
     Attributes
     ----------
     change, defects : ndarray
-        Of the solution and of its defects.
+        Change of the vector of the system, and of the defects.
     boundary_residual : ndarray
-        Of the boundary residual.
+        Change of the boundary residual.
     approach : float
-        Of the approach, relative.
+        Relative change of the approach.
     """
 
     change: Array
@@ -76,11 +72,12 @@ class FieldSolution:
     ----------
     system : ContactSystem
     factors : Factored
-        Of this system or of one with other boundaries near by.
+        Factors of the matrix of this system, or of one with slightly different boundaries.
     values : ndarray, shape (unknowns,)
         The vector of the system.
     defects : ndarray, shape (boundaries,)
-        They make the traction continuous; without tangential compliance they make E(b) zero.
+        Defects of E at the boundaries by which the traction is continuous; without tangential
+        compliance, by which E(b) is zero.
     """
 
     system: ContactSystem
@@ -90,20 +87,23 @@ class FieldSolution:
 
     @classmethod
     def first(cls, factors: Factored, system: ContactSystem | None = None) -> FieldSolution:
-        """Return the solution as the factors have it, of their system or of one like it."""
+        """Return the direct solution with the factors, as a start in their system or another."""
         system = system or factors.system
-        nothing = np.zeros(len(system.radii))
-        begin = cls(system, factors, factors.first[:, 0], nothing)
-        return begin._continuous(begin.values, nothing)
+        no_defects = np.zeros(len(system.radii))
+        direct = cls(system, factors, factors.first[:, 0], no_defects)
+        return direct._continuous(direct.values, no_defects)
 
     def _continuous(self, values: Array, defects: Array) -> FieldSolution:
-        """Return these fields, with further defects, without jumps of the traction."""
-        further, values = self.without_jumps(values)
+        """Return fields of these values whose traction is continuous, with the defects for it."""
+        added, values = self.without_jumps(values)
         rigid = self.system.parameters.beta == 0.0
-        return replace(self, values=values, defects=further if rigid else defects + further)
+        return replace(self, values=values, defects=added if rigid else defects + added)
 
     def without_jumps(self, values: Array) -> tuple[Array, Array]:
-        """Return the defects that take the jumps out of a vector, and the vector without them."""
+        """Return the defects that remove the jumps of q from a vector, and the vector without them.
+
+        With J the rows of the jumps and V the responses to unit defects, ``J (v + V d) = 0``.
+        """
         system = self.system
         jumps = system.jump_rows
         if system.parameters.beta == 0.0 or not len(jumps):
@@ -113,11 +113,11 @@ class FieldSolution:
         return np.asarray(defects), np.asarray(values + responses @ defects)
 
     def corrected(self) -> tuple[FieldSolution, Array]:
-        """Return better fields, and the change of their values."""
+        """Return the fields after one correction with the factors, and the change of the vector."""
         residual = self.system.residual(self.values[:, None], np.ones(1), self.defects[:, None])
         step = self.factors.step(residual)[:, 0]
-        better = self._continuous(self.values + step, self.defects)
-        return better, better.values - self.values
+        result = self._continuous(self.values + step, self.defects)
+        return result, result.values - self.values
 
     def refactored(self) -> FieldSolution:
         """Return the same fields with the factors of their own system."""
@@ -142,31 +142,33 @@ class FieldSolution:
         """``kappa R`` at the boundaries."""
         return np.asarray(self.system.boundary_rows.drive @ self.values)
 
-    def boundary_perturbation(self, share: float) -> Perturbation:
-        """Return what removes so much of the boundary residual, with a jump of the traction.
+    def boundary_perturbation(self, factor: float) -> Perturbation:
+        """Return the first-order change that removes the boundary residual, times a factor.
 
-        That is the error of the fields to first order in how far the boundaries are off.
+        It has a jump of the traction. It is the error of the fields, to first order in the error of
+        the boundaries.
         """
-        defects = -share * self.defects
+        defects = -factor * self.defects
         return self._at_unit_load(defects, self.factors.responses @ defects)
 
     def coarse_differences(self) -> list[Perturbation]:
-        """Return what the top two degrees of every panel contribute, and what the top one does."""
+        """Return the contributions of the top two degrees of every panel, and of the top one."""
         changes = self.factors.change(self.values, self.system)
         return [self._at_unit_load(*self.without_jumps(change)) for change in changes]
 
     def _at_unit_load(self, defects: Array, change: Array) -> Perturbation:
-        raised = -self.load_integral(change) / self.load_integral(self.values)
+        """Return a change of the fields for unit approach as one for unit load."""
+        approach = -self.load_integral(change) / self.load_integral(self.values)
         return Perturbation(
-            change + raised * self.values,
-            defects + raised * self.defects,
+            change + approach * self.values,
+            defects + approach * self.defects,
             -defects / self.drive,
-            raised,
+            approach,
         )
 
 
 class Corrected(NamedTuple):
-    """Fields, and the error that corrections leave of them, relative."""
+    """Corrected fields, and the estimate of their relative error against the direct solution."""
 
     fields: FieldSolution
     remaining: float
@@ -187,33 +189,36 @@ def corrected(
     size : callable
         Returns the relative size of a change of the fields.
     """
-    before = inf
+    length_before = inf
     remaining = inf
-    for _ in range(_MOST_CORRECTIONS):
-        own = fields.factors.system is fields.system
-        better, change = fields.corrected()
-        length = size(better, change)
+    for _ in range(MAX_CORRECTIONS):
+        exact_factors = fields.factors.system is fields.system
+        next_fields, change = fields.corrected()
+        length = size(next_fields, change)
         if not np.isfinite(length):
             return Corrected(fields, inf)
-        # with the factors of other boundaries the first correction says nothing of the next one
-        contraction = length / before if before < inf else (0.0 if own else 1.0)
-        fields = better
-        remaining = length * min(max(contraction, LEAST_CONTRACTION), 1.0)
+        if length_before < inf:
+            contraction = length / length_before
+        else:
+            # with the factors of other boundaries nothing is known of the next correction yet
+            contraction = 0.0 if exact_factors else 1.0
+        fields = next_fields
+        remaining = length * min(max(contraction, MIN_CONTRACTION), 1.0)
         if remaining < tolerance:
             break
-        before = length
-        if contraction > _SLOWEST_CONTRACTION:
-            if own:
-                break  # rounding
-            if contraction < 1.0 or length > ROUGH:
+        length_before = length
+        if contraction > MAX_CONTRACTION:
+            if exact_factors:
+                break  # only rounding is left
+            if contraction < 1.0 or length > COARSE_TOL:
                 fields = fields.refactored()
-                before = inf
+                length_before = inf
     return Corrected(fields, remaining)
 
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """What Newton's method begins with and ends in.
+    """An iterate of Newton's method: boundaries, the fields on them, and the Jacobian.
 
     Attributes
     ----------
@@ -223,9 +228,9 @@ class Iterate:
         Derivatives of the boundary residual by the logits.
     fields : FieldSolution
     remaining : float
-        The error that corrections leave of the fields, relative.
+        Estimate of the relative error of the fields at these boundaries.
     converged : bool
-        Whether the last step of the boundaries is as short as was asked.
+        Whether the next step of the boundaries is shorter than the tolerance.
     """
 
     logits: Array
@@ -236,7 +241,7 @@ class Iterate:
 
     @property
     def newton_step(self) -> Array:
-        """The step of the boundaries that the Jacobian asks for."""
+        """The Newton step of the logits, minus the inverse Jacobian times the residual."""
         return np.asarray(-np.linalg.solve(self.jacobian, self.fields.boundary_residual))
 
 
@@ -252,7 +257,8 @@ class FreeBoundary:
     """
 
     def __init__(self, system_at: SystemAt, size: Callable[[FieldSolution, Array], float]) -> None:
-        self._system_at, self._size = system_at, size
+        self._system_at = system_at
+        self._size = size
 
     def start(self, logits: Array, jacobian: Array) -> Iterate:
         """Return the first iterate at these boundaries."""
@@ -260,7 +266,7 @@ class FreeBoundary:
         return Iterate(logits, jacobian, fields)
 
     def solve(
-        self, start: Iterate, boundary_tol: float, field_tol: float, *, near: bool = False
+        self, start: Iterate, boundary_tol: float, field_tol: float, *, warm_start: bool = False
     ) -> Iterate:
         """Move the boundaries until the next step is shorter than a tolerance.
 
@@ -268,11 +274,12 @@ class FreeBoundary:
         ----------
         start : Iterate
         boundary_tol : float
-            Longest step of a boundary, as a logit, that is left out.
+            A step of the logits that is shorter than this is not taken.
         field_tol : float
-            Relative, of the fields.
-        near : bool
-            Whether the boundaries are said to be near by.
+            Relative error of the fields.
+        warm_start : bool
+            Whether the start is the solution of nearly the same problem, so that boundaries must be
+            close to it.
 
         Returns
         -------
@@ -282,39 +289,42 @@ class FreeBoundary:
         Raises
         ------
         NoBoundariesError
-            If boundaries are said to be near by and are not.
+            If the residual does not vanish near a warm start.
         """
-        iterate = self._with_fields(start, max(field_tol, ROUGH))
+        iterate = self._corrected_to(start, max(field_tol, COARSE_TOL))
         if not len(start.logits):
-            return self._with_fields(iterate, field_tol, converged=True)
-        best, least = iterate, inf
-        before, stalled = inf, 0
-        secants: list[tuple[Array, Array]] = []
-        for _ in range(_MOST_STEPS):
-            iterate = self._known_to_step(iterate, boundary_tol)
+            return self._corrected_to(iterate, field_tol, converged=True)
+        best = iterate
+        least_residual = inf
+        size_before = inf
+        stalled = 0
+        secants: list[tuple[Array, Array]] = []  # the last steps, with the changes of the residual
+        for _ in range(MAX_NEWTON_STEPS):
+            iterate = self._corrected_for_step(iterate, boundary_tol)
             residual = iterate.fields.boundary_residual
             step = iterate.newton_step
             length = float(np.abs(step).max())
             if not np.isfinite(length):
                 break
-            largest = float(np.abs(residual).max())
-            stalled = stalled + 1 if largest > _STALLED_SHARE * before else 0
-            before = largest
-            if largest < least:
-                best, least = iterate, largest
+            size = float(np.abs(residual).max())
+            stalled = stalled + 1 if size > STALLED_RESIDUAL_RATIO * size_before else 0
+            size_before = size
+            if size < least_residual:
+                best = iterate
+                least_residual = size
             if length < boundary_tol:
-                return self._with_fields(iterate, field_tol, converged=True)
-            if stalled > _MOST_STALLED or (stalled > 1 and least < NOISE):
+                return self._corrected_to(iterate, field_tol, converged=True)
+            if stalled > MAX_STALLED_STEPS or (stalled > 1 and least_residual < RESIDUAL_NOISE):
                 break
-            step *= _feasible_share(iterate.logits, step)
+            step *= _feasible_fraction(iterate.logits, step)
             moved = self._moved(iterate, step)
-            moved = self._known_to_step(moved, boundary_tol)
+            moved = self._corrected_for_step(moved, boundary_tol)
             secants.append((step, moved.fields.boundary_residual - residual))
             secants = secants[-len(step) :]
             iterate = replace(moved, jacobian=_broyden(iterate.jacobian, secants))
-        if near and least > NOISE:
+        if warm_start and least_residual > RESIDUAL_NOISE:
             raise NoBoundariesError("no boundaries near by")
-        return self._with_fields(best, field_tol)
+        return self._corrected_to(best, field_tol)
 
     def _moved(self, iterate: Iterate, step: Array) -> Iterate:
         """Return the iterate with other boundaries, its fields not corrected yet."""
@@ -322,19 +332,22 @@ class FreeBoundary:
         fields = replace(iterate.fields, system=self._system_at(logits))
         return replace(iterate, logits=logits, fields=fields, remaining=inf)
 
-    def _known_to_step(self, iterate: Iterate, boundary_tol: float) -> Iterate:
-        """Correct the fields until they are known to a share of the step that they ask for."""
-        tolerance = ROUGH
+    def _corrected_for_step(self, iterate: Iterate, boundary_tol: float) -> Iterate:
+        """Correct the fields until their error is below FIELD_TO_STEP of the Newton step.
+
+        A loose tolerance comes first, as the length of the step is not known before.
+        """
+        tolerance = COARSE_TOL
         while True:
             if iterate.remaining > tolerance:
-                iterate = self._with_fields(iterate, tolerance)
+                iterate = self._corrected_to(iterate, tolerance)
             length = float(np.abs(iterate.newton_step).max())
-            wanted = max(_FIELD_TO_STEP * max(length, boundary_tol), ROUNDING)
-            if not iterate.remaining > wanted or tolerance <= wanted:
+            needed = max(FIELD_TO_STEP * max(length, boundary_tol), ROUNDING)
+            if not iterate.remaining > needed or tolerance <= needed:
                 return iterate
-            tolerance = wanted
+            tolerance = needed
 
-    def _with_fields(
+    def _corrected_to(
         self, iterate: Iterate, tolerance: float, *, converged: bool = False
     ) -> Iterate:
         """Return the iterate with its fields corrected to a tolerance."""
@@ -345,20 +358,27 @@ class FreeBoundary:
 
 
 def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:
-    """Return the matrix nearest to a Jacobian that maps the last steps to their changes."""
+    """Return the matrix nearest to a Jacobian that maps the last steps to the changes they made.
+
+    With the steps S and the changes Y as columns, ``J + (Y - J S) S^+`` (Broyden's update for
+    several steps).
+    """
     lengths = [float(np.linalg.norm(step)) for step, _ in secants]
     steps = np.array([step / n for (step, _), n in zip(secants, lengths, strict=True)]).T
     changes = np.array([change / n for (_, change), n in zip(secants, lengths, strict=True)]).T
     if not np.isfinite(changes).all():
         return jacobian
-    inverse = np.linalg.pinv(steps, rcond=_LEAST_ANGLE)
+    inverse = np.linalg.pinv(steps, rcond=MIN_STEP_ANGLE)
     return np.asarray(jacobian + (changes - jacobian @ steps) @ inverse)
 
 
-def _feasible_share(logits: Array, step: Array) -> float:
-    """Return the share of a step that keeps the boundaries in order, and the step moderate."""
-    share = min(1.0, _LONGEST_STEP / max(float(np.abs(step).max()), TINY))
+def _feasible_fraction(logits: Array, step: Array) -> float:
+    """Return the fraction of a step that can be taken.
+
+    No boundary moves by more than MAX_LOGIT_STEP, and no zone becomes narrower than half its width.
+    """
+    fraction = min(1.0, MAX_LOGIT_STEP / max(float(np.abs(step).max()), TINY))
     for width, change in zip(np.diff(logits), np.diff(step), strict=True):
         if change < 0.0:
-            share = min(share, 0.5 * width / -change)
-    return share
+            fraction = min(fraction, 0.5 * width / -change)
+    return fraction

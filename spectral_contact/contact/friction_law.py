@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from spectral_contact.contact.resolution import DEEPEST, places
+from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
 from spectral_contact.contact.tuning import BOUNDARY_SLIP_FACTOR, SLIP_ROUNDING
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parts import gap
@@ -29,7 +29,7 @@ Interval: TypeAlias = tuple[float, float]
 #: it grows like the distance to the power 3/2.
 _BOUNDARY_DISTANCE = float(np.cbrt(SLIP_ROUNDING)) ** 2
 #: Distances from the boundaries of a zone, over its extent, at which stick is verified.
-DISTANCES = np.exp(-places(DEEPEST, 400))
+DISTANCES = np.exp(-sample_depths(EPSILON_DEPTH, 400))
 
 
 def missing_stick(

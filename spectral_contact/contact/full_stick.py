@@ -1,10 +1,9 @@
 """Full stick: one zone without a boundary, equation (4.2), with elastic coupling or without.
 
-Without it everything is computed for kappa = 1; the traction is proportional to it. With it, under
-a thin layer, and on a smooth surface always, both tractions oscillate near the edge, and the
-pressure would be negative in places: there the contact would open. What is returned solves the
-equations as they stand, in which the surfaces cannot part; `FullStick.opening` says where they
-would.
+Without coupling everything is computed for kappa = 1; the traction is proportional to it. With
+coupling, on a smooth surface and under a thin layer, pressure and traction oscillate near the edge,
+and the pressure is negative in places: there the contact would open. The result solves the
+equations as they stand, in which the surfaces cannot part; `FullStick.opening` is where they would.
 """
 
 from __future__ import annotations
@@ -14,25 +13,24 @@ from math import atan2, exp, inf, log, pi, sqrt
 
 import numpy as np
 
-from spectral_contact.contact.error_estimate import ZoneSolution, relative_changes, sizes_of
+from spectral_contact.contact.error_estimate import ZoneSolution, relative_changes
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.refine import Attempt, Refinement
+from spectral_contact.contact.refine import Refinement, SpaceSolution
 from spectral_contact.contact.resolution import (
-    CLOSED_FORM_ROUNDING,
-    SAFETY,
     TINY,
     NormalContact,
-    crossing,
-    places,
-    share_of_change,
+    first_sign_change,
+    relative_panel_changes,
+    sample_depths,
 )
-from spectral_contact.contact.zone_spaces import ended
+from spectral_contact.contact.tuning import CLOSED_FORM_ROUNDING, FUNCTIONAL_SAFETY
+from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of
 
 
 def full_stick(
-    found: Refinement[ZoneSolution],
+    solved: Refinement[ZoneSolution],
     contact: NormalContact | None = None,
     *,
     pointwise: bool = True,
@@ -42,26 +40,34 @@ def full_stick(
 
     Parameters
     ----------
-    found : Refinement
+    solved : Refinement
         As `solve_stick` returns it.
     contact : NormalContact, optional
-        With the pressure, if it was known.
+        The normal contact with the pressure, if that was known.
     pointwise : bool
-        Whether the fields are wanted; under a pressure that is given they are at hand.
+        Whether the fields are wanted; under a known pressure they always come along.
     ratios : bool
-        Whether the ratios of traction to pressure are, under a pressure that is given.
+        Whether the ratios of traction to pressure are wanted, under a known pressure.
     """
-    zones, own = found.best.value, found.best.value if contact is None else contact
+    zones = solved.best.value
+    if contact is None:
+        approach = zones.approach
+        approach_error = zones.approach_error
+    else:
+        approach = contact.approach
+        approach_error = contact.approach_error
     stick = FullStick(
-        approach=own.approach,
+        approach=approach,
         total_shear=zones.total_shear,
-        approach_error=own.approach_error,
+        approach_error=approach_error,
         shear_error=zones.shear_error,
     )
-    if pointwise or contact is not None:
-        stick = _with_fields(stick, found.best, contact, ratios=ratios)
-    best = replace(found.best, value=stick)  # type: ignore[arg-type]
-    return replace(found, best=best)  # type: ignore[return-value]
+    if contact is not None:
+        stick = _with_known_pressure(stick, solved.best, contact, ratios=ratios)
+    elif pointwise:
+        stick = _with_unknown_pressure(stick, zones)
+    best = replace(solved.best, value=stick)  # type: ignore[arg-type]
+    return replace(solved, best=best)  # type: ignore[return-value]
 
 
 def smooth_full_stick(contact: NormalContact) -> FullStick:
@@ -83,64 +89,82 @@ def smooth_full_stick(contact: NormalContact) -> FullStick:
     )
 
 
-def _with_fields(
-    stick: FullStick, solved: Attempt[ZoneSolution], contact: NormalContact | None, *, ratios: bool
-) -> FullStick:
-    """Return full stick with its fields, and with their ratio where it means something."""
-    zones, system, q, opening = solved.value, solved.value.system, solved.value.shears[0], None
-    panels = system.fields[-1].panels
-    if contact is None:
-        p, q = ended(zones.pressures[0], q, system.parameters, 1.0)
-        pressure, opening = PressureField(None, p), _opening(p)
-        ratios = opening is None and not p.oscillation
-        each = relative_changes(
-            system, zones.solution[:, 1], sizes_of(system, zones.solution[:, 0])
-        )
-        shares = [(panels, one) for one in each]
-    else:
-        pressure, shares = contact.pressure, [(panels, solved.indicators)]
+def _with_unknown_pressure(stick: FullStick, zones: ZoneSolution) -> FullStick:
+    """Return full stick with both fields, and with their ratio if the pressure is positive."""
+    system = zones.system
+    parameters = system.parameters
+    p, q = with_asymptotic_tail(zones.pressures[0], zones.shears[0], parameters, 1.0)
+    opening = _opening(p)
     stick = stick._replace(
-        pressure=pressure,
+        pressure=PressureField(None, p),
         traction=DiskSeries(EDGE, q),
         opening=opening,
-        pressure_error=zones.pressure_error if contact is None else contact.pressure_error,
+        pressure_error=zones.pressure_error,
+        traction_error=zones.traction_error,
+    )
+    if opening is not None or p.oscillation:
+        return stick
+    panels = system.fields[-1].panels
+    field_changes = relative_changes(system, zones.solution[:, 0], zones.solution[:, 1])
+    changes = [(panels, change) for change in field_changes]
+    return stick.with_ratios(panels.panels * panels.width, changes, _edge_change(zones))
+
+
+def _with_known_pressure(
+    stick: FullStick, solution: SpaceSolution[ZoneSolution], contact: NormalContact, *, ratios: bool
+) -> FullStick:
+    """Return full stick with both fields, and with their ratio if it is wanted."""
+    zones = solution.value
+    stick = stick._replace(
+        pressure=contact.pressure,
+        traction=DiskSeries(EDGE, zones.shears[0]),
+        pressure_error=contact.pressure_error,
         traction_error=zones.traction_error,
     )
     if not ratios:
         return stick
-    at_edge = 0.0 if any(one.panels.power for one in system.fields) else _at_edge(zones)
-    if contact is not None and contact.panels is not None and contact.changes:
-        mesh, lost = contact.panels, contact.changes[0].coefficients
-        share = share_of_change(mesh, lost, pressure.at_ends())
-        shares.append((mesh, SAFETY * contact.rate**2 * share))
-        at_edge += abs(series_of(mesh, lost).limit / pressure.value(0.0))
-    return stick.with_ratios(panels.panels * panels.width, shares, at_edge)
+    panels = zones.system.fields[-1].panels
+    changes = [(panels, solution.indicators)]
+    edge_change = _edge_change(zones)
+    if contact.panels is not None and contact.changes:
+        top = contact.changes[0].coefficients
+        relative = relative_panel_changes(contact.panels, top, contact.pressure.at_ends())
+        changes.append((contact.panels, FUNCTIONAL_SAFETY * contact.rate**2 * relative))
+        edge_change += abs(series_of(contact.panels, top).limit / contact.pressure.value(0.0))
+    return stick.with_ratios(panels.panels * panels.width, changes, edge_change)
 
 
-def _at_edge(solved: ZoneSolution) -> float:
-    """Return the changes of the fields at the edge, relative to them."""
+def _edge_change(zones: ZoneSolution) -> float:
+    """Return the sum of the relative changes of the unknown fields at the edge.
+
+    It is 0 if one of them is singular there: the ratio is 0 or infinite then.
+    """
+    fields = zones.system.fields
+    if any(field.panels.power for field in fields):
+        return 0.0
     total = 0.0
-    for one in solved.system.fields:
-        whole, *changed = (
-            series_of(one.panels, v).limit for v in one.coefficients(solved.solution).T
+    for field in fields:
+        limit, *changes = (
+            series_of(field.panels, column).limit for column in field.coefficients(zones.solution).T
         )
-        total += max(map(abs, changed)) / abs(whole)
+        total += max(map(abs, changes)) / abs(limit)
     return total
 
 
 def _opening(pressure: LogSeries) -> float | None:
-    """Return the distance from the edge at which the pressure first changes sign."""
+    """Return the distance ``1 - s`` from the edge at which the pressure first changes sign."""
     count = len(pressure.coefficients)
     depth = count * pressure.width
-    x = places(depth, 8 * count + 1)  # close enough to see every change of sign
+    x = sample_depths(depth, 8 * count + 1)  # eight on a panel show every change of sign
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])
-        depth = crossing(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
+        depth = first_sign_change(lambda x: pressure(np.exp(-x)), x[i - 1], x[i])
     elif pressure.oscillation:
+        # the tail is a cos(theta x) + b sin(theta x), with x from the end of the panels
         depth += atan2(pressure.tail[0], -pressure.tail[1]) / pressure.oscillation
     else:
         return None
     y = exp(-depth)
-    distance = y / (1.0 + sqrt(1.0 - y))
+    distance = y / (1.0 + sqrt(1.0 - y))  # 1 - s, without cancellation
     return distance if distance > TINY else None

@@ -24,9 +24,9 @@ from spectral_contact.contact.on_parts import (
     profile_parts,
     series_on_parts,
 )
-from spectral_contact.contact.refine import Attempt, Refinement, fitted, refine
-from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING
+from spectral_contact.contact.refine import Refinement, SpaceSolution, refine, within_budget
 from spectral_contact.contact.smooth_indented import smooth_contact
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution
@@ -99,7 +99,7 @@ class _IndentationProblem(PartedProblem):
         depths = [layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends]
         super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
-    def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
+    def attempt(self, resolution: Resolution) -> SpaceSolution[Indentation]:
         """Solve in a space."""
         used = self.used(resolution)
         space = disk_space(self.parts, used)
@@ -118,7 +118,7 @@ class _IndentationProblem(PartedProblem):
 
     def glance(self, max_unknowns: int) -> Indentation:
         """Return the contact in the first space, whatever its errors are: they are 0."""
-        used = self.used(fitted(self.start(), max_unknowns))
+        used = self.used(within_budget(self.start(), max_unknowns))
         space = disk_space(self.parts, used)
         return self._contact(space, used, self._solve(space, used[-1][0]))
 
@@ -146,7 +146,7 @@ class _IndentationProblem(PartedProblem):
 
     def _judged(
         self, space: Space, used: tuple[Resolution, ...], solved: _TwoPressures
-    ) -> Attempt[Indentation]:
+    ) -> SpaceSolution[Indentation]:
         """Return the contact with its errors."""
         a, found = self.radius, self._contact(space, used, solved)
         moment, flat_moment = found.load / (4 * a**2), found.stiffness / (4 * a)
@@ -179,7 +179,7 @@ class _IndentationProblem(PartedProblem):
             error = max(error, pressure_error)
         else:
             indicators, rates = indicators**2, rates**2
-        return Attempt(indentation, error, indicators, rates, space.unknowns)
+        return SpaceSolution(indentation, error, indicators, rates, space.unknowns)
 
     def _growth(self, edge: LogSeries, reach: float, flat_edge: float) -> float:
         """Return ``ddelta/da``, from how the pressure falls to the edge."""

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from spectral_contact.contact.layered_bends import NO_MISPLACEMENT, Misplacement
 from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
 from spectral_contact.contact.on_parts import Indentation
-from spectral_contact.contact.refine import Attempt
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.refine import SpaceSolution
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields.series import central_value
 from spectral_contact.spectral.panels import Resolution
 
@@ -57,7 +57,7 @@ class Layered(ABC):
     def _form(self, resolution: Resolution) -> Form:
         """Return the space."""
 
-    def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
+    def attempt(self, resolution: Resolution) -> SpaceSolution[Indentation]:
         """Solve in a space."""
         return self._judged(*self._solved(resolution))
 
@@ -78,7 +78,7 @@ class Layered(ABC):
         """Return what bends of the law make at which no part ends: nothing if there are none."""
         return NO_MISPLACEMENT
 
-    def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> Attempt[Indentation]:
+    def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> SpaceSolution[Indentation]:
         """Return the contact with its errors."""
         setting, form, a = self.setting, solver.form, self.setting.radius
         whole, coarse = solver.integrals(fields), solver.coarser(fields)
@@ -176,7 +176,7 @@ class Layered(ABC):
         if setting.centre is not None or not self.pointwise or setting.layer.knots:
             # what of the error they do not show is where they are worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
-        return Attempt(indentation, error, indicators, rates, form.space.unknowns)
+        return SpaceSolution(indentation, error, indicators, rates, form.space.unknowns)
 
 
 def at_centre(one: Indentation) -> tuple[float, float]:

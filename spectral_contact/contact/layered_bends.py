@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import crossing
+from spectral_contact.contact.resolution import first_sign_change
 from spectral_contact.fields.radius import Radius
 
 if TYPE_CHECKING:
@@ -202,7 +202,7 @@ def bends_of(
                 return origin + a * field.at(y) - knot
 
             ends = float(looks.y[last]), float(looks.y[first])
-            found.append((crossing(excess, *ends), knot))
+            found.append((first_sign_change(excess, *ends), knot))
     return _apart(setting, sorted(found, reverse=True))
 
 

@@ -26,7 +26,7 @@ from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton
 from spectral_contact.contact.layered_setting import setting_at_approach, with_bends
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
 from spectral_contact.contact.on_parts import Indentation, PartedProblem
-from spectral_contact.contact.refine import Refinement, fitted, refine
+from spectral_contact.contact.refine import Refinement, refine, within_budget
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE
 from spectral_contact.layers.base import Layer
@@ -224,7 +224,7 @@ def _roughly_bent(
     for _ in range(_CHANGES):
         problem = BentProblem(setting, max(tolerance, _ROUGH), pointwise=pointwise, last=last)
         try:
-            problem.attempt(fitted(problem.start(), max_unknowns))
+            problem.attempt(within_budget(problem.start(), max_unknowns))
         except BendsChangedError as changed:
             setting, last = with_bends(setting, changed.bends), changed.last
         else:

@@ -9,9 +9,16 @@ from __future__ import annotations
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, fixed_disk
-from spectral_contact.contact.resolution import ROUNDING, TINY
-from spectral_contact.contact.stick_radius import least_logit
-from spectral_contact.contact.tuning import MAX_REGULARISING_RADIUS
+from spectral_contact.contact.resolution import (
+    TINY,
+)
+from spectral_contact.contact.stick_radius import (
+    min_logit,
+)
+from spectral_contact.contact.tuning import (
+    MAX_REGULARISING_RADIUS,
+    ROUNDING,
+)
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -25,7 +32,7 @@ def regularising_radius(parameters: Parameters) -> Radius:
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
-        return Radius.from_logit(least_logit(parameters))
+        return Radius.from_logit(min_logit(parameters))
     c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
     c = min(c, MAX_REGULARISING_RADIUS)
     return Radius(float(c), float(1.0 - c))

@@ -6,16 +6,19 @@ from math import log, pi, sqrt
 
 import numpy as np
 
-from spectral_contact.contact.refine import Attempt, Refinement, refine
+from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import (
-    CLOSED_FORM_ROUNDING,
-    FIELD_ROUNDING,
-    ROUNDING,
     NormalContact,
     decay_rates,
     expected_error,
-    share_of_change,
+    relative_panel_changes,
     starting_resolution,
+)
+from spectral_contact.contact.tuning import (
+    CLOSED_FORM_ROUNDING,
+    FIELD_ROUNDING,
+    ROUNDING,
+    SMALL_COMPLIANCE,
 )
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
@@ -23,64 +26,79 @@ from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 
-#: Below this compliance the edge layer is thin and the endpoint weight joins the basis.
-SMALL_COMPLIANCE = 1e-2
-#: With ``1/sqrt(y + WEIGHT_SHIFT * c)`` the weight alone has the right edge value as c -> 0.
+#: The endpoint weight is ``(4/pi) / sqrt(y + WEIGHT_SHIFT * alpha)``: as alpha vanishes it has the
+#: pressure at the edge, ``sqrt((4/pi) / alpha)``, by itself.
 WEIGHT_SHIFT = 4 / pi
 
 
 class _NormalProblem:
-    """Spaces for the normal problem; see `solve_normal` for the goals."""
+    """Normal contact for `refine`.
+
+    The pressure for unit approach is the endpoint weight, if there is one, and a series; see
+    `solve_normal` for the goals.
+    """
 
     def __init__(self, compliance: float, tolerance: float, goal: str) -> None:
         self.compliance = compliance
         self.tolerance = tolerance
-        self.pointwise, self.drives = goal != "approach", goal == "drive"
-        small = compliance < SMALL_COMPLIANCE and self.pointwise
-        self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if small else None
+        self.pointwise = goal != "approach"
+        self.changes_wanted = goal == "drive"
+        has_weight = compliance < SMALL_COMPLIANCE and self.pointwise
+        self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if has_weight else None
 
     def start(self) -> Resolution:
         layer = max(-log(self.compliance), 0.0)
-        # the approach superconverges: its error is the square of the pressure's
+        # the error of the approach is the square of that of the pressure
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
         return starting_resolution(layer, tolerance)
 
-    def attempt(self, resolution: Resolution) -> Attempt[NormalContact]:
-        panels, compliance, weight = resolution.panels, self.compliance, self.weight
+    def attempt(self, resolution: Resolution) -> SpaceSolution[NormalContact]:
+        panels = resolution.panels
+        compliance = self.compliance
+        weight = self.weight
         space = unit_space(panels, resolution.degrees)
+        # the right-hand side is what the weight leaves of 2 delta, tested, and of alpha p
         target: Array | float = 2.0
-        load, known = None, 0.0
+        load = None
+        weight_load = 0.0  # int of the weight times s ds
         if weight is not None:
             target = weight.deficit(space.y)
             load = load_vector(panels, lambda d: 0.5 * weight(d))
-            known = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
+            weight_load = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
         solution = factored.solve(target, load, correct=self.pointwise and weight is None)
         change = factored.change(solution)
         # int p s ds = (2/pi) int F dt, for unit approach
-        moment = 2.0 * float(space.constant_moments @ solution[space.index]) + known
+        moment = 2.0 * float(space.constant_moments @ solution[space.index]) + weight_load
         approach = 1.0 / (2.0 * pi * moment)
         coefficients = solution * approach
-        scaled = None if weight is None else weight.times(approach)
-        pressure = PressureField(scaled, series_of(panels, coefficients))
+        weight_of_load = None if weight is None else weight.times(approach)
+        pressure = PressureField(weight_of_load, series_of(panels, coefficients))
         rates = decay_rates(resolution, solution)
         energies = change.energies[:-1] / moment * rates**2
-        # the tail beyond the panels adds less than 0.03 of it (tests/reference/test_estimates.py)
+        # without that of the tail, which adds less than 0.03 of it (tests/reference/
+        # test_estimates.py)
         approach_error = float(energies.sum()) + ROUNDING
-        worst, changes = 0.0, []
+        worst_rate = 0.0
+        changes = []
         if self.pointwise:
-            shares = share_of_change(panels, change.coefficients * approach, pressure.at_ends())
-            indicators = expected_error(shares, rates)
-            error = pressure_error = float(indicators.max()) + FIELD_ROUNDING
-            worst = float(rates[indicators.argmax()])
-            if self.drives:
-                for one in (change, factored.change(solution, degrees=1)):
-                    lost = one.coefficients * approach
-                    field = PressureField(None, series_of(panels, lost))
-                    changes.append(NormalContact(compliance, 0.0, field, panels, lost))
+            relative = relative_panel_changes(
+                panels, change.coefficients * approach, pressure.at_ends()
+            )
+            indicators = expected_error(relative, rates)
+            pressure_error = float(indicators.max()) + FIELD_ROUNDING
+            error = pressure_error
+            worst_rate = float(rates[indicators.argmax()])
+            if self.changes_wanted:
+                for contribution in (change, factored.change(solution, degrees=1)):
+                    top = contribution.coefficients * approach
+                    field = PressureField(None, series_of(panels, top))
+                    changes.append(NormalContact(compliance, 0.0, field, panels, top))
         else:
-            indicators, rates = energies, rates**2
-            pressure_error, error = np.inf, approach_error
+            indicators = energies
+            rates = rates**2
+            pressure_error = np.inf
+            error = approach_error
         contact = NormalContact(
             compliance,
             approach,
@@ -90,9 +108,9 @@ class _NormalProblem:
             approach_error,
             pressure_error,
             tuple(changes),
-            worst,
+            worst_rate,
         )
-        return Attempt(contact, error, indicators, rates, space.unknowns)
+        return SpaceSolution(contact, error, indicators, rates, space.unknowns)
 
 
 def solve_normal(
@@ -109,8 +127,8 @@ def solve_normal(
     max_unknowns : int
         Most unknowns of a space.
     goal : {"drive", "pressure", "approach"}
-        The pointwise pressure with its changes, for what it drives; without them; or the approach
-        alone, which needs far fewer unknowns.
+        What the tolerance bounds: the pressure, pointwise, with its `changes` for the tangential
+        problem; the pressure without them; or the approach alone, which needs far fewer unknowns.
 
     Returns
     -------
@@ -126,22 +144,26 @@ def solve_normal(
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
 
 
-def by_compliance(solved: Refinement[NormalContact]) -> NormalContact:
-    """Return the derivative of a normal contact by its compliance, as a contact of its own.
+def compliance_derivative(solved: Refinement[NormalContact]) -> NormalContact:
+    """Return the derivative of a normal contact by its compliance, in the form of a contact.
 
-    For unit approach ``(alpha + N) dp/dalpha = -p``.
+    For unit approach ``(alpha + N) dp/dalpha = -p``; then the load is kept at one.
     """
-    contact, panels = solved.best.value, solved.resolution.panels
+    contact = solved.best.value
+    panels = solved.resolution.panels
     space = unit_space(panels, solved.resolution.degrees)
-    known, weight = np.zeros(panels.size), contact.pressure.weight
-    known[space.index] = space.mass @ contact.coefficients[space.index]
+    weight = contact.pressure.weight
+    # p, tested with all functions
+    tested_pressure = np.zeros(panels.size)
+    tested_pressure[space.index] = space.mass @ contact.coefficients[space.index]
     if weight is not None:
-        known += load_vector(panels, lambda d: 0.5 * weight(d))
-    change = space.factor(contact.compliance).solve(0.0, known / contact.compliance)
-    # the load stays one
-    moment = 2.0 * float(space.constant_moments @ change[space.index])
-    raised = -2.0 * pi * moment
-    change += raised * contact.coefficients
-    edge = None if weight is None else weight.times(raised)
-    field, slope = PressureField(edge, series_of(panels, change)), raised * contact.approach
-    return NormalContact(contact.compliance, slope, field, panels, change)
+        tested_pressure += load_vector(panels, lambda d: 0.5 * weight(d))
+    right_side = tested_pressure / contact.compliance
+    derivative = space.factor(contact.compliance).solve(0.0, right_side)
+    moment = 2.0 * float(space.constant_moments @ derivative[space.index])
+    # relative derivative of the approach that keeps the load
+    relative = -2.0 * pi * moment
+    derivative += relative * contact.coefficients
+    edge = None if weight is None else weight.times(relative)
+    field = PressureField(edge, series_of(panels, derivative))
+    return NormalContact(contact.compliance, relative * contact.approach, field, panels, derivative)

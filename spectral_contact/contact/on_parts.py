@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import (
+    concatenate_spaces,
     expected_error,
-    joined,
-    share_of_change,
+    relative_panel_changes,
     starting_resolution,
     table_rates,
 )
@@ -138,7 +138,7 @@ class PartedProblem:
 
     def start(self) -> Resolution:
         """Return the first space to try."""
-        space = joined(self.spaces)
+        space = concatenate_spaces(self.spaces)
         capacity = 4 * ceil((max(space.degrees) + 1) / 4)
         return Resolution(replace(space.panels, degree=capacity), space.degrees)
 
@@ -180,7 +180,7 @@ def pointwise_errors(
     for (panels, degrees), one, own, changed in each:
         rates.append(table_rates(degrees, panels.table(own)))
         size = np.maximum(np.abs(one.at_ends()), mean)
-        expected = factor * expected_error(share_of_change(panels, changed, size), rates[-1])
+        expected = factor * expected_error(relative_panel_changes(panels, changed, size), rates[-1])
         if parts.pointed and not errors:
             # no degree lowers what the tail at a tip lacks, a root: 1.8 times what it sheds
             tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])

@@ -12,8 +12,17 @@ import numpy as np
 
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import DEEPEST, LEADING, crossing, places
-from spectral_contact.contact.tuning import NARROW_SLIP, SLIP_WIDENING, UNRESOLVED_SLIP
+from spectral_contact.contact.resolution import (
+    EPSILON_DEPTH,
+    first_sign_change,
+    sample_depths,
+)
+from spectral_contact.contact.tuning import (
+    LEADING_TERM_DEPTH,
+    NARROW_SLIP,
+    SLIP_WIDENING,
+    UNRESOLVED_SLIP,
+)
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -69,15 +78,15 @@ def slip_where_exceeded(
         return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
 
     # the set may be tiny: the grid is fine around the radius where it begins
-    peak = -log(stick.critical_at) if stick.critical_at > 0.0 else depth
-    offsets = np.exp(-places(DEEPEST, 200))
+    peak = -log(stick.critical_y) if stick.critical_y > 0.0 else depth
+    offsets = np.exp(-sample_depths(EPSILON_DEPTH, 200))
     around_peak = peak + np.concatenate([-offsets, [0.0], offsets])
     around_peak = around_peak[(around_peak > 0.0) & (around_peak < depth)]
-    x = np.unique(np.concatenate([places(depth, 4001), around_peak]))
+    x = np.unique(np.concatenate([sample_depths(depth, 4001), around_peak]))
 
     exceeds = excess(x) > 0.0
     changes = np.flatnonzero(exceeds[1:] != exceeds[:-1]).tolist()
-    boundaries = [crossing(excess, x[i], x[i + 1]) for i in changes]
+    boundaries = [first_sign_change(excess, x[i], x[i + 1]) for i in changes]
     if exceeds[0]:  # the first boundary is that of a stick disk around the centre, always there
         boundaries = [float(x[0]), *boundaries]
     slip_ends = [*boundaries, depth] if exceeds[-1] else boundaries
@@ -102,6 +111,8 @@ def _depth(parameters: Parameters) -> float:
     alpha, beta, kappa, friction = parameters
     if alpha == 0.0 < beta:
         # the edge sticks for y below (f beta / kappa)^2: there f p exceeds what q can be
-        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING
+        return (
+            max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING_TERM_DEPTH
+        )
     layers = [-log(compliance) for compliance in (alpha, beta) if compliance > 0.0]
-    return max([0.0, *layers]) + LEADING
+    return max([0.0, *layers]) + LEADING_TERM_DEPTH

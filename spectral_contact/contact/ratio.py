@@ -1,4 +1,8 @@
-"""Full stick, with elastic coupling or without, and its ratio of traction to pressure."""
+"""The result of full stick, and its ratio ``q/p``, whose maximum is the critical friction.
+
+With ``u = q/s`` the ratio is ``s u / p``. It is evaluated in the depth ``x = -ln y``, ``y = 1 -
+s**2``, in which the panels of u have equal widths.
+"""
 
 from __future__ import annotations
 
@@ -9,29 +13,26 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legder, legroots
 
-from spectral_contact.contact.resolution import (
+from spectral_contact.contact.resolution import sample_depths
+from spectral_contact.contact.tuning import (
     CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
-    LEADING,
+    LEADING_TERM_DEPTH,
+    RATIO_BOUND_FACTOR,
+    RATIO_NODES,
+    RATIO_SAMPLES,
+    RATIO_TAIL_SAMPLES,
     TRACTION_ROUNDING,
-    places,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
 
-#: A share bounds the change on its whole panel by moduli of coefficients. At the place of the
-#: largest q/p that is too much: with this factor none of 10,000 errors is above 0.6 of its
-#: estimate; with 1/6 one was 1.8 times that.
-_AT_ONE_PLACE = 0.5
-#: Places of the first look, and the nodes of a polynomial between two of these: as q/p is analytic
-#: in ``x`` up to an imaginary part of pi or so, that is right to rounding.
-_GRID, _POINTS = 129, 16
-#: Further places in the tail, in ``-ln y`` past the panels: loose spaces have none there.
-_IN_TAIL = np.linspace(0.0, LEADING, 65)[1:]
-_NODES, _ = gauss_rule(_POINTS)
-#: From values at the nodes to the Legendre coefficients of the slope.
-_SLOPE = legder(legendre_expansion_matrix(_POINTS, _POINTS - 1))
+#: Depths of the samples in the tail beyond the panels of q, from the end of the panels.
+_TAIL_DEPTHS = np.linspace(0.0, LEADING_TERM_DEPTH, RATIO_TAIL_SAMPLES + 1)[1:]
+_NODES, _ = gauss_rule(RATIO_NODES)
+#: From values at the nodes to the Legendre coefficients of the derivative.
+_DERIVATIVE = legder(legendre_expansion_matrix(RATIO_NODES, RATIO_NODES - 1))
 
 
 class FullStick(NamedTuple):
@@ -41,22 +42,23 @@ class FullStick(NamedTuple):
     ----------
     approach, total_shear : float
         ``delta*`` and ``Q*``.
+    approach_error, shear_error : float
+        Estimates of their relative errors.
     pressure : PressureField or None
-        ``p*``; None if only the two above were wanted, as with what follows.
+        ``p*``; None, like all that follow, if only approach and shear are wanted.
     traction : DiskSeries or None
         ``q*``.
     opening : float or None
         Distance from the edge within which the pressure changes sign; None if it is positive.
     edge_ratio : float or None
-        ``q/p`` at the edge; None where it has no limit or no meaning, or is not wanted.
+        ``q/p`` at the edge; None where it has no limit, or is not wanted.
     critical : float
         The largest ``|q|/p``; infinite where the pressure changes sign.
-    critical_at : float
-        ``y = 1 - s**2`` where that is.
-    approach_error, shear_error, pressure_error, traction_error : float
-        Estimates of relative errors. Those of the fields are pointwise, of p and of q/s; where
-        one of the two changes sign they are relative to the root of the sum of both squares, in
-        which the traction's has the pressure times kappa.
+    critical_y : float
+        ``y = 1 - s**2`` at that maximum.
+    pressure_error, traction_error : float
+        Estimates of the relative errors of p and of ``u = q/s``, pointwise. Where one of the two
+        changes sign they are relative to ``sqrt(p^2 + u^2)`` and ``sqrt(u^2 + (kappa p)^2)``.
     edge_error, critical_error : float
         Estimates of the relative errors of the two ratios.
     """
@@ -70,51 +72,59 @@ class FullStick(NamedTuple):
     opening: float | None = None
     edge_ratio: float | None = None
     critical: float = inf
-    critical_at: float = 0.0
+    critical_y: float = 0.0
     pressure_error: float = inf
     traction_error: float = inf
     edge_error: float = CLOSED_FORM_ROUNDING
     critical_error: float = CLOSED_FORM_ROUNDING
 
     def with_ratios(
-        self, depth: float, shares: Iterable[tuple[LogPanels, Array]], at_edge: float
+        self, depth: float, changes: Iterable[tuple[LogPanels, Array]], edge_change: float
     ) -> FullStick:
-        """Return full stick with q/p at the edge and at its largest.
+        """Return full stick with q/p at the edge and at its maximum.
+
+        The relative error of q/p at one place is estimated by RATIO_BOUND_FACTOR times the sum of
+        the relative changes of p and q on its panel.
 
         Parameters
         ----------
         depth : float
-            ``-ln y`` of the panels, in whose tail the maximum may be, too.
-        shares : iterable of (LogPanels, ndarray)
-            Changes of the fields on their panels, relative to them.
-        at_edge : float
-            The same at the edge: the tail sheds one function of few, so that the change is as
-            large as the error there.
+            Depth of the panels of the traction; the maximum may also be in the tail beyond.
+        changes : iterable of (LogPanels, ndarray)
+            Meshes, with relative changes of fields on their panels.
+        edge_change : float
+            Sum of the relative changes of the fields at the edge. As the change takes one of few
+            functions of a tail, it is as large as the error there.
         """
         assert self.pressure is not None
         assert self.traction is not None
-        edge, critical, where = largest_ratio(self.pressure, self.traction, depth)
+        edge, critical, critical_y = largest_ratio(self.pressure, self.traction, depth)
 
         def error(y: float) -> float:
-            """Estimate the error of q/p at one place: what its panels contribute."""
-            places = sum(_share_at(*one, y) for one in shares)
-            return FIELD_ROUNDING + _AT_ONE_PLACE * places + (at_edge if y < exp(-depth) else 0.0)
+            """Estimate the relative error of q/p at one place."""
+            panel_changes = sum(_change_at(panels, change, y) for panels, change in changes)
+            tail_change = edge_change if y < exp(-depth) else 0.0
+            return FIELD_ROUNDING + RATIO_BOUND_FACTOR * panel_changes + tail_change
 
         return self._replace(
             edge_ratio=edge,
             critical=critical,
-            critical_at=where,
+            critical_y=critical_y,
             edge_error=error(0.0) if 0.0 < edge < inf else FIELD_ROUNDING,
-            critical_error=error(where) if critical < inf else FIELD_ROUNDING,
+            critical_error=error(critical_y) if critical < inf else FIELD_ROUNDING,
         )
 
 
-def _share_at(panels: LogPanels, share: Array, y: float) -> float:
-    """Return the larger share of the two panels next to a place: it may be on either in truth."""
-    last, depth = panels.panels - 1, -log(y) / panels.width if y > 0.0 else inf
-    k = int(min(depth, last))  # the last one holds the tail
-    beside = min(max(k + (1 if depth > k + 0.5 else -1), 0), last)
-    return float(max(share[k], share[beside]))
+def _change_at(panels: LogPanels, changes: Array, y: float) -> float:
+    """Return the larger change of the panel at a place and of the panel next to it.
+
+    The true maximum may lie on either.
+    """
+    last = panels.panels - 1
+    depth = -log(y) / panels.width if y > 0.0 else inf
+    k = int(min(depth, last))  # the last panel stands for the tail, too
+    adjacent = min(max(k + (1 if depth > k + 0.5 else -1), 0), last)
+    return float(max(changes[k], changes[adjacent]))
 
 
 class LargestRatio(NamedTuple):
@@ -126,36 +136,45 @@ class LargestRatio(NamedTuple):
 
 
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
-    """Return q/p at the edge and at its largest, on panels to a depth and in their tail."""
-    series, at_edge = traction.series, pressure.value(0.0)
+    """Return q/p at the edge and its maximum, on panels to a depth and in their tail.
+
+    The ratio is sampled; around the largest sample the maximum is a root of the derivative of an
+    interpolating polynomial. The edge is the maximum if no sample is above it by more than
+    rounding.
+    """
+    series = traction.series
     assert series is not None
-    alike = pressure.series is not None and pressure.series.on_panels_of(series)
+    edge_pressure = pressure.value(0.0)
+    same_panels = pressure.series is not None and pressure.series.on_panels_of(series)
 
     def ratio(x: Array) -> Array:
         y = np.exp(-x)
         s = np.sqrt(-np.expm1(-x))
-        if not alike:
+        if not same_panels:
             return np.abs(s * series(y) / pressure.at(y))
-        above, below = PressureField.several([PressureField(None, series), pressure], y)
-        return np.asarray(np.abs(s * above / below))
+        q_over_s, p = PressureField.several([PressureField(None, series), pressure], y)
+        return np.asarray(np.abs(s * q_over_s / p))
 
-    edge = 0.0 if at_edge == inf else series.limit / at_edge
+    edge = 0.0 if edge_pressure == inf else series.limit / edge_pressure
     if edge == inf:
         return LargestRatio(inf, inf, 0.0)
-    x = np.concatenate([places(depth, _GRID), depth + _IN_TAIL])
+    x = np.concatenate([sample_depths(depth, RATIO_SAMPLES), depth + _TAIL_DEPTHS])
     values = ratio(x)
-    values[_GRID:] *= 1.0 - TRACTION_ROUNDING  # in the tail it differs from the edge by that
+    # in the tail the ratio exceeds that at the edge only if by more than rounding
+    values[RATIO_SAMPLES:] *= 1.0 - TRACTION_ROUNDING
     i = int(np.argmax(values))
-    if values[i] <= abs(edge) * (1.0 + CLOSED_FORM_ROUNDING):  # the difference is rounding
+    if values[i] <= abs(edge) * (1.0 + CLOSED_FORM_ROUNDING):
         return LargestRatio(edge, abs(edge), 0.0)
-    low, high = float(x[max(i - 1, 0)]), float(x[min(i + 1, len(x) - 1)])
-    middle, half = (low + high) / 2.0, (high - low) / 2.0
-    near = middle + half * _NODES
-    around = ratio(near)
-    roots = legroots(_SLOPE @ around)
-    tops = middle + half * roots[(roots.imag == 0.0) & (np.abs(roots) <= 1.0)].real
-    # of what was seen the largest counts, so that a jump between panels does no harm
-    seen = np.concatenate([values, around, ratio(tops)])
-    i = int(np.argmax(seen))
-    where = np.concatenate([x, near, tops])[i]
-    return LargestRatio(edge, float(seen[i]), float(np.exp(-where)))
+    low = float(x[max(i - 1, 0)])
+    high = float(x[min(i + 1, len(x) - 1)])
+    middle = (low + high) / 2.0
+    half = (high - low) / 2.0
+    nodes = middle + half * _NODES
+    node_values = ratio(nodes)
+    roots = legroots(_DERIVATIVE @ node_values)
+    extrema = middle + half * roots[(roots.imag == 0.0) & (np.abs(roots) <= 1.0)].real
+    # the largest of all values that were evaluated, as the ratio may jump between panels
+    candidates = np.concatenate([x, nodes, extrema])
+    candidate_values = np.concatenate([values, node_values, ratio(extrema)])
+    i = int(np.argmax(candidate_values))
+    return LargestRatio(edge, float(candidate_values[i]), float(np.exp(-candidates[i])))

@@ -1,4 +1,8 @@
-"""Refine until the estimate meets the tolerance. Knows spaces and decay, and no physics."""
+"""Refinement of spaces until the estimate of the error meets the tolerance.
+
+It takes the errors and the decay rates of all panels from the problem, and raises degrees; it does
+not depend on the equations.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,12 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
+from spectral_contact.contact.tuning import (
+    MAX_ADDED_DEGREES,
+    MAX_DEGREE,
+    MAX_SPACES,
+    REFINEMENT_MARGIN,
+)
 from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
@@ -17,30 +27,23 @@ T = TypeVar("T")
 
 _LOG = logging.getLogger(__name__)
 
-#: Aim below the tolerance, so that one more solve is rarely needed.
-_MARGIN = 0.15
-#: Most degrees that one refinement adds to a panel.
-_LEAP = 8
-#: Highest degree a panel may reach; beyond it rounding grows and nothing converges further.
-_DEGREE_LIMIT = 40
-_MAX_ATTEMPTS = 12
-
 
 @dataclass(frozen=True, slots=True)
-class Attempt(Generic[T]):
-    """The outcome of one space.
+class SpaceSolution(Generic[T]):
+    """The solution in one space, with the errors by which the next space is chosen.
 
     Attributes
     ----------
     value : object
-        What the problem computed.
+        The solution, of the type of the problem.
     error : float
-        Estimate of the relative error of what was asked.
+        Estimate of the relative error that is compared with the tolerance.
     indicators : ndarray, shape (panels,)
-        Share of every panel in the estimate, in the same unit as `error`.
+        Contribution of every panel to `error`.
     rates : ndarray, shape (panels,)
         Factor, below 1, by which one more degree lowers the indicator.
     unknowns : int
+        Size of the linear system.
     """
 
     value: T
@@ -51,20 +54,32 @@ class Attempt(Generic[T]):
 
 
 class Problem(Protocol[T]):
-    """What `refine` needs of a problem."""
+    """A problem that `refine` can solve."""
 
     def start(self) -> Resolution:
         """Return the first space to try."""
 
-    def attempt(self, resolution: Resolution) -> Attempt[T]:
+    def attempt(self, resolution: Resolution) -> SpaceSolution[T]:
         """Solve in a space."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refinement(Generic[T]):
-    """The best attempt, why it is the last one, and the history."""
+    """The outcome of a refinement.
 
-    best: Attempt[T]
+    Attributes
+    ----------
+    best : SpaceSolution
+        The one with the least error.
+    resolution : Resolution
+        Its space.
+    ending : Ending
+        Why the refinement ended.
+    history : tuple of RefinementStep
+        One step for every space.
+    """
+
+    best: SpaceSolution[T]
     resolution: Resolution
     ending: Ending
     history: tuple[RefinementStep, ...]
@@ -73,44 +88,50 @@ class Refinement(Generic[T]):
 def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refinement[T]:
     """Solve in growing spaces until the estimate meets the tolerance.
 
-    No space of more than `max_unknowns` is tried, unless even the lowest degrees exceed that.
+    No space of more than `max_unknowns` is tried, unless even the lowest degrees exceed that. The
+    refinement ends in `Ending.ROUNDING` if two spaces in a row do not lower the estimate, or if no
+    degree can be raised.
     """
-    resolution = fitted(problem.start(), max_unknowns)
+    resolution = within_budget(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
-    best: Attempt[T] | None = None
-    stalled = 0
+    best: SpaceSolution[T] | None = None
+    stalled = 0  # spaces since the estimate was lowest
     while True:
         begin = perf_counter()
-        attempt = problem.attempt(resolution)
+        solution = problem.attempt(resolution)
         step = RefinementStep(
-            attempt.unknowns, max(resolution.degrees), attempt.error, perf_counter() - begin
+            solution.unknowns, max(resolution.degrees), solution.error, perf_counter() - begin
         )
         history.append(step)
         _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
         stalled += 1
-        if best is None or attempt.error < best.error:
-            stalled, best, space = 0, attempt, resolution
-        spent = stalled >= 2 or len(history) >= _MAX_ATTEMPTS
+        if best is None or solution.error < best.error:
+            stalled = 0
+            best = solution
+            best_space = resolution
+        exhausted = stalled >= 2 or len(history) >= MAX_SPACES
         if best.error <= tolerance:
             ending = Ending.CONVERGED
-        elif spent or (finer := _finer(resolution, attempt, tolerance, stalled)) == resolution:
+        elif exhausted or (finer := _finer(resolution, solution, tolerance, stalled)) == resolution:
             ending = Ending.ROUNDING
         elif _size(finer) > max_unknowns:
             ending = Ending.UNKNOWNS
         else:
             resolution = finer
             continue
-        return Refinement(best, space, ending, tuple(history))
+        return Refinement(best, best_space, ending, tuple(history))
 
 
 def _size(resolution: Resolution) -> int:
-    """Return the number of unknowns on the panels, tails aside."""
+    """Return the number of coefficients on the panels, without those of tails."""
     return sum(resolution.degrees) + len(resolution.degrees)
 
 
-def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
-    """Lower the highest degrees until the space fits."""
-    # the caller sees where even the least is too large
+def within_budget(resolution: Resolution, max_unknowns: int) -> Resolution:
+    """Return a space with its highest degrees lowered until it has no more unknowns than these.
+
+    If even the lowest degrees have more, it is the space of the lowest degrees.
+    """
     while _size(resolution) > max_unknowns and (top := max(resolution.degrees)) > LEAST_DEGREE:
         degrees = tuple(min(n, top - 1) for n in resolution.degrees)
         resolution = resolution._replace(degrees=degrees)
@@ -118,19 +139,19 @@ def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
 
 
 def _finer(
-    resolution: Resolution, attempt: Attempt[T], tolerance: float, stalled: int
+    resolution: Resolution, solution: SpaceSolution[T], tolerance: float, stalled: int
 ) -> Resolution:
-    """Raise the degree where the indicator asks for it, by what the decay predicts.
+    """Return the next space: ``n`` more degrees with ``indicator * rate**n <= aim`` on each panel.
 
-    Where that did not help the error comes from elsewhere: what panels above a thin layer leave is
-    felt in it.
+    Where the last space did not lower the error every panel takes two more: errors of panels above
+    a thin layer change the field in the layer, and do not appear in their own indicators.
     """
-    aim = _MARGIN * tolerance
-    need = np.log(np.maximum(attempt.indicators / aim, 1.0)) / -np.log(attempt.rates)
-    extra = np.clip(np.ceil(need), 2 * stalled, _LEAP).astype(int)
-    degrees = np.minimum(np.array(resolution.degrees) + extra, _DEGREE_LIMIT)
+    aim = REFINEMENT_MARGIN * tolerance
+    need = np.log(np.maximum(solution.indicators / aim, 1.0)) / -np.log(solution.rates)
+    extra = np.clip(np.ceil(need), 2 * stalled, MAX_ADDED_DEGREES).astype(int)
+    degrees = np.minimum(np.array(resolution.degrees) + extra, MAX_DEGREE)
     highest = int(degrees.max())
     panels = resolution.panels
     if highest > panels.degree:
-        panels = replace(panels, degree=min(highest + 4, _DEGREE_LIMIT))
+        panels = replace(panels, degree=min(highest + 4, MAX_DEGREE))
     return Resolution(panels, tuple(degrees.tolist()))

@@ -1,4 +1,13 @@
-"""What the contact problems share: first spaces, decay rates, estimates and transforms."""
+"""First spaces and error estimates that all contact problems share.
+
+A field is expanded on panels that are graded to an end: with d the distance to it in units of the
+extent, panels have equal widths in the depth ``x = -ln d``. A *space* (`Resolution`) is such a mesh
+with a degree on every panel. With the coefficients of a panel falling by a factor ``rate`` per
+degree, what its top two degrees contribute (the *change*) is about ``rate**-2`` times its error,
+so the estimate of the error is
+
+    error = POINTWISE_SAFETY * rate * change.
+"""
 
 from __future__ import annotations
 
@@ -9,61 +18,30 @@ from math import ceil, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.tuning import (
+    BEND_REACH,
+    BEND_TAPER,
+    DEFAULT_DECAY_RATE,
+    MAX_DECAY_RATE,
+    MIN_DECAY_RATE,
+    MIN_SAMPLE_DEPTH,
+    NORMAL_BEND_DEGREES,
+    NORMAL_DEGREES,
+    PANEL_WIDTH,
+    POINTWISE_SAFETY,
+    ROUNDING,
+    SIGN_CHANGE_SAMPLES,
+    SLIP_DEGREES,
+)
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 
-#: Relative rounding error of an integral quantity, measured (docs/theory).
-ROUNDING = 2e-15
-#: That of what a closed form gives, of a pressure or a ratio at one place, and of a traction,
-#: pointwise: q/s at the centre is the least accurate, 9e-14 in ten scenes. And by how much more it
-#: rounds where all sticks and the pressure is unknown or infinite at the edge: two solves on other
-#: panels differ by 1.8e-13 at most, of 400 scenes; and where it is unknown, or a disk slips around,
-#: and compliance is little: by at most 4.7e-13 in 43 scenes against 20 digits.
-CLOSED_FORM_ROUNDING, FIELD_ROUNDING = 4.0 * ROUNDING, 20.0 * ROUNDING
-TRACTION_ROUNDING, CENTRE_ROUNDS, MOST_ROUNDS = 60.0 * ROUNDING, 1.8, 4.2
-#: The share of a tolerance that counts for nothing: with 0.1 estimates of shear and boundaries are
-#: 1.7 and 1.9 times as large, in the mean of 50 random scenes.
-TRIFLING = 0.01
-#: Tolerance of spaces and steps in which boundaries are found first, and of spaces in which they
-#: are looked at by the way, or one disk begins: 0.03 saves it 1 % of its solutions there.
-ROUGH, PROBE = 1e-3, 1e-2
-#: Relative distance from the critical friction up to which full stick may stand for slip that is
-#: not found.
-ONSET = 1e-4
-#: Next to no divisor.
+#: The smallest normal double: added to, or put in place of, a divisor that may be zero.
 TINY = float(np.finfo(float).tiny)
-#: ``-ln`` of the rounding of doubles: a boundary is not known more closely.
-DEEPEST = -log(np.finfo(float).eps)
-#: The error of a space is estimated as 1.6 * change * rate: dropping two degrees makes a change of
-#: about rate**-2 times the error. Over 4400 random scenes this is 1.1 times the true error or more.
-_POINTWISE = 1.6
-#: What a change does to a functional or through a linear map, times this and a power of the rate.
-#: Of 300 random scenes the largest errors of shear and boundaries are 0.57 and 0.53 of estimates.
-SAFETY = 4.5
-#: The change of a boundary may be small by accident: it is not taken to fall faster than this.
-LEAST_RATE = 0.25
-#: Panel width in ``-ln d``; measured to be cheapest at 1e-12 (docs/theory).
-PANEL_WIDTH = 2.0
-#: Depth in ``-ln y``, past the layer, from which a singular field is its leading term, to 1e-13.
-LEADING = 30.0
-#: Below a layer by this much in x, ROOT_TERMS powers of sqrt(d) are exact to rounding.
-ROOT_DEPTH = 7.0
-#: Degrees per ``-ln`` of the tolerance, on any panel and at a bend. With 0.43 four of 46 random
-#: scenes of full stick need another space; with 0.15 at bends the critical friction of one was 18
-#: times as far off under the same estimate.
-_DEGREES, _AT_BEND = 0.45, 0.2
-#: Degrees of a slip zone per ``-ln`` of the accuracy: 0.5 makes slip's estimates 6 times as large.
-_IN_SLIP = 0.7
-#: Panels on either side of a bend up to which it is felt, and over which that falls.
-_REACH, _FADING = 2.6, 1.2
-#: What rates of decay are taken to be between, and what they are where signs deceive: with these
-#: none of 10,000 random scenes had an estimate below its error.
-_FASTEST, _SLOWEST, _LIKELY = 0.05, 0.6, 0.3
-#: The first place at which a field is looked at: at 0 q/s is 0/0 and rounds like 1/s, here 30.
-_FIRST = 1e-3
-#: Places at which a function is looked at together, where its sign changes.
-_SECTIONS = 65
+#: The depth ``x = -ln d`` at which a distance d is the rounding of a double: no boundary is defined
+#: more closely.
+EPSILON_DEPTH = -log(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,18 +57,19 @@ class NormalContact:
     pressure : PressureField
         ``p*``.
     panels : LogPanels or None
-        Where the series lives; None on a smooth surface, which needs none.
+        Mesh of the series of the pressure; None on a smooth surface, whose pressure is the endpoint
+        weight alone.
     coefficients : ndarray
-        Its coefficients, for the transforms of the tangential problem.
+        Coefficients of the series.
     approach_error, pressure_error : float
-        Estimates of the relative errors; of the pressure, pointwise.
+        Estimates of the relative errors of the approach, and of the pressure pointwise.
     changes : tuple of NormalContact
-        What the top two degrees of every panel contribute, as a contact of its own: everything
-        tangential is linear in the pressure, so this shows how its error propagates. And the same
-        of the top degree alone: where signs make the first small by accident, they do not make
-        this one. Empty if it is not wanted.
+        Contributions of the top two degrees of every panel, and of the top degree alone, each in
+        the form of a contact. Everything tangential is linear in the pressure, so that these show
+        how its error propagates; where the signs of two degrees cancel, those of one do not. Empty
+        if they are not wanted.
     rate : float
-        By what factor one more degree lowers the change.
+        Factor by which one more degree lowers the change, on the panel with the largest error.
     """
 
     compliance: float
@@ -105,154 +84,175 @@ class NormalContact:
 
 
 def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> Resolution:
-    """Return the first space for a solution that settles like ``exp(-rate x)`` past `layer`.
+    """Return the first space for a solution that settles like ``exp(-rate x)`` past a layer.
 
     Parameters
     ----------
     layer : float
-        ``x`` of the deepest feature, ``ln(1/width)`` of the thinnest layer.
+        Depth of the thinnest layer, ``-ln`` of its width.
     tolerance : float
-        Relative accuracy asked.
+        Relative accuracy that is wanted.
     rate : float
-        1 for ``y ln y`` terms at the boundary, 1/2 for square roots.
+        1 for terms ``y ln y`` at the boundary, 1/2 for square roots.
     """
-    # like scenes share their spaces
+    # rounded up, so that scenes that are much alike have the same space
     return _first_space(PANEL_WIDTH, ceil(2.0 * layer) / 2.0, -log(tolerance), rate)
 
 
 @kept("first spaces", 128)
 def _first_space(width: float, layer: float, digits: float, rate: float) -> Resolution:
-    # few distinct meshes, so that caches are shared
+    # a multiple of four panels: few distinct meshes, whose operators are cached
     panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
-    top: Array = np.full(panels, LEAST_DEGREE + ceil(_DEGREES * digits))
-    if layer > 1.0:  # a bend takes more, measured 5 degrees at 1e-12
-        top = top + _AT_BEND * digits * nearness(panels, layer)
+    top: Array = np.full(panels, LEAST_DEGREE + ceil(NORMAL_DEGREES * digits))
+    if layer > 1.0:
+        top = top + NORMAL_BEND_DEGREES * digits * bend_weight(panels, layer)
     x = width * np.arange(panels)
-    missing = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
-    # what falls like exp(-x) still bends on its panel: two degrees more than its share
-    degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), LEAST_DEGREE)
+    # share of the digits that exp(-rate (x - layer)) has not settled to
+    unsettled = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
+    # exp(-x) itself bends on a panel, which takes two degrees more
+    degrees = np.ceil(np.minimum(top * unsettled + 2.0, top)).astype(int)
+    degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
     return Resolution(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
 
 
-def nearness(panels: int, bend: float) -> Array:
-    """Return how near panels are to a bend: 1 around it, 0 from some three of them on."""
+def bend_weight(panels: int, bend: float) -> Array:
+    """Return the weight of a bend at some depth on every panel: 1 around it, 0 far from it."""
     middles = PANEL_WIDTH * (np.arange(panels) + 0.5)
-    distance = np.abs(middles - bend) / (_FADING * PANEL_WIDTH)
-    return np.asarray(np.clip(_REACH - distance, 0.0, 1.0))
+    distance = np.abs(middles - bend) / (BEND_TAPER * PANEL_WIDTH)
+    return np.asarray(np.clip(BEND_REACH - distance, 0.0, 1.0))
 
 
 def slip_degree(tolerance: float) -> int:
-    """Return the degree of panels toward the ends of a slip zone, for a relative accuracy.
+    """Return the degree of all panels toward the ends of a slip zone, for a relative accuracy.
 
     The far end of a part is a singularity ln 2 before the first panel.
     """
-    return 4 * ceil((4 - _IN_SLIP * log(tolerance)) / 4)
+    return 4 * ceil((4 - SLIP_DEGREES * log(tolerance)) / 4)
 
 
-def joined(spaces: Sequence[Resolution]) -> Resolution:
-    """Return the spaces of all parts as one, for `refine`."""
-    capacity = max(one.panels.degree for one in spaces)
-    degrees = tuple(n for one in spaces for n in one.degrees)
+def concatenate_spaces(spaces: Sequence[Resolution]) -> Resolution:
+    """Return the spaces of all parts, one after the other, as one space for `refine`."""
+    capacity = max(space.panels.degree for space in spaces)
+    degrees = tuple(degree for space in spaces for degree in space.degrees)
     return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
 
 
 def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
-    """Return by what factor a coefficient falls with one degree, panel by panel."""
+    """Return the factor by which coefficients fall with one degree, for every panel."""
     return table_rates(resolution.degrees, resolution.panels.table(coefficients))
 
 
 def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
-    """Return by what factor the rows of `table` fall with one degree, in [0.05, 0.6].
+    """Return the factor by which the rows of a table of coefficients fall with one degree.
 
-    Taken from the larger ones of the last two pairs, so that a parity pattern does not deceive it.
+    With ``c`` the moduli of a row and n its degree it is ``(m / k)**(1/2)``, where ``m`` is the
+    larger one of ``c[n], c[n-1]``, and ``k`` that of ``c[n-2], c[n-3]``, so that coefficients of
+    one parity may vanish. It lies between MIN_DECAY_RATE and MAX_DECAY_RATE.
     """
     terms = table.shape[1]
-    places, least = _last_places(degrees, terms)
-    one, two, three, four = np.abs(table.ravel()[places])
-    last, before = np.maximum(one, two), np.maximum(three, four)
+    indices, least_rates = _last_indices(degrees, terms)
+    c0, c1, c2, c3 = np.abs(table.ravel()[indices])  # c[n], c[n-1], c[n-2], c[n-3]
+    last = np.maximum(c0, c1)
+    before = np.maximum(c2, c3)
     ratio = np.divide(last, before, out=np.ones(len(last)), where=before > 0.0)
-    # in a pattern of longer period the larger ones may be three degrees apart
-    outer = (one >= two) & (four >= three)
-    rate = np.where(outer, np.cbrt(ratio), np.sqrt(ratio))
-    rate[rate < least] = _LIKELY
-    return np.asarray(np.minimum(np.maximum(rate, _FASTEST), _SLOWEST))
+    # the larger ones of both pairs may be c[n] and c[n-3], three degrees apart
+    three_apart = (c0 >= c1) & (c3 >= c2)
+    rate = np.where(three_apart, np.cbrt(ratio), np.sqrt(ratio))
+    rate[rate < least_rates] = DEFAULT_DECAY_RATE
+    return np.asarray(np.minimum(np.maximum(rate, MIN_DECAY_RATE), MAX_DECAY_RATE))
 
 
 @kept("last coefficients", 128)
-def _last_places(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
-    """Return where the last four coefficients are in a table, (4, rows), and the least rates."""
+def _last_indices(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
+    """Return the flat indices of the last four coefficients of every row, and the least rates.
+
+    The coefficients of exp(-x), the smoothest function of a solution, fall by ``1/(2 n - 1)``. A
+    rate below half of that is taken for an accident of signs; below degree 4 every rate is.
+    """
     highest = np.array(degrees)
     top = terms * np.arange(len(degrees)) + highest
-    # exp(-x), the smoothest there is, falls by 1/(2 n - 1): twice as fast is an accident
-    least = 0.5 / np.maximum(2.0 * highest - 1.0, 1.0)
-    return np.maximum(top - np.arange(4)[:, None], 0), np.where(highest < 4, np.inf, least)
+    indices = np.maximum(top - np.arange(4)[:, None], 0)
+    smoothest = 0.5 / np.maximum(2.0 * highest - 1.0, 1.0)
+    return indices, np.where(highest < 4, np.inf, smoothest)
 
 
-def boundary_error(shift: float, radius: Radius) -> tuple[float, float]:
-    """Return the relative errors of a radius and of its distance to the edge.
+def radius_errors(logit_error: float, radius: Radius) -> tuple[float, float]:
+    """Return the relative errors of a radius c and of its distance ``1 - c`` from the edge.
 
-    Infinite where the shift of the logit is so large that a linear estimate of it means nothing.
+    With ``d logit = 2 dc / (c (1 - c**2))``. Infinite where the error of the logit is above 1/2, so
+    large that the linear estimate of it is not valid.
     """
-    if shift > 0.5:
+    if logit_error > 0.5:
         return inf, inf
-    return shift * radius.rest / 2.0 + ROUNDING, shift * radius.square + ROUNDING
+    return logit_error * radius.rest / 2.0 + ROUNDING, logit_error * radius.square + ROUNDING
 
 
 def expected_error(change: Array, rates: Array) -> Array:
-    """Return the estimate of the error left on every panel, from the change of two degrees."""
-    return np.asarray(_POINTWISE * change * rates)
+    """Return the estimate of the error on every panel, from the change of the top two degrees."""
+    return np.asarray(POINTWISE_SAFETY * change * rates)
 
 
-def places(depth: float, count: int) -> Array:
-    """Return depths ``x = -ln d`` to look at: from next to the far end, where q/s is 0/0, on."""
-    return np.linspace(_FIRST, depth, count)
+def sample_depths(depth: float, count: int) -> Array:
+    """Return equidistant depths ``x = -ln d``, from MIN_SAMPLE_DEPTH on."""
+    return np.linspace(MIN_SAMPLE_DEPTH, depth, count)
 
 
-def crossing(function: Callable[[Array], Array], low: float, high: float) -> float:
+def first_sign_change(function: Callable[[Array], Array], low: float, high: float) -> float:
     """Return the first place between two at which a function changes sign, to rounding.
 
-    It is looked at in many places at once. Where signs do not differ that is the second of the two.
+    Each step evaluates it at SIGN_CHANGE_SAMPLES points and continues between the first two with
+    different signs. If all signs are equal the result is `high`.
     """
     while high - low > np.spacing(high):
-        x = np.linspace(low, high, _SECTIONS)
-        above = function(x) > 0.0
-        first = int(np.argmax(above != above[0])) or _SECTIONS - 1
+        x = np.linspace(low, high, SIGN_CHANGE_SAMPLES)
+        positive = function(x) > 0.0
+        first = int(np.argmax(positive != positive[0])) or SIGN_CHANGE_SAMPLES - 1
         if (low, high) == (x[first - 1], x[first]):
             break
-        low, high = float(x[first - 1]), float(x[first])
+        low = float(x[first - 1])
+        high = float(x[first])
     return high
 
 
-def share_of_change(
-    panels: LogPanels, change: Array, size: Array, *, leading: float = inf, known: float = inf
+def relative_panel_changes(
+    panels: LogPanels,
+    change: Array,
+    size: Array,
+    *,
+    leading_depth: float = inf,
+    cutoff_depth: float = inf,
 ) -> Array:
-    """Return the change on every panel relative to what it changes there, tail included last.
+    """Return a bound of the change of a field on every panel, relative to the field there.
 
-    The sum of the moduli of Legendre coefficients bounds the change on the whole panel.
+    The sum of the moduli of Legendre coefficients bounds the change on its panel. The last entry is
+    that of the last panel and of the tail beyond it.
 
     Parameters
     ----------
     panels : LogPanels
     change : ndarray, shape (panels.size,)
-        Coefficients.
+        Coefficients of the change.
     size : ndarray, shape (panels.panels + 1,)
-        Values at the ends of the panels, as `LogSeries.at_ends`; the lesser one of two counts.
-    leading : float
-        Depth in ``x`` from which on ever less is felt of a singular field.
-    known : float
-        Depth past which nothing counts, as the boundary is not known so well.
+        Values of the field at the ends of the panels, as `LogSeries.at_ends` returns them; of the
+        two of a panel the one with the lesser modulus is taken.
+    leading_depth : float
+        Depth from which on a singular field is its leading term, and changes of other terms are
+        weighted by ``exp(leading_depth - x)``.
+    cutoff_depth : float
+        Depth beyond which changes do not count, as the boundary has no more digits.
     """
     total = np.abs(panels.table(change)).sum(axis=1)
     tail = sum(map(abs, change[-panels.tail_terms :].tolist()))
     if panels.power != 0.0:
         d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
-        total, tail = total * d**panels.power, tail * panels.end**panels.power
+        total = total * d**panels.power
+        tail = tail * panels.end**panels.power
     size = np.maximum(np.abs(size), TINY)
-    share = total / np.minimum(size[1:], size[:-1])
-    share[-1] = max(share[-1], tail / size[-1])
-    if min(leading, known) < inf:
+    relative = total / np.minimum(size[1:], size[:-1])
+    relative[-1] = max(relative[-1], tail / size[-1])
+    if min(leading_depth, cutoff_depth) < inf:
         x = panels.width * np.arange(panels.panels)
-        share *= np.exp(-np.maximum(x - leading, 0.0))
-        share[x > known] = 0.0
-    return np.asarray(share)
+        relative *= np.exp(-np.maximum(x - leading_depth, 0.0))
+        relative[x > cutoff_depth] = 0.0
+    return np.asarray(relative)

@@ -19,8 +19,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.pressure_loads import load_outside, mean_inside
-from spectral_contact.contact.resolution import DEEPEST, FIELD_ROUNDING, SAFETY, starting_resolution
-from spectral_contact.contact.tuning import DISPLACEMENT_SMOOTHING
+from spectral_contact.contact.resolution import (
+    EPSILON_DEPTH,
+    starting_resolution,
+)
+from spectral_contact.contact.tuning import (
+    DISPLACEMENT_SMOOTHING,
+    FIELD_ROUNDING,
+    FUNCTIONAL_SAFETY,
+)
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
     EDGE,
@@ -38,7 +45,9 @@ from spectral_contact.spectral.parts import Family, Points, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.resolution import NormalContact
+    from spectral_contact.contact.resolution import (
+        NormalContact,
+    )
     from spectral_contact.spectral.annulus import Annulus
 
 
@@ -151,7 +160,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1], power=0))
         samples.append(np.concatenate(zone_samples))
     largest = max(float(np.abs(values).max()) for values in samples)
-    return SlipFields(fields, samples, largest, 2.0 * SAFETY * unresolved)
+    return SlipFields(fields, samples, largest, 2.0 * FUNCTIONAL_SAFETY * unresolved)
 
 
 def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZone]:
@@ -191,7 +200,7 @@ def largest_displacement(stick_zones: list[StickZone], inner: Radius, outer: Rad
 
     The points are graded toward the inner boundary, where it is largest.
     """
-    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, DEEPEST, 41)))
+    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, EPSILON_DEPTH, 41)))
     total = np.zeros(len(points.offset))
     for zone in _zones_inside(stick_zones, inner):
         total += _integral_at(zone, points)

@@ -30,11 +30,16 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, ScalarResults, Trial
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import FIELD_ROUNDING, ROUNDING, TINY, NormalContact
+from spectral_contact.contact.resolution import (
+    TINY,
+    NormalContact,
+)
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import (
     DOUBTFUL_VIOLATION,
+    FIELD_ROUNDING,
     REFUTING_VIOLATION,
+    ROUNDING,
     UNCERTAIN_SLIP_ERROR,
     UNRESOLVED_SLIP,
 )
@@ -208,13 +213,13 @@ def zones_outcome(
     from spectral_contact.contact import zone_fields
 
     # E in slip, and the bound on what its error does to the displacement
-    slip_zones, slip_residual_error = solved.slipping
+    slip_zones, slip_residual_error = solved.slip_samples
     if point_disk:  # no E in stick, no error of it, and no error of boundaries over zone width
-        solved = replace(solved, stuck=[], stray=0.0, loose=0.0)
+        solved = replace(solved, stuck=[], residual_error=0.0, zone_width_error=0.0)
     normal = solved if contact is None else contact
     solved = replace(
         solved,
-        stray=solved.stray + slip_residual_error,
+        residual_error=solved.residual_error + slip_residual_error,
         approach=normal.approach,
         approach_error=normal.approach_error,
         pressure_error=normal.pressure_error,
@@ -278,14 +283,14 @@ def _verify(
             traction_pieces.append(ZonePiece(outer, stick_tractions.get(k)))
             slip_pieces.append(ZonePiece(outer, None))
 
-    absolute_error = solved.stray + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
+    absolute_error = solved.residual_error + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
     if beta > 0.0:  # p is largest at the outer boundary of the outermost slip zone
         last_slip = max(k for k, state in enumerate(states) if state)
         max_pressure = float(pressure.at(np.array(bounds[last_slip][1].rest)))
         absolute_error += beta * friction * max_pressure * solved.pressure_error
     largest = max(displacement.largest, TINY)
     field_error = inf_if_unresolved(absolute_error / largest)
-    boundary_error = slip_error_from_boundaries(solved.loose)
+    boundary_error = slip_error_from_boundaries(solved.zone_width_error)
     slip_error = inf_if_unresolved(field_error + boundary_error)
 
     # slip in the wrong sense is excused up to the errors; those of boundaries at most up to a half

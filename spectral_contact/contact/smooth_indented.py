@@ -15,7 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
+from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.tuning import PANEL_WIDTH, ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.blocks import across

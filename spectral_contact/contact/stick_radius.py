@@ -1,4 +1,8 @@
-"""Roots and slopes of conditions: the radius of a stick disk, in ``logit(c**2)``."""
+"""Roots of the boundary residual of one stick radius c, and Jacobians by central differences.
+
+The unknown is the logit ``ln(c**2/(1 - c**2))``, in which radii next to the centre and next to the
+edge are as easy as others.
+"""
 
 from __future__ import annotations
 
@@ -7,28 +11,21 @@ from math import copysign, inf, log, log1p, pi
 
 import numpy as np
 
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.tuning import (
+    JACOBIAN_FIELD_TOL,
+    MAX_DIFFERENCE_SHARE,
+    MAX_LOGIT,
+    MAX_LOGIT_STEP,
+    MAX_SECANT_STEPS,
+    MIN_LOGIT,
+    MIN_SMOOTH_LOGIT,
+    RESIDUAL_NOISE,
+    ROUNDING,
+    SHORT_LOGIT_STEP,
+    WIDE_LOGIT_STEP,
+)
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parameters import Parameters
-
-#: Stick radii are searched between 1e-54 and 1 - 1e-43: the fifth power of one is a double, too.
-LEAST_LOGIT, LARGEST_LOGIT = -250.0, 100.0
-#: The logit of the smallest stick disk that is looked for without a layer of p.
-LEAST_PLAIN = -40.0
-#: What rounding leaves of conditions and fields; 1e-15 and 1e-12 change no space of 91 scenes.
-NOISE = 1e-13
-#: What corrections leave of conditions whose differences are taken; what share of a zone's width
-#: they span at most: 1e-5 takes 25 scenes 214 corrections, not 212; 0.03 and 0.5 change no digit.
-SLOPING, _MOST_SHARE = 1e-8, 0.2
-#: A change of the condition as small as its noise after a step as short as this is rounding by one
-#: per cent, and no slope follows.
-_SHORT = 1e-3
-#: Half the step of a slope to two digits, where one of `_SHORT` shows rounding.
-_BESIDE = 0.05
-#: Steps of the secant, of which 4 are enough but next to onsets.
-_SECANTS = 10
-#: Longest step.
-_LONGEST = 2.0
 
 
 class NoStickDiskError(ArithmeticError):
@@ -46,65 +43,80 @@ class NoStickDiskError(ArithmeticError):
         self.at_centre = at_centre
 
 
-def root_near(
+def secant_root(
     function: Callable[[float], float],
     start: float,
     slope: float,
     error: float = ROUNDING,
     *,
-    least: float = LEAST_LOGIT,
+    least: float = MIN_LOGIT,
 ) -> tuple[float, float]:
-    """Return a root in logit(c**2) by secants, and the slope there; else one that is enclosed.
+    """Return a root in the logit of c by secant steps, and the slope there.
 
-    The root is that of the parabola of x over the last three values; its error is estimated by the
-    product of their distances from it.
+    With three values the next step is to the root of the parabola of x, as a function of the value,
+    through them. The error after a step is estimated by its length times the distances of the last
+    points (`distances`). Where the steps do not converge the root is enclosed by signs.
 
     Parameters
     ----------
     function : callable
         Rises with c.
     start, slope : float
-        A guess of the root, and of the slope.
+        A guess of the root, and of the slope; with a slope of 0 the root is enclosed by signs.
     error : float
-        Of the root, or relative beyond 1.
+        Error of the root, absolute up to a logit of 1, relative beyond.
     least : float
-        Below this logit no root is looked for.
+        No root below this logit is looked for.
     """
-    x, value = start, function(start)
+    x = start
+    value = function(start)
     if slope == 0.0:
         return _enclosed_root(function, x, value, error, least)
-    last: tuple[float, float, float] | None = None  # x, value and secant at the point before
-    step, product, inverse = -value / slope, inf, 1.0 / slope
-    for _ in range(_SECANTS):
-        step = max(min(step, _LONGEST), -_LONGEST)
-        if abs(step) * product <= error * max(1.0, abs(x)):
-            return x + step, 1.0 / inverse
-        if not least < x + step < LARGEST_LOGIT:
+    before: tuple[float, float, float] | None = None  # x, value, inverse slope of the last secant
+    inverse_slope = 1.0 / slope
+    step = -value / slope
+    distances = inf
+    for _ in range(MAX_SECANT_STEPS):
+        step = max(min(step, MAX_LOGIT_STEP), -MAX_LOGIT_STEP)
+        if abs(step) * distances <= error * max(1.0, abs(x)):
+            return x + step, 1.0 / inverse_slope
+        if not least < x + step < MAX_LOGIT:
             break
-        fresh = function(x + step)
-        rise, secant = fresh - value, inverse
-        if abs(rise) > NOISE or abs(step) > _SHORT:
+        next_value = function(x + step)
+        rise = next_value - value
+        secant = inverse_slope
+        if abs(rise) > RESIDUAL_NOISE or abs(step) > SHORT_LOGIT_STEP:
             if rise * step <= 0.0:
                 break
             secant = step / rise
-        product, inverse, following = abs(step), secant, -fresh * secant
-        if last is not None and fresh != last[1]:
-            bend = (secant - last[2]) / (fresh - last[1])
-            tangent = secant - bend * (fresh + value)
+        distances = abs(step)
+        inverse_slope = secant
+        next_step = -next_value * secant
+        if before is not None and next_value != before[1]:
+            curvature = (secant - before[2]) / (next_value - before[1])
+            tangent = secant - curvature * (next_value + value)
             if tangent > 0.0:
-                following += bend * fresh * value
-                inverse, product = tangent, product * abs(x + step - last[0])
-        last, x, value, step = (x, value, secant), x + step, fresh, following
+                next_step += curvature * next_value * value
+                inverse_slope = tangent
+                distances *= abs(x + step - before[0])
+        before = (x, value, secant)
+        x = x + step
+        value = next_value
+        step = next_step
     return _enclosed_root(function, x, value, error, least)
 
 
-def least_logit(parameters: Parameters) -> float:
-    """Return the logit of a stick disk that is not felt: p hardly changes in so much of a layer."""
+def min_logit(parameters: Parameters) -> float:
+    """Return the least logit of a stick disk that changes a result.
+
+    Under a layer p is constant up to a relative ``(c/alpha)**2`` within c: as a radius it is
+    ``ROUNDING * min(alpha, 1)``.
+    """
     alpha = parameters.alpha
-    return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else LEAST_PLAIN
+    return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else MIN_SMOOTH_LOGIT
 
 
-def guessed_logit(parameters: Parameters) -> float:
+def limiting_logit(parameters: Parameters) -> float:
     """Return a guess of the logit of the stick radius under a known pressure, from its limits.
 
     On a smooth surface ``1 - c`` falls like ``exp(-pi f/2)``, and c is ``4 exp(-2/f)`` as f
@@ -118,31 +130,38 @@ def guessed_logit(parameters: Parameters) -> float:
         logit = min(logit, 2.0 - log(alpha))
     if beta > 0.0:
         logit = max(logit, 2.0 * (log(2.0 * beta) + log(friction)))
-    return min(max(logit, LEAST_LOGIT), LARGEST_LOGIT)
+    return min(max(logit, MIN_LOGIT), MAX_LOGIT)
 
 
-def slope_at(function: Callable[[float], float], x: float) -> float:
-    """Return the slope by a central difference, near by if that is no rounding: spaces may jump."""
-    for step in (_SHORT, _BESIDE):
-        rise = function(x + step) - function(x - step)
-        if abs(rise) > NOISE / _SHORT:
-            break
-    return rise / (2.0 * step)
+def central_slope(function: Callable[[float], float], x: float) -> float:
+    """Return the slope by a central difference, over a wider step where the short one is rounding.
 
-
-def differences(conditions_at: Callable[[Array], Array], logits: Array) -> Array:
-    """Return the slopes by central differences, a share of the narrowest zone apart.
-
-    Next to a narrow zone they fall with its width, and a small share would show rounding.
+    As spaces depend on x, the function may have steps of the size of its error.
     """
-    slopes, spacing = [], np.diff(logits)
+    for half_step in (SHORT_LOGIT_STEP, WIDE_LOGIT_STEP):
+        rise = function(x + half_step) - function(x - half_step)
+        if abs(rise) > RESIDUAL_NOISE / SHORT_LOGIT_STEP:
+            break
+    return rise / (2.0 * half_step)
+
+
+def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
+    """Return the derivatives of a residual by the logits, by central differences.
+
+    With w the width of the narrower zone at the boundary, over which the residual varies, the half
+    step h balances the noise of the residual and its third derivative:
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most MAX_DIFFERENCE_SHARE.
+    """
+    columns = []
+    widths = np.diff(logits)
     for i in range(len(logits)):
-        near = min([1.0, *(abs(spacing[j]) for j in (i - 1, i) if 0 <= j < len(spacing))])
-        share = min(float(np.cbrt(max(SLOPING, ROUNDING / near**2))), _MOST_SHARE)
-        h = share * near
-        step = h * np.eye(len(logits))[i]
-        slopes.append((conditions_at(logits + step) - conditions_at(logits - step)) / (2.0 * h))
-    return np.array(slopes).T
+        width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
+        relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
+        half_step = min(relative_step, MAX_DIFFERENCE_SHARE) * width
+        step = half_step * np.eye(len(logits))[i]
+        difference = residual_at(logits + step) - residual_at(logits - step)
+        columns.append(difference / (2.0 * half_step))
+    return np.array(columns).T
 
 
 def _enclosed_root(
@@ -152,23 +171,27 @@ def _enclosed_root(
     error: float,
     least: float,
 ) -> tuple[float, float]:
-    """Return the root on that side of x where it must be, and the slope there.
+    """Return the root on the side of x where the sign of the value says it is, and the slope there.
 
-    Next to the onset of slip the function is exponential in the logit, and secants crawl. If the
-    root lies below the least logit the stick disk is at the centre.
+    Next to the onset of slip the function is exponential in the logit, and secant steps are far too
+    short. If the root lies below the least logit the stick disk is at the centre.
     """
     from scipy.optimize import toms748
 
-    step, other, fresh = 0.5, x, value
-    while fresh * value > 0.0:
-        x, value, step = other, fresh, 2.0 * step
-        # the function rises with c
-        other = min(max(x + copysign(step, -value), least), LARGEST_LOGIT)
+    step = 0.5
+    other = x
+    other_value = value
+    while other_value * value > 0.0:
+        x = other
+        value = other_value
+        step *= 2.0
+        # the function rises with c, so that the root lies below x where the value is positive
+        other = min(max(x + copysign(step, -value), least), MAX_LOGIT)
         if other == x:
             raise NoStickDiskError(at_centre=value > 0.0)
-        fresh = function(other)
+        other_value = function(other)
     root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
-    slope = slope_at(function, root)
+    slope = central_slope(function, root)
     if slope <= 0.0:
         raise NoStickDiskError(at_centre=root < 0.0)
     return root, slope

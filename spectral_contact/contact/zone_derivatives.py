@@ -1,13 +1,15 @@
-r"""How zones and fields change with the parameters: the implicit function theorem, exactly.
+r"""Derivatives of zones and fields by parameters, by the implicit function theorem.
 
-At given boundaries the equations are linear in the fields, and linear in each parameter: with
-compliances, friction or coupling twice as large their residual is off by the derivative, without
-any difference of solutions. One more right-hand side for each parameter, with the factors at hand,
-is the derivative of the fields. It solves the equations on zones that stay where they are, and its
-traction has a jump at every boundary, as what a boundary moves by is of second order but for that.
+With v the vector of the fields, b the boundaries (as logits) and m a parameter, the equations are
 
-The boundaries move by the change of the boundary residual over its Jacobian, which is that of
-polynomials through residuals at boundaries near by.
+    residual(v, b, m) = 0,      boundary residual(v, b, m) = 0.
+
+At given boundaries they are linear in v, and each parameter multiplies a term of them, so that the
+derivative of a residual by it is the difference to the residual for twice the parameter, over the
+parameter: exact, without differences of solutions. One more right-hand side for each parameter,
+with the factors at hand, gives ``dv/dm`` on zones that stay where they are. Its traction has a jump
+at every boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual;
+its Jacobian J is that of polynomials through residuals at boundaries close by.
 """
 
 from __future__ import annotations
@@ -20,13 +22,21 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.error_estimate import JACOBIAN_CURVATURE, relative_size
+from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.normal import SMALL_COMPLIANCE
-from spectral_contact.contact.resolution import ROUNDING, NormalContact
+from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.tuning import (
+    DERIVATIVE_CORRECTIONS,
+    DERIVATIVE_NEWTON_STEPS,
+    DERIVATIVE_NODES,
+    DERIVATIVE_SPAN,
+    JACOBIAN_CURVATURE,
+    ROUNDING,
+    SMALL_COMPLIANCE,
+)
 from spectral_contact.contact.zone_fields import stick_tractions
-from spectral_contact.contact.zone_problem import narrowest
+from spectral_contact.contact.zone_problem import min_zone_width
 from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
 from spectral_contact.fields.series import (
     DiskSeries,
@@ -42,17 +52,16 @@ from spectral_contact.spectral.parameters import Parameters
 
 Array = NDArray[np.float64]
 
-#: Nodes, and half the width of their interval over that of the narrowest zone: so near that the
-#: factors of the middle serve, and polynomials are right to 1e-12.
-_PLACES, _WIDTH = 8, 0.06
-_NODES, _FIT = chebyshev_interpolation(_PLACES)
-#: From values at the nodes to the derivative in the middle.
-_SLOPE = np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(_PLACES)])
-_SLOPE = _SLOPE @ _FIT / _WIDTH
-#: Relative error that corrections of the fields leave; corrections of derivatives; Newton steps of
-#: the boundaries.
+#: Nodes on (-1, 1), and the matrix from values at them to Chebyshev coefficients.
+_NODES, _FIT = chebyshev_interpolation(DERIVATIVE_NODES)
+#: From values at nodes that DERIVATIVE_SPAN scales to the derivative in the middle.
+_DERIVATIVE = (
+    np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(DERIVATIVE_NODES)])
+    @ _FIT
+    / DERIVATIVE_SPAN
+)
+#: Relative error to which fields are corrected: half the rounding of a double.
 _FIELD_TOLERANCE = 0.5 * float(np.finfo(float).eps)
-_CORRECTIONS, _STEPS = 4, 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +71,14 @@ class ZoneDerivatives:
     Attributes
     ----------
     logits : ndarray, shape (boundaries, parameters)
-        Of ``ln(b**2/(1 - b**2))`` of the boundaries.
+        Derivatives of ``ln(b**2/(1 - b**2))`` of the boundaries b.
     noise : ndarray, shape (boundaries, parameters)
-        What rounding of the boundary residual makes of them.
+        Errors of these by rounding of the boundary residual.
     approach, shear : ndarray, shape (parameters,)
-        Of ``delta*``, if the pressure is unknown, and of ``Q*``.
+        Derivatives of ``delta*``, if the pressure is unknown, and of ``Q*``.
     pressure, traction : list of ZonalField
-        One for each parameter: of the pressure, if it is unknown, and of the traction in stick;
-        in slip that is 0 here.
+        Derivatives by each parameter of the pressure, if it is unknown, and of the traction in
+        stick; in slip the latter is left at 0.
     """
 
     logits: Array
@@ -87,21 +96,21 @@ def differentiated(
     tolerance: float,
     known: Sequence[NormalContact] = (),
 ) -> ZoneDerivatives:
-    """Return the derivatives of a solution on known zones.
+    """Return the derivatives of the solution with given zones.
 
     Parameters
     ----------
     parameters : Parameters
-        With what `FreeBoundaryProblem` takes.
+        As for `FreeBoundaryProblem`.
     layout : Layout
-        The zones, to as many digits as there are.
+        The zones, to all digits of the solution.
     names : sequence of str
-        Fields of the parameters, those above zero; under a pressure that is given alpha is that of
-        the pressure.
+        Names of the parameters, which must not be 0; under a known pressure alpha is the parameter
+        of that pressure.
     tolerance : float
-        Of the spaces.
+        Relative accuracy of the spaces.
     known : sequence of NormalContact
-        With the pressure and with its derivative by alpha, if it is known.
+        If the pressure is known, the contact with it and the derivative of that by alpha.
     """
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
@@ -117,18 +126,18 @@ def differentiated(
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         return ContactSystem(radii, layout.states, spaces, parameters, pressures)
 
-    return _AtBoundaries(parameters, logits, system_at, names).outcome()
+    return _SolutionDerivatives(parameters, logits, system_at, names).outcome()
 
 
 class _FunctionalDerivatives(NamedTuple):
-    """Partial derivatives by some parameters, at fields that stay as they are.
+    """Partial derivatives of functionals by some parameters, for constant fields.
 
     Attributes
     ----------
     jumps, shortfalls : ndarray, shape (boundaries, parameters)
-        Of the jumps of the traction and of E(b).
+        Derivatives of the jumps of the traction, and of E(b), at the boundaries b.
     shear : ndarray, shape (parameters,)
-        Of the total shear.
+        Derivatives of the total shear.
     """
 
     jumps: Array
@@ -136,18 +145,18 @@ class _FunctionalDerivatives(NamedTuple):
     shear: Array
 
 
-class _AtBoundaries:
-    """A solution on its boundaries, and its derivatives.
+class _SolutionDerivatives:
+    """A solution with its boundaries, and its derivatives.
 
     Parameters
     ----------
     parameters : Parameters
     logits : ndarray
-        Of the boundaries.
+        Boundaries, which Newton steps correct to rounding.
     system_at : callable
-        Returns the system with other parameters and boundaries.
+        Returns the system with some parameters and boundaries.
     names : sequence of str
-        Of the parameters.
+        Names of the parameters of the derivatives.
     """
 
     def __init__(
@@ -157,69 +166,81 @@ class _AtBoundaries:
         system_at: Callable[[Parameters, Array], ContactSystem],
         names: Sequence[str],
     ) -> None:
-        self.parameters, self.names = parameters, names
+        self.parameters = parameters
+        self.names = names
         self.system_at = system_at
-        self.narrowest = narrowest(logits)
+        self.narrowest = min_zone_width(logits)
         self.fields = self._solution(logits)
-        #: derivatives of boundary residual, approach and shear by the logits, as rows
-        self.moved = self._boundary_derivatives(logits)
-        for _ in range(_STEPS - 1 if len(logits) else 0):
+        #: rows: derivatives of boundary residual, approach and shear by the logit of a boundary
+        self.by_logits = self._boundary_derivatives(logits)
+        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if len(logits) else 0):
             residual = self.fields.boundary_residual
-            logits = logits - np.linalg.solve(self.moved[:, :-2].T, residual)
+            logits = logits - np.linalg.solve(self.by_logits[:, :-2].T, residual)
             self.fields = self._solution(logits)
         self.logits = logits
         self.system = self.fields.system
 
     def _solution(self, logits: Array) -> FieldSolution:
-        """Return the fields on boundaries, to rounding."""
+        """Return the fields for given boundaries, to rounding."""
         factors = factored(self.system_at(self.parameters, logits))
         return corrected(FieldSolution.first(factors), _FIELD_TOLERANCE, relative_size).fields
 
     def _boundary_derivatives(self, logits: Array) -> Array:
+        """Return the derivatives of boundary residual, approach and shear by every logit.
+
+        They are those of polynomials through values at nodes around the logit. The factors of the
+        middle serve for all nodes unless a compliance of the matrix is small.
+        """
         compliances = self.parameters[int(self.fields.system.pressure_known) : 2]
-        factors_serve = min(1.0, *compliances) > SMALL_COMPLIANCE
+        reuse_factors = min(1.0, *compliances) > SMALL_COMPLIANCE
         rows = []
         for direction in np.eye(len(logits)):
             values = []
             for node in _NODES:
-                at = logits + _WIDTH * self.narrowest * node * direction
-                moved = replace(self.fields, system=self.system_at(self.parameters, at))
-                if not factors_serve:
+                moved_logits = logits + DERIVATIVE_SPAN * self.narrowest * node * direction
+                system = self.system_at(self.parameters, moved_logits)
+                moved = replace(self.fields, system=system)
+                if not reuse_factors:
                     moved = moved.refactored()
                 moved = corrected(moved, _FIELD_TOLERANCE, relative_size).fields
                 shear = moved.approach * moved.system.total_shear(moved.values)
                 values.append([*moved.boundary_residual, moved.approach, shear])
-            rows.append(_SLOPE @ np.array(values) / self.narrowest)
+            rows.append(_DERIVATIVE @ np.array(values) / self.narrowest)
         return np.array(rows).reshape(len(logits), len(logits) + 2)
 
     def outcome(self) -> ZoneDerivatives:
         """Return the derivatives."""
-        system, fields, count = self.system, self.fields, len(self.names)
+        system = self.system
+        fields = self.fields
+        count = len(self.names)
         solved, partial = self._at_given_boundaries()
-        values: Array = solved[:, :count]  # where boundaries stay the traction jumps
+        values: Array = solved[:, :count]  # their traction has jumps
         responses: Array = solved[:, count:]
         rigid = system.parameters.beta == 0.0
         singular = np.zeros(count)
         shortfall = system.boundary_rows.shortfall
         defects: Array = np.asarray(shortfall @ values + partial.shortfalls)
-        if not rigid:  # it stays continuous where they move
+        if not rigid:  # the defects that keep the traction continuous
             jumps = system.jump_rows
             defects = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + partial.jumps))
         residual: Array = defects / fields.drive[:, None]
-        logits: Array = np.asarray(-np.linalg.solve(self.moved[:, :-2].T, residual))
+        logits: Array = np.asarray(-np.linalg.solve(self.by_logits[:, :-2].T, residual))
         scale = fields.approach
         load = fields.load_integral(fields.values)
-        raised = np.array([-fields.load_integral(change) / load for change in values.T])
-        own_shear = system.total_shear(fields.values)
-        shear = scale * (system.shear_row @ values + partial.shear + raised * own_shear)
-        approach = scale * raised
-        if rigid and self._root_is_known:  # the traction of the defect has a root at the rim
+        # relative derivatives of the approach that keep the load at one
+        of_approach = np.array([-fields.load_integral(change) / load for change in values.T])
+        total_shear = system.total_shear(fields.values)
+        shear = scale * (system.shear_row @ values + partial.shear + of_approach * total_shear)
+        approach = scale * of_approach
+        if rigid and self._one_known_disk:
+            # the response to the defect, whose traction has a root at the rim, in closed form
             singular = scale * defects[0]
             shear = shear + np.pi * system.radii[0].square * singular
-        elif rigid:  # the jumps are infinite
-            approach = approach + logits.T @ self.moved[:, -2]
-            shear = shear + logits.T @ self.moved[:, -1]
-        vectors = scale * (values + fields.values[:, None] * raised)
+        elif rigid:
+            # the jumps are infinite: by the derivatives by the logits in place of responses
+            approach = approach + logits.T @ self.by_logits[:, -2]
+            shear = shear + logits.T @ self.by_logits[:, -1]
+        vectors = scale * (values + fields.values[:, None] * of_approach)
         return ZoneDerivatives(
             logits,
             self._noise(logits),
@@ -229,12 +250,13 @@ class _AtBoundaries:
         )
 
     def _noise(self, logits: Array) -> Array:
-        """Return what rounding of the boundary residual makes of the derivatives of the logits.
+        """Return the errors of the derivatives of the logits by rounding of the boundary residual.
 
-        It enters their Jacobian, and the boundaries, over whose width the Jacobian changes.
+        Rounding has a part by the Jacobian, and one by the error of the boundaries, as the Jacobian
+        varies over the width of a zone.
         """
-        inverse = np.abs(np.linalg.inv(self.moved[:, :-2])).T
-        in_jacobian = ROUNDING / self.narrowest * float(np.abs(_SLOPE).sum())
+        inverse = np.abs(np.linalg.inv(self.by_logits[:, :-2])).T
+        in_jacobian = ROUNDING / self.narrowest * float(np.abs(_DERIVATIVE).sum())
         by_residual = inverse.sum(axis=1, keepdims=True)
         size = np.abs(logits)
         curvature = JACOBIAN_CURVATURE / self.narrowest
@@ -243,19 +265,20 @@ class _AtBoundaries:
         )
 
     @property
-    def _root_is_known(self) -> bool:
-        """Whether the response to a defect without tangential compliance is known: on one disk."""
+    def _one_known_disk(self) -> bool:
+        """Whether there is one disk under a known pressure: its response is a closed form."""
         return self.system.pressure_known and len(self.system.radii) == 1
 
     def _at_given_boundaries(self) -> tuple[Array, _FunctionalDerivatives]:
-        """Return the derivatives at given boundaries, and the responses to unit defects.
+        """Return derivatives of the vector at given boundaries, and partial ones of functionals.
 
-        With them the partial derivatives of functionals.
+        Columns are the derivatives by the parameters, then the responses to unit defects.
         """
-        system, count = self.system, len(self.names)
+        system = self.system
+        count = len(self.names)
         boundaries = len(system.radii)
-        right = np.zeros((system.unknowns, count + boundaries))
-        values = np.zeros_like(right)
+        right_sides = np.zeros((system.unknowns, count + boundaries))
+        values = np.zeros_like(right_sides)
         units = np.zeros((boundaries, count + boundaries))
         units[:, count:] = np.eye(boundaries)
         jumps = np.zeros((boundaries, count))
@@ -263,30 +286,43 @@ class _AtBoundaries:
         before = self._evaluated(system)
         for i, name in enumerate(self.names):
             if system.pressure_known and name == "alpha":
-                values[1, i] = 1.0  # of the pressure's derivative
+                # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
+                values[1, i] = 1.0
                 continue
             size = getattr(system.parameters, name)
             doubled = self.parameters._replace(**{name: 2.0 * size})
             after = self._evaluated(self.system_at(doubled, self.logits))
-            rise = [(b - a) / size for a, b in zip(before, after, strict=True)]
-            right[:, i], partial.jumps[:, i], partial.shortfalls[:, i], partial.shear[i] = rise
-        nothing = np.zeros(values.shape[1])
-        for _ in range(_CORRECTIONS):
-            residual = system.residual(values, nothing, units)
-            values += self.fields.factors.step(residual + right)
+            residual, jumps_by, shortfalls_by, shear_by = (
+                (doubled_value - value) / size
+                for value, doubled_value in zip(before, after, strict=True)
+            )
+            right_sides[:, i] = residual
+            partial.jumps[:, i] = jumps_by
+            partial.shortfalls[:, i] = shortfalls_by
+            partial.shear[i] = shear_by
+        no_approach = np.zeros(values.shape[1])
+        for _ in range(DERIVATIVE_CORRECTIONS):
+            residual = system.residual(values, no_approach, units)
+            values += self.fields.factors.step(residual + right_sides)
         return values, partial
 
     def _evaluated(self, system: ContactSystem) -> list[Array]:
-        """Return residual, jumps, shortfalls and shear of the solution in another system."""
-        values, defects = self.fields.values, self.fields.defects
+        """Return residual, jumps, E(b) and shear that the fields have in another system."""
+        values = self.fields.values
+        defects = self.fields.defects
         residual = system.residual(values[:, None], np.ones(1), defects[:, None])
         rows = system.jump_rows, system.boundary_rows.shortfall, system.shear_row
         return [residual[:, 0], *(row @ values for row in rows)]
 
     def _fields(self, vectors: Array, singular: Array) -> tuple[list[ZonalField], list[ZonalField]]:
-        """Return pressures, unless they are given, and tractions in stick."""
+        """Return pressures, unless they are known, and tractions in stick, of vectors as columns.
+
+        `singular` are the amplitudes of the root at the rim, one for each vector.
+        """
         system = self.system
-        bounds, pressures, tractions = system.bounds, [], []
+        bounds = system.bounds
+        pressures = []
+        tractions = []
         for values, root in zip(vectors.T, singular.tolist(), strict=True):
             pressure, shear = system.series(values)
             if not system.pressure_known:

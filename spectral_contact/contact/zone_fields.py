@@ -14,7 +14,7 @@ import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import TINY
-from spectral_contact.contact.zone_spaces import ended
+from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import (
     AnnulusSeries,
     Array,
@@ -150,4 +150,4 @@ def _pressure_at_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries
     if series.power == 0.0 or solved.system.states[-1]:
         return series
     shear = solved.shears[2 * len(solved.system.radii)]
-    return ended(series, shear, parameters, gap(*solved.system.bounds[-2:]) / 2.0)[0]
+    return with_asymptotic_tail(series, shear, parameters, gap(*solved.system.bounds[-2:]) / 2.0)[0]

@@ -1,7 +1,10 @@
-"""Any zones of stick and slip, with free boundaries, in spaces that are refined.
+"""Contact with given states of its zones: boundaries and fields, in spaces that are refined.
 
 With elastic coupling pressure and traction are unknown together; without it the pressure is known,
 and everything tangential is for kappa = 1. Full stick has no boundary, one stick disk has one.
+
+`refine` chooses the spaces. In each, `FreeBoundary` moves the boundaries by Newton's method and
+corrects the fields, and `ZoneEstimate` estimates the errors.
 """
 
 from __future__ import annotations
@@ -19,29 +22,35 @@ from spectral_contact.contact.free_boundary import (
     corrected,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
-from spectral_contact.contact.refine import Attempt, Refinement, refine
-from spectral_contact.contact.resolution import (
-    PROBE,
-    ROUGH,
-    ROUNDING,
-    TRIFLING,
-    NormalContact,
-    joined,
-)
+from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
+from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
 from spectral_contact.contact.stick_radius import (
-    LEAST_LOGIT,
-    NOISE,
-    SLOPING,
     NoStickDiskError,
-    differences,
-    least_logit,
-    root_near,
+    fd_jacobian,
+    min_logit,
+    secant_root,
+)
+from spectral_contact.contact.tuning import (
+    COARSE_TOL,
+    FIRST_SECANT_SLOPE,
+    HALFWAY_TOL,
+    JACOBIAN_FIELD_TOL,
+    JACOBIAN_RANGE,
+    MAX_STARTS,
+    MIN_EDGE_ZONE_SHARE,
+    MIN_LOGIT,
+    MIN_RESTART_TOL,
+    NEGLIGIBLE_SHARE,
+    PROBE_TOL,
+    RESIDUAL_NOISE,
+    RESTART_FACTOR,
+    ROUNDING,
 )
 from spectral_contact.contact.zone_spaces import (
     edge_power,
     first_spaces,
     known_pressure_spaces,
-    parted,
+    split_spaces,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
@@ -50,34 +59,26 @@ from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
 
-#: A last zone that is narrower than this share of the layer at the edge is none: 1e-12 misses
-#: annuli of 4e-12, and with 1e-16 no digit of them is another one.
-_NARROWEST_AT_EDGE = 1e-14
-#: The Jacobian serves as long as boundaries move by less than this share of the narrowest zone.
-_JACOBIAN_RANGE = 0.1
-#: Where the estimate stalls the first space is that of this share of the tolerance, so many times,
-#: and never of less than a least tolerance.
-_TIGHTER, _MOST_TRIES, _TIGHTEST = 0.1, 3, 1e-12
-#: Slope of the condition of one stick radius in its logit to begin secants with.
-_FIRST_SLOPE = 0.5
-
 
 class FreeBoundaryProblem:
-    """Spaces for given states of the zones; the boundaries are found anew in each of them.
+    """The contact with given states of its zones, for `refine`.
+
+    The boundaries are unknowns in every space; each space begins with those of the last one.
 
     Parameters
     ----------
     parameters : Parameters
     layout : Layout
-        States of the zones, and a guess of their boundaries. Where it has a Jacobian the boundaries
-        are near by.
+        States of the zones, and a guess of their boundaries. With a Jacobian it is that of nearly
+        the same contact (a warm start), and Newton's method begins from it.
     tolerance : float
-        Bound on the relative errors of both fields, pointwise.
+        Bound on the relative errors.
     pointwise : bool
-        Whether it is that; else it bounds approach and shear, which err like its square.
+        Whether it bounds the errors of both fields, pointwise; else those of approach and shear,
+        which are about the squares of the former.
     known : NormalContact, optional
-        The contact whose pressure is known; parameters are those for kappa = 1 then.
-    goal : float, optional
+        Without elastic coupling, the contact with the pressure; parameters are those for kappa = 1.
+    boundary_tolerance : float, optional
         Bound on the relative errors of the boundaries; by default the tolerance.
     """
 
@@ -89,16 +90,17 @@ class FreeBoundaryProblem:
         *,
         pointwise: bool = True,
         known: NormalContact | None = None,
-        goal: float | None = None,
+        boundary_tolerance: float | None = None,
     ) -> None:
-        self.parameters, self.pointwise = parameters, pointwise
+        self.parameters = parameters
+        self.pointwise = pointwise
         self.states = layout.states
-        self.goal = tolerance if goal is None else goal
+        self.boundary_tolerance = tolerance if boundary_tolerance is None else boundary_tolerance
         self.tolerance = tolerance if pointwise or known else float(np.sqrt(tolerance))
-        self.near = layout.jacobian is not None
+        self.warm_start = layout.jacobian is not None
         self._layout = layout
         self._known = known
-        self._counts: list[int] = []
+        self._panel_counts: list[int] = []
 
     # systems
 
@@ -113,7 +115,7 @@ class FreeBoundaryProblem:
 
     @property
     def _edge_power(self) -> float:
-        """The endpoint weight of the pressure; a known one has that of its own series."""
+        """The power of y in the endpoint weight of the pressure, or of a known pressure."""
         if self._known:
             return -0.5 if self.parameters.alpha == 0.0 else 0.0
         return edge_power(self.parameters, self.states)
@@ -128,23 +130,24 @@ class FreeBoundaryProblem:
         spaces : sequence of Resolution
         logits : ndarray
         changes : bool
-            Whether it takes the changes of a known pressure, which tell of its error.
+            Whether the contributions of the top degrees of a known pressure are columns of it, too,
+            so that the error of the pressure enters the estimates.
 
         Raises
         ------
         NoBoundariesError
-            If a zone vanishes.
+            If the zone at the edge is too narrow to represent.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        if len(radii) > 1 and radii[-1].rest < _NARROWEST_AT_EDGE * self.parameters.alpha:
+        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_SHARE * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
         pressures: list[PressureField] = []
         if self._known is not None:
             pressures = [self._known.pressure]
             if changes:
-                own = [change.pressure for change in self._known.changes]
-                nothing = PressureField(None, None)  # an exact pressure has no error of its own
-                pressures += own or [nothing, nothing]
+                contributions = [change.pressure for change in self._known.changes]
+                zero = PressureField(None, None)  # a pressure in closed form has no such error
+                pressures += contributions or [zero, zero]
         return ContactSystem(
             radii,
             self.states,
@@ -155,25 +158,26 @@ class FreeBoundaryProblem:
         )
 
     def _newton(self, spaces: Sequence[Resolution], *, changes: bool = False) -> FreeBoundary:
+        """Return Newton's method in these spaces."""
         return FreeBoundary(
             lambda logits: self.system(spaces, logits, changes=changes), relative_size
         )
 
-    # where boundaries are looked for first, in small spaces
+    # the first boundaries, in small spaces
 
-    def rough(self, logit: float) -> FieldSolution:
-        """Return the contact with one given boundary in a small space."""
+    def coarse_solution(self, logit: float) -> FieldSolution:
+        """Return the fields with one given boundary, to a few digits."""
         logits = np.array([logit])
-        system = self.system(self.spaces(PROBE, logits), logits)
-        return corrected(FieldSolution.first(factored(system)), ROUGH, relative_size).fields
+        system = self.system(self.spaces(PROBE_TOL, logits), logits)
+        return corrected(FieldSolution.first(factored(system)), COARSE_TOL, relative_size).fields
 
-    def located(self) -> Layout:
-        """Return the boundaries with their Jacobian: as they are given, or as found roughly.
+    def initial_layout(self) -> Layout:
+        """Return the boundaries and their Jacobian: those of a warm start, or to a few digits.
 
         Raises
         ------
         NoBoundariesError, NoStickDiskError
-            If there are none.
+            If the boundary residual has no root near the guess.
         """
         layout = self._layout
         if layout.jacobian is not None:
@@ -181,104 +185,118 @@ class FreeBoundaryProblem:
         if not layout.logits:
             return layout._replace(jacobian=np.zeros((0, 0)))
         if len(layout.logits) == 1:
-            return self._located_disk(layout.logits[0])
+            return self._initial_disk(layout.logits[0])
         logits = np.array(layout.logits)
-        spaces = self.spaces(ROUGH, logits)
+        spaces = self.spaces(COARSE_TOL, logits)
         newton = self._newton(spaces)
         jacobian = self._jacobian(spaces, logits)
-        settle = min(ROUGH, 0.5 * _JACOBIAN_RANGE * narrowest(logits))
-        iterate = newton.solve(newton.start(logits, jacobian), settle, ROUGH)
-        left = float(np.abs(iterate.newton_step).max())
-        if not left < _JACOBIAN_RANGE * narrowest(iterate.logits):
+        boundary_tol = min(COARSE_TOL, 0.5 * JACOBIAN_RANGE * min_zone_width(logits))
+        iterate = newton.solve(newton.start(logits, jacobian), boundary_tol, COARSE_TOL)
+        next_step = float(np.abs(iterate.newton_step).max())
+        if not next_step < JACOBIAN_RANGE * min_zone_width(iterate.logits):
             raise NoBoundariesError("no such boundaries are found")
         return self._layout_of(iterate.logits, iterate.jacobian)
 
-    def _located_disk(self, guess: float) -> Layout:
-        """Return the boundary of one stick disk, and the slope of its residual."""
-        least = LEAST_LOGIT if self._known else least_logit(self.parameters)
+    def _initial_disk(self, guess: float) -> Layout:
+        """Return the boundary of one stick disk, by secants, and the slope of its residual."""
+        least = MIN_LOGIT if self._known else min_logit(self.parameters)
 
         def residual(logit: float) -> float:
-            return float(self.rough(logit).boundary_residual[0])
+            return float(self.coarse_solution(logit).boundary_residual[0])
 
-        logit, slope = root_near(residual, guess, _FIRST_SLOPE, ROUGH, least=least)
+        logit, slope = secant_root(residual, guess, FIRST_SECANT_SLOPE, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def _jacobian(
-        self, spaces: Sequence[Resolution], logits: Array, tolerance: float = SLOPING
+        self, spaces: Sequence[Resolution], logits: Array, tolerance: float = JACOBIAN_FIELD_TOL
     ) -> Array:
-        """Return the derivatives of the boundary residual by differences."""
+        """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
         factors = factored(self.system(spaces, logits))
-        begin = corrected(FieldSolution.first(factors), tolerance, relative_size).fields
+        centre = corrected(FieldSolution.first(factors), tolerance, relative_size).fields
 
-        def residual(at: Array) -> Array:
-            moved = replace(begin, system=self.system(spaces, at))
+        def residual(moved_logits: Array) -> Array:
+            moved = replace(centre, system=self.system(spaces, moved_logits))
             return corrected(moved, tolerance, relative_size).fields.boundary_residual
 
-        return differences(residual, logits)
+        return fd_jacobian(residual, logits)
 
     def _layout_of(self, logits: Array, jacobian: Array) -> Layout:
+        """Return these boundaries with the states of this problem."""
         return Layout(tuple(logits.tolist()), self.states, jacobian)
 
-    # what `refine` asks for
+    # the interface of `refine`
 
     def start(self) -> Resolution:
-        """Return the first space, of all parts one after the other."""
-        self._layout = self.located()
+        """Return the first space: those of all parts, concatenated."""
+        self._layout = self.initial_layout()
         logits = np.array(self._layout.logits)
-        # boundaries superconverge: in a space for half the digits they have nearly all of theirs
-        halfway = float(np.sqrt(self.tolerance))
-        if len(logits) and halfway < _TIGHTER * ROUGH and not (self._known and self.near):
-            newton = self._newton(self.spaces(halfway, logits))
+        # in a space for half the digits boundaries have nearly all of theirs
+        halfway_tol = float(np.sqrt(self.tolerance))
+        if len(logits) and halfway_tol < HALFWAY_TOL and not (self._known and self.warm_start):
+            newton = self._newton(self.spaces(halfway_tol, logits))
             assert self._layout.jacobian is not None
-            begin = newton.start(logits, self._layout.jacobian)
-            settle = max(self.tolerance, NOISE)
-            iterate = newton.solve(begin, settle, halfway, near=self.near)
+            start = newton.start(logits, self._layout.jacobian)
+            boundary_tol = max(self.tolerance, RESIDUAL_NOISE)
+            iterate = newton.solve(start, boundary_tol, halfway_tol, warm_start=self.warm_start)
             logits = iterate.logits
             if iterate.converged:
                 logits = logits + iterate.newton_step
             self._layout = self._layout_of(logits, iterate.jacobian)
         spaces = self.spaces(self.tolerance, logits)
-        self._counts = [space.panels.panels for space in spaces]
-        return joined(spaces)
+        self._panel_counts = [space.panels.panels for space in spaces]
+        return concatenate_spaces(spaces)
 
-    def parted(self, resolution: Resolution) -> list[Resolution]:
-        """Return the spaces of all parts, of one like that of `start`."""
-        return parted(resolution, self._counts, self._edge_power)
+    def split(self, resolution: Resolution) -> list[Resolution]:
+        """Return the spaces of all parts, from one that concatenates them as `start` does."""
+        return split_spaces(resolution, self._panel_counts, self._edge_power)
 
-    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
-        """Solve in a space."""
-        spaces = self.parted(resolution)
-        layout = self.located()
+    def attempt(self, resolution: Resolution) -> SpaceSolution[ZoneSolution]:
+        """Solve in a space, from the boundaries of the last one."""
+        spaces = self.split(resolution)
+        layout = self.initial_layout()
         newton = self._newton(spaces, changes=True)
-        least = TRIFLING * self.goal
+        negligible = NEGLIGIBLE_SHARE * self.boundary_tolerance
         assert layout.jacobian is not None
-        begin = newton.start(np.array(layout.logits), layout.jacobian)
-        iterate = newton.solve(begin, max(least, NOISE), max(least, 2.0 * ROUNDING), near=self.near)
-        if not iterate.converged:  # next to the onset of a zone steps say nothing of the Jacobian
-            jacobian = self._jacobian(self.spaces(ROUGH, iterate.logits), iterate.logits, ROUNDING)
+        start = newton.start(np.array(layout.logits), layout.jacobian)
+        iterate = newton.solve(
+            start,
+            max(negligible, RESIDUAL_NOISE),
+            max(negligible, 2.0 * ROUNDING),
+            warm_start=self.warm_start,
+        )
+        if not iterate.converged:
+            # next to the onset of a zone Broyden's update from the steps is not accurate enough
+            jacobian = self._jacobian(
+                self.spaces(COARSE_TOL, iterate.logits), iterate.logits, ROUNDING
+            )
             iterate = replace(iterate, jacobian=jacobian)
         self._layout = self._layout_of(iterate.logits, iterate.jacobian)
-        return self.estimated(iterate, spaces)
+        return self.estimate(iterate, spaces)
 
-    def estimated(self, iterate: Iterate, spaces: list[Resolution]) -> Attempt[ZoneSolution]:
+    def estimate(self, iterate: Iterate, spaces: list[Resolution]) -> SpaceSolution[ZoneSolution]:
         """Return a solution with the estimates of its errors."""
-        attempt = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).attempt()
+        solution = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).attempt()
         if self._known and not self.pointwise:
-            return replace(attempt, error=attempt.value.shear_error)
-        return attempt
+            return replace(solution, error=solution.value.shear_error)
+        return solution
 
 
-def narrowest(logits: Array) -> float:
-    """Return the width of the narrowest zone between boundaries, as logits, or 1."""
+def min_zone_width(logits: Array) -> float:
+    """Return the width of the narrowest zone between boundaries, in logits; at most 1."""
     return float(min([1.0, *np.diff(logits)]))
 
 
 class _GivenRadius(FreeBoundaryProblem):
-    """Spaces for a stick disk of a given radius, whose friction is found."""
+    """Contact with a stick disk of a given radius, whose friction is unknown, for `refine`."""
 
-    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
-        """Solve in a space; the derivative is that by the logarithm of the friction."""
-        spaces = self.parted(resolution)
+    def attempt(self, resolution: Resolution) -> SpaceSolution[ZoneSolution]:
+        """Solve in a space.
+
+        The boundary residual ``r(f) = r(0) - f (r(0) - r(1))`` is linear in the friction, so that
+        its root follows from two solutions. Its derivative by ``ln f`` at the root is ``-r(0)``,
+        and ``r(0)`` takes the place of the Jacobian in the estimate.
+        """
+        spaces = self.split(resolution)
         logits = np.array(self._layout.logits)
         residuals = []
         factors: Factored | None = None
@@ -286,20 +304,20 @@ class _GivenRadius(FreeBoundaryProblem):
             self.parameters = self.parameters._replace(friction=friction)
             system = self.system(spaces, logits, changes=True)
             factors = factors or factored(system)
-            begin = FieldSolution.first(factors, system)
-            fields = corrected(begin, NOISE, relative_size).fields
+            start = FieldSolution.first(factors, system)
+            fields = corrected(start, RESIDUAL_NOISE, relative_size).fields
             residuals.append(float(fields.boundary_residual[0]))
-        none, full = residuals
-        # the residual is linear in the friction
-        if not (none > 0.0 and none > full):
+        without_friction, unit_friction = residuals
+        if not (without_friction > 0.0 and without_friction > unit_friction):
             raise NoStickDiskError(at_centre=False)
-        self.parameters = self.parameters._replace(friction=none / (none - full))
+        friction = without_friction / (without_friction - unit_friction)
+        self.parameters = self.parameters._replace(friction=friction)
         assert factors is not None
         system = self.system(spaces, logits, changes=True)
-        begin = FieldSolution.first(factors, system)
-        fields, remaining = corrected(begin, NOISE, relative_size)
-        iterate = Iterate(logits, np.array([[none]]), fields, remaining)
-        return self.estimated(iterate, spaces)
+        start = FieldSolution.first(factors, system)
+        fields, remaining = corrected(start, RESIDUAL_NOISE, relative_size)
+        iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
+        return self.estimate(iterate, spaces)
 
 
 def solve_stick(
@@ -311,10 +329,12 @@ def solve_stick(
     pointwise: bool = True,
 ) -> Refinement[ZoneSolution]:
     """Solve with stick on the whole contact; see `solve_zones`."""
-    stuck = Layout((), (0,))
+    full_stick = Layout((), (0,))
     if known is None:
-        return solve_zones(parameters, stuck, tolerance, max_unknowns, pointwise=pointwise)
-    problem = FreeBoundaryProblem(parameters, stuck, tolerance, pointwise=pointwise, known=known)
+        return solve_zones(parameters, full_stick, tolerance, max_unknowns, pointwise=pointwise)
+    problem = FreeBoundaryProblem(
+        parameters, full_stick, tolerance, pointwise=pointwise, known=known
+    )
     return refine(problem, tolerance, max_unknowns)
 
 
@@ -327,7 +347,8 @@ def solve_given_radius(
 ) -> tuple[Refinement[ZoneSolution], float]:
     """Solve with one central stick disk of a given radius; return the friction ``f/kappa``, too.
 
-    ``shifts`` are the error of its logarithm; raises `NoStickDiskError` if none has this disk.
+    `ZoneSolution.logit_errors` is the error of ``ln f`` here, as the radius has none. Raises
+    `NoStickDiskError` if the disk has this radius at no friction.
     """
     disk = Layout((radius.logit,), (0, 1), np.eye(1))
     problem = _GivenRadius(parameters, disk, tolerance, known=known)
@@ -342,17 +363,18 @@ def solve_zones(
     *,
     pointwise: bool = True,
 ) -> Refinement[ZoneSolution]:
-    """Solve the coupled contact with the zones of a layout: a guess, or that of a problem.
+    """Solve the coupled contact with the zones of a layout.
 
-    The tolerance bounds the fields pointwise, or approach and shear. Whether the friction law holds
-    is for the caller to check; raises `NoBoundariesError` if there are no such boundaries.
+    The tolerance bounds the fields pointwise, or approach and shear. Where refinement stalls it
+    begins again in the first space of a smaller tolerance. The friction law is not checked here.
+    Raises `NoBoundariesError` if there are no such boundaries.
     """
-    found = list[Refinement[ZoneSolution]]()
-    for k in range(_MOST_TRIES):
-        aim = max(_TIGHTER**k * tolerance, _TIGHTEST)
-        problem = FreeBoundaryProblem(parameters, layout, aim, pointwise=pointwise)
-        found.append(refine(problem, tolerance, max_unknowns // 2))
-        best = min(found, key=lambda one: one.best.error)
-        if best.ending is not Ending.ROUNDING or aim == _TIGHTEST:
+    refinements = list[Refinement[ZoneSolution]]()
+    for k in range(MAX_STARTS):
+        space_tolerance = max(RESTART_FACTOR**k * tolerance, MIN_RESTART_TOL)
+        problem = FreeBoundaryProblem(parameters, layout, space_tolerance, pointwise=pointwise)
+        refinements.append(refine(problem, tolerance, max_unknowns // 2))
+        best = min(refinements, key=lambda refinement: refinement.best.error)
+        if best.ending is not Ending.ROUNDING or space_tolerance == MIN_RESTART_TOL:
             break
     return best

@@ -29,14 +29,20 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, NoBoundariesError, Trial, fixed_disk
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import DEEPEST, ONSET, NormalContact
+from spectral_contact.contact.resolution import (
+    EPSILON_DEPTH,
+    NormalContact,
+)
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     as_full_slip,
     full_stick_outcome,
     zones_outcome,
 )
-from spectral_contact.contact.stick_radius import LEAST_PLAIN, NoStickDiskError, guessed_logit
+from spectral_contact.contact.stick_radius import (
+    NoStickDiskError,
+    limiting_logit,
+)
 from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
     CENTRAL_CLEARANCE,
@@ -45,8 +51,10 @@ from spectral_contact.contact.tuning import (
     FIELD_TOLERANCE_EXPONENT,
     MAX_ZONES,
     MIN_EDGE_STICK_WIDTH,
+    MIN_SMOOTH_LOGIT,
     MIN_WARM_START_WIDTH,
     NARROW_SLIP_BAND,
+    ONSET_BAND,
     SCAN_START,
     SCAN_STEP,
 )
@@ -70,7 +78,7 @@ _DISK = Layout((), _DISK_STATES)
 _WIDE_DISK = Layout((2.0,), _DISK_STATES)
 #: The logit of a stick disk so small that its radius is rounding: the slip around it is that of
 #: full slip.
-_POINT_LOGIT = -2.0 * DEEPEST
+_POINT_LOGIT = -2.0 * EPSILON_DEPTH
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -331,7 +339,7 @@ class UncoupledSearch(ZoneSearch):
         one_disk = zones.states == _DISK_STATES
         if one_disk and not zones.logits:
             # a first radius, from the limits of little and of much friction
-            zones = zones._replace(logits=(guessed_logit(self.parameters),))
+            zones = zones._replace(logits=(limiting_logit(self.parameters),))
         begin = perf_counter()
         try:
             refinement = self._refine(zones)
@@ -395,11 +403,15 @@ class UncoupledSearch(ZoneSearch):
     def _refine_fields(self, tolerance: float, zones: Layout) -> Refinement[ZoneSolution]:
         """Solve for boundaries and fields, the fields to a tolerance.
 
-        The accuracy of the boundaries follows from the tolerance of the search (`goal`).
+        The tolerance of the search bounds the error of the boundaries.
         """
         with np.errstate(all="ignore"):
             problem = FreeBoundaryProblem(
-                self.parameters, zones, tolerance, known=self.contact, goal=self.tolerance
+                self.parameters,
+                zones,
+                tolerance,
+                known=self.contact,
+                boundary_tolerance=self.tolerance,
             )
             return refine(problem, tolerance, self.max_unknowns)
 
@@ -448,8 +460,8 @@ class CoupledSearch(ZoneSearch):
                 [radius.logit for radius in rings.boundaries], rings.states
             )
             yield Candidate(zones, "the zones of an active set on rings")
-        # closer to the onset of slip than ONSET, a relative distance, full stick will do
-        if 1.0 - self.parameters.friction / self.stick.critical > ONSET:
+        # closer to the onset of slip than ONSET_BAND, a relative distance, full stick will do
+        if 1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND:
             yield violated
         logits = violated.zones.logits
         if logits:
@@ -469,8 +481,8 @@ class CoupledSearch(ZoneSearch):
 
     @property
     def _stick_disk_below_range(self) -> bool:
-        """Whether the stick disk is smaller than any that is solved for, exp(LEAST_PLAIN/2)."""
-        return min_stick_radius(self.parameters) ** 2 < exp(LEAST_PLAIN)
+        """Whether the stick disk is smaller than any that is solved for."""
+        return min_stick_radius(self.parameters) ** 2 < exp(MIN_SMOOTH_LOGIT)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         lawful = [outcome for outcome in outcomes if not outcome.violation_text]
@@ -492,7 +504,7 @@ class CoupledSearch(ZoneSearch):
             if not candidate.from_like_scene:
                 # first boundaries, from a small space
                 problem = FreeBoundaryProblem(self.parameters, zones, self.tolerance)
-                zones = self._narrowed_at_onset(problem.located())
+                zones = self._narrowed_at_onset(problem.initial_layout())
         except NoStickDiskError as error:
             if error.at_centre:
                 return self._full_slip()
@@ -543,7 +555,7 @@ class CoupledSearch(ZoneSearch):
         try:
             with np.errstate(all="ignore"):
                 problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-                zones = problem.located()
+                zones = problem.initial_layout()
                 refinement = solve_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
                 solved = perf_counter()
                 outcome = with_edge_stick(refinement.best.value, self.parameters)

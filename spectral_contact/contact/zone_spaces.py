@@ -1,7 +1,27 @@
-"""First spaces for pressure and traction together, on any zones.
+"""First spaces of both fields on any zones.
 
-What they need was measured (docs/coupling): fewer degrees than a pressure alone is given. Thin
-layers are felt at the edge, to which the pressure rises. At the rim they are felt half as deep.
+Every part of the disk has a mesh that is graded to one of its ends (depth ``x = -ln d``, with the
+distance d in units of the extent of the part). The first space of a part follows from the kind of
+that end. With ``l = -ln`` of the width of a layer in units of the extent, r the ratio of the extent
+to that of the part across the end, and both widths of layers alpha and beta (where it sticks):
+
+========================  ====================  ====  ============================  ==========
+kind of end               settles from depth    rate  bends at depths               power of d
+========================  ====================  ====  ============================  ==========
+edge, full stick          deepest l             1     every l - BEND_LEAD           0
+... with one compliance   l                     1/2   l - BEND_LEAD                 0 or -1/2
+edge, smooth, full stick  LEADING_TERM_DEPTH    1     none                          -1/2
+edge, alpha > 0           l + EDGE_LAYER_REACH  1     l - EDGE_LAYER_REACH          0
+edge, alpha = 0 < beta    l                     1/2   l                             -1/2
+edge, alpha = beta = 0    0 or the leading      1     none                          theta - 1/2
+                          term
+boundary                  l, l/2 + BEND_LEAD,   1 or  l - 1 where it sticks, ln r   0
+                          or ln r               1/2
+rim, beta = 0             ln r                  0     ln r, end of the layer of p   0
+========================  ====================  ====  ============================  ==========
+
+A field settles like ``exp(-rate (x - depth))``. The rate 0 stands for square roots, which end in a
+tail of powers of ``sqrt(d)``. Measured costs of other choices are in `tuning` and docs/coupling.
 """
 
 from __future__ import annotations
@@ -10,16 +30,29 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
 from math import atan, atanh, ceil, log, pi
+from typing import NamedTuple
 
 import numpy as np
 
-from spectral_contact.contact.resolution import (
-    LEADING,
+from spectral_contact.contact.resolution import bend_weight, slip_degree
+from spectral_contact.contact.tuning import (
+    ANNULUS_START_DEGREES,
+    BEND_DEGREES,
+    BEND_LEAD,
+    COARSE_TOL,
+    DISK_START_DEGREES,
+    EDGE_LAYER_REACH,
+    EDGE_START_DEGREES,
+    EXTRA_BOUNDARY_DEPTH,
+    KNOWN_PRESSURE_SPARE_DEGREES,
+    LEADING_TERM_DEPTH,
+    MAX_SLIP_TOL,
     PANEL_WIDTH,
-    ROOT_DEPTH,
-    ROUGH,
-    nearness,
-    slip_degree,
+    ROOT_TAIL_DEPTH,
+    SLIP_TOL_SHARE,
+    STICK_SPARE_DEGREES,
+    WEAK_BEND_DEGREES,
+    ZONE_DEGREES,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.cache import kept
@@ -27,30 +60,16 @@ from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
-#: Rounding of a radius next to it, closer to which nothing can be asked; panels go deeper by this
-#: in ``-ln d``, as where they end is felt for a while.
-_CLOSEST, _DEEPER = float(np.finfo(float).eps), 10.0
-#: Degrees per ``-ln`` of the tolerance: on any panel, at a bend, at a lesser one, as on the second
-#: panel, and on the first one, on the disk, above its rim, where the far end is a singularity ln 2
-#: before it, and at the edge.
-_ALL, _BEND, _TURN = 0.43, 0.15, 0.08
-_INSIDE, _AROUND, _AT_EDGE = 0.28, 0.54, _ALL
-#: How far before the layer a bend is where all sticks, and further degrees there: with 1, and no
-#: more at the centre, 32 of 820 scenes and tolerances need a second space, with these one. And
-#: under a pressure that is given, in full stick, which decides on slip, and where it begins: with 1
-#: that is not known; or with a root at the rim.
-_BEFORE, _STUCK_SPARE, _KNOWN_SPARE = 3.0, 1.1, 3
-#: How far in ``-ln y`` a layer of the pressure is felt at the edge.
-_FELT = 4.0
-#: Accuracy of a pressure that is given, of the tolerance and at least; where boundaries are only
-#: looked for, it is the tolerance. Without the least slip over 4e-9 is known to 0.14 at rtol 2e-7,
-#: else to 0.02.
-_QUADRATURE, _FINEST = 0.01, 1e-11
+#: Rounding of a radius relative to its distance from the centre or the edge.
+_EPS = float(np.finfo(float).eps)
+
+
+# depths, and what fields are deep down
 
 
 def leading_depth(alpha: float, beta: float, extent: float) -> float:
     """Return the depth toward the edge past which a singular field is its leading term."""
-    return LEADING + thinnest_layer(alpha, beta, extent)
+    return LEADING_TERM_DEPTH + thinnest_layer(alpha, beta, extent)
 
 
 def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
@@ -58,38 +77,49 @@ def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
     return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
 
 
-def ended(
+def with_asymptotic_tail(
     pressure: LogSeries, shear: LogSeries, parameters: Parameters, extent: float
 ) -> list[LogSeries]:
-    """Return p and q/s toward an edge that sticks; what is singular ends in its leading term.
+    """Return p and q/s toward an edge that sticks, with leading terms in place of deep panels.
 
-    Where both are, on smooth surfaces, they oscillate: ``sqrt(y) (p + i q)`` goes over into
-    ``exp(-i theta ln y)`` with ``theta = ln(3 - 4 nu)/(2 pi)``.
+    A singular field is ``sqrt(y) p = a`` past `leading_depth`, and is evaluated so there. On smooth
+    surfaces p and q are singular both and oscillate: ``sqrt(y) (p + i q)`` is a constant times
+    ``exp(-i theta ln y)``, with ``theta = ln(3 - 4 nu)/(2 pi)``.
     """
     alpha, beta, kappa, _ = parameters
-    both = [pressure, shear]
+    fields = [pressure, shear]
     count = ceil(leading_depth(alpha, beta, extent) / pressure.width)
     if count > len(pressure.coefficients):
-        return both
-    a, b = (float(one.coefficients[count - 1].sum()) for one in both)
-    smooth = alpha == 0.0 == beta
-    theta, tails = (atanh(2.0 * kappa) / pi, [(a, -b), (b, a)]) if smooth else (0.0, [(a,), (b,)])
+        return fields
+    p_end, q_end = (float(field.coefficients[count - 1].sum()) for field in fields)
+    tails: list[tuple[float, ...]]
+    if alpha == 0.0 == beta:
+        theta = atanh(2.0 * kappa) / pi
+        tails = [(p_end, -q_end), (q_end, p_end)]
+    else:
+        theta = 0.0
+        tails = [(p_end,), (q_end,)]
     return [
-        replace(one, coefficients=one.coefficients[:count], tail=np.array(tail), oscillation=theta)
-        if one.power
-        else one
-        for one, tail in zip(both, tails, strict=True)
+        replace(
+            field,
+            coefficients=field.coefficients[:count],
+            tail=np.array(tail),
+            oscillation=theta,
+        )
+        if field.power
+        else field
+        for field, tail in zip(fields, tails, strict=True)
     ]
 
 
 def rounding_depth(end: Radius, extent: float) -> float:
     """Return ``-ln`` of the rounding of a boundary in units of an extent in ``s**2``."""
-    return -log(_CLOSEST * min(end.square, end.rest) / extent)
+    return -log(_EPS * min(end.square, end.rest) / extent)
 
 
 def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolution:
-    """Return a space toward a boundary without the panels that only rounding could tell of."""
-    most = ceil((_DEEPER + rounding_depth(end, extent)) / space.panels.width)
+    """Return a space toward a boundary without panels far deeper than the rounding of it."""
+    most = ceil((EXTRA_BOUNDARY_DEPTH + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
     return Resolution(replace(space.panels, panels=len(degrees)), degrees)
 
@@ -108,22 +138,32 @@ def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     return atan(2.0 * kappa * friction) / pi - 0.5 if states[-1] > 0 else -0.5
 
 
-def parted(resolution: Resolution, counts: Sequence[int], power: float) -> list[Resolution]:
-    """Return the spaces of all parts, with their numbers of panels, from what `joined` returns.
+def split_spaces(resolution: Resolution, counts: Sequence[int], power: float) -> list[Resolution]:
+    """Return the spaces of all parts from what `concatenate_spaces` made of them.
 
-    The last one has the endpoint weight of the pressure, see `edge_power`. A tail of roots is that
-    of the disk.
+    Parameters
+    ----------
+    resolution : Resolution
+    counts : sequence of int
+        Numbers of panels of the parts.
+    power : float
+        Endpoint weight of the pressure on the last part, see `edge_power`. A tail of roots is that
+        of the disk.
     """
-    spaces, bounds = [], list(accumulate(counts, initial=0))
-    for a, b in pairwise(bounds):
+    spaces = []
+    bounds = list(accumulate(counts, initial=0))
+    for first, end in pairwise(bounds):
         panels = replace(
             resolution.panels,
-            panels=b - a,
-            power=power if b == bounds[-1] else 0.0,
-            root_tail=resolution.panels.root_tail and a == 0,
+            panels=end - first,
+            power=power if end == bounds[-1] else 0.0,
+            root_tail=resolution.panels.root_tail and first == 0,
         )
-        spaces.append(Resolution(panels, resolution.degrees[a:b]))
+        spaces.append(Resolution(panels, resolution.degrees[first:end]))
     return spaces
+
+
+# the first spaces of all parts
 
 
 def first_spaces(
@@ -143,167 +183,209 @@ def first_spaces(
     radii : tuple of Radius
         Boundaries between zones, outward.
     states : tuple of int
-        0 for stick; in slip no layer of the traction is felt.
+        0 for stick; in slip the traction has no layer of its own.
     tolerance : float
-        Relative accuracy asked.
+        Relative accuracy that is wanted.
     power : float
         Endpoint weight of the pressure under a smooth edge with slip around the disk.
     """
     if not radii:
-        # under one compliance alone a field has a square root at the edge
-        rooted = (alpha == 0.0) != (beta == 0.0)
-        return [_all_sticks(alpha, beta, tolerance, rooted, _STUCK_SPARE, _TURN)]
+        # with one compliance only its field has a square root at the edge
+        has_root = (alpha == 0.0) != (beta == 0.0)
+        end = _full_stick_edge(alpha, beta, has_root, STICK_SPARE_DEGREES, WEAK_BEND_DEGREES)
+        return [_space(end, tolerance)]
     bounds = CENTRE, *radii, EDGE
     extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
-    extents[0] *= 2.0
+    extents[0] *= 2.0  # the disk is one part, other zones are two
     spaces = []
     for k, (state, extent) in enumerate(zip(states, extents, strict=True)):
-        felt = 0.0 if state else beta
-        for end in (k, k + 1)[k == 0 :]:
-            if bounds[end].from_edge == 0.0:
-                spaces.append(_to_the_edge(alpha, felt, extent, tolerance, power))
+        layer_of_shear = 0.0 if state else beta
+        # the disk has a mesh toward its rim only
+        for bound in (k, k + 1)[k == 0 :]:
+            if bounds[bound].from_edge == 0.0:
+                spaces.append(_space(_edge(alpha, layer_of_shear, extent, power), tolerance))
                 continue
-            other = extents[k - 1] if end == k else extents[k + 1]
+            extent_across = extents[k - 1] if bound == k else extents[k + 1]
             rate = 1.0 if alpha > 0.0 and (state or beta > 0.0) else 0.5
             if alpha == 0.0 == beta:
-                rate = _rim_rate(power, tolerance)
-            layer = thinnest_layer(alpha, felt, extent)
-            space = _to_a_boundary(layer, extent / other, rate, k, state, tolerance)
+                rate = _smooth_boundary_rate(power, tolerance)
+            layer = thinnest_layer(alpha, layer_of_shear, extent)
+            end = _boundary(layer, extent / extent_across, rate, k, state)
+            space = _space(end, tolerance)
             if alpha > 0.0 or len(radii) > 1:
-                space = without_rounding(space, bounds[end], extent)
+                space = without_rounding(space, bounds[bound], extent)
             spaces.append(space)
     return spaces
-
-
-def _rim_rate(power: float, tolerance: float) -> float:
-    """Return how fast fields settle next to the boundary of slip on a smooth surface.
-
-    They go like ``d**(1/2 - theta)``, with theta of `edge_power`; what is closer than the rounding
-    of the boundary is not asked for.
-    """
-    deepest = _DEEPER - log(_CLOSEST)
-    return max(-power, min(0.5, (2.0 - log(tolerance)) / deepest))
 
 
 def known_pressure_spaces(
     alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
 ) -> list[Resolution]:
-    """Return first spaces under a pressure that is given, with the degrees that this has in slip.
+    """Return first spaces under a known pressure, which has the same degree on all panels in slip.
 
     Parameters are those of `first_spaces`.
     """
     if not radii:
-        return [_all_sticks(alpha, beta, tolerance, alpha == 0.0, _KNOWN_SPARE)]
+        end = _full_stick_edge(alpha, beta, alpha == 0.0, KNOWN_PRESSURE_SPARE_DEGREES)
+        return [_space(end, tolerance)]
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
     if beta == 0.0 and states == (0, 1):
-        spaces[0] = _rigid_disk(alpha, radii[0], tolerance)
-    accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < ROUGH else tolerance
-    degree = slip_degree(accuracy)
+        spaces[0] = _space(_rigid_rim(alpha, radii[0]), tolerance)
+    # a coarse space, in which boundaries are located, has a coarse pressure, too
+    slip_tol = (
+        min(SLIP_TOL_SHARE * tolerance, MAX_SLIP_TOL) if tolerance < COARSE_TOL else tolerance
+    )
+    degree = slip_degree(slip_tol)
     return [
-        Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
-        if states[(k + 1) // 2]
-        else one
-        for k, one in enumerate(spaces)
+        Resolution(replace(space.panels, degree=degree), (degree,) * space.panels.panels)
+        if states[(part + 1) // 2]
+        else space
+        for part, space in enumerate(spaces)
     ]
 
 
-def _rigid_disk(alpha: float, rim: Radius, tolerance: float) -> Resolution:
-    """Return the space of a stick disk without tangential compliance under a known pressure.
+def _smooth_boundary_rate(power: float, tolerance: float) -> float:
+    """Return the rate at which fields settle next to the boundary of slip on a smooth surface.
 
-    The traction has a root at the rim, and bends where the annulus around it ends and where the
-    pressure ceases to rise.
+    They go like ``d**(1/2 - theta)``, with theta of `edge_power`. The rate is not so small that the
+    mesh would be deeper than the rounding of the boundary.
     """
-    annulus = -log(min(rim.rest / rim.square, 1.0))
-    risen = -log(min(max(alpha, rim.rest) / rim.square, 1.0))
-    bends = [(annulus, _TURN), (risen, _TURN)]
-    return _space(annulus, bends, tolerance, 0.0, spare=_KNOWN_SPARE)
+    deepest = EXTRA_BOUNDARY_DEPTH - log(_EPS)
+    return max(-power, min(0.5, (2.0 - log(tolerance)) / deepest))
 
 
-def _to_a_boundary(
-    layer: float,
-    ratio: float,
-    rate: float,
-    zone: int,
-    state: int,
-    tolerance: float,
-) -> Resolution:
-    """Return the space of a part toward a boundary, so much larger than the one across it."""
-    bends = [(layer - 1.0, _TURN)] if state == 0 and layer > 1.0 else []
-    begin = min(layer, 0.5 * layer + _BEFORE)
-    if ratio > 1.0:
-        bends.append((log(ratio), _TURN if state else _BEND))
-        begin = max(begin, log(ratio))
-    return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE)
+# the table: a row for every kind of end
 
 
-def _to_the_edge(
-    alpha: float, beta: float, extent: float, tolerance: float, power: float
-) -> Resolution:
-    layer = thinnest_layer(alpha, beta, extent)
-    if alpha > 0.0:
-        return _space(layer + _FELT, [(layer - _FELT, _BEND)], tolerance, 1.0, _AT_EDGE)
-    if beta == 0.0:
-        begin = LEADING if power == -0.5 else 0.0  # else it settles to its endpoint weight
-        return _space(begin, [], tolerance, 1.0, _AT_EDGE, power=power)
-    return _space(layer, [(layer, _BEND)], tolerance, 0.5, _AT_EDGE, power=-0.5)
+class _End(NamedTuple):
+    """An end of a part, as far as the first space toward it depends on it.
+
+    Attributes
+    ----------
+    settling_depth : float
+        Depth past which the fields settle.
+    rate : float
+        They settle like ``exp(-rate x)``; 0 for a tail of roots.
+    bends : list of (float, float)
+        Depths at which the fields bend, with the slopes of degrees that this takes.
+    start_degrees : float
+        Slope of degrees in addition on the first panel.
+    power : float
+        Of the endpoint weight.
+    spare_degrees : float
+        Degrees in addition on every panel.
+    """
+
+    settling_depth: float
+    rate: float
+    bends: list[tuple[float, float]]
+    start_degrees: float = 0.0
+    power: float = 0.0
+    spare_degrees: float = 0.0
 
 
-def _all_sticks(
-    alpha: float, beta: float, tolerance: float, smooth: bool, spare: float, first: float = 0.0
-) -> Resolution:
-    """Return the space of a disk that sticks to the edge: both layers bend both fields.
+def _full_stick_edge(
+    alpha: float, beta: float, has_root: bool, spare_degrees: float, start_degrees: float = 0.0
+) -> _End:
+    """Return the edge of a disk that sticks: both layers bend both fields.
 
-    Next to the edge of a smooth surface they have square roots.
+    With one compliance the field of the other one is singular, and its own has a square root.
     """
     layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-    begin = max(layers, default=LEADING)
-    bends = [(layer - _BEFORE, _BEND) for layer in layers]
-    rate, power = 0.5 if smooth else 1.0, -0.5 if alpha == 0.0 else 0.0
-    return _space(begin, bends, tolerance, rate, first, power=power, spare=spare)
+    return _End(
+        settling_depth=max(layers, default=LEADING_TERM_DEPTH),
+        rate=0.5 if has_root else 1.0,
+        bends=[(layer - BEND_LEAD, BEND_DEGREES) for layer in layers],
+        start_degrees=start_degrees,
+        power=-0.5 if alpha == 0.0 else 0.0,
+        spare_degrees=spare_degrees,
+    )
 
 
-def _space(
-    begin: float,
-    bends: list[tuple[float, float]],
-    tolerance: float,
-    rate: float,
-    first: float = 0.0,
-    *,
-    power: float = 0.0,
-    spare: float = 0.0,
-) -> Resolution:
-    """Return a space whose solution settles like ``exp(-rate x)`` past `begin`.
+def _edge(alpha: float, beta: float, extent: float, power: float) -> _End:
+    """Return the edge of a zone around the disk; beta is 0 where it slips."""
+    layer = thinnest_layer(alpha, beta, extent)
+    if alpha > 0.0:
+        bends = [(layer - EDGE_LAYER_REACH, BEND_DEGREES)]
+        return _End(layer + EDGE_LAYER_REACH, 1.0, bends, EDGE_START_DEGREES)
+    if beta == 0.0:
+        # with the power of slip the pressure settles to its endpoint weight at once
+        settling_depth = LEADING_TERM_DEPTH if power == -0.5 else 0.0
+        return _End(settling_depth, 1.0, [], EDGE_START_DEGREES, power)
+    return _End(layer, 0.5, [(layer, BEND_DEGREES)], EDGE_START_DEGREES, -0.5)
 
-    With a rate of 0 it ends in a tail of half-integer powers, which fall too slowly to taper the
-    few panels above.
+
+def _boundary(layer: float, ratio: float, rate: float, zone: int, state: int) -> _End:
+    """Return a boundary between zones; the part is `ratio` times as large as the one across it."""
+    bends = [(layer - 1.0, WEAK_BEND_DEGREES)] if state == 0 and layer > 1.0 else []
+    # next to a boundary the fields settle at half the depth of the layer, or soon after it
+    settling_depth = min(layer, 0.5 * layer + BEND_LEAD)
+    if ratio > 1.0:
+        bends.append((log(ratio), WEAK_BEND_DEGREES if state else BEND_DEGREES))
+        settling_depth = max(settling_depth, log(ratio))
+    start_degrees = ANNULUS_START_DEGREES if zone else DISK_START_DEGREES
+    return _End(settling_depth, rate, bends, start_degrees)
+
+
+def _rigid_rim(alpha: float, rim: Radius) -> _End:
+    """Return the rim of a stick disk without tangential compliance under a known pressure.
+
+    The traction has a root at the rim. It bends where the annulus around it ends, and where the
+    pressure ceases to rise toward the edge.
     """
-    # like scenes share their spaces
-    begin = ceil(2.0 * begin) / 2.0
-    turns = tuple((ceil(2.0 * place) / 2.0, share) for place, share in bends)
-    return _settling(PANEL_WIDTH, begin, turns, -log(tolerance), rate, first, power, spare)
+    annulus = -log(min(rim.rest / rim.square, 1.0))
+    pressure_layer = -log(min(max(alpha, rim.rest) / rim.square, 1.0))
+    bends = [(annulus, WEAK_BEND_DEGREES), (pressure_layer, WEAK_BEND_DEGREES)]
+    return _End(annulus, 0.0, bends, spare_degrees=KNOWN_PRESSURE_SPARE_DEGREES)
+
+
+# a space from a row of the table
+
+
+def _space(end: _End, tolerance: float) -> Resolution:
+    """Return the first space toward an end."""
+    # depths are rounded up, so that scenes that are much alike have the same space
+    settling_depth = ceil(2.0 * end.settling_depth) / 2.0
+    bends = tuple((ceil(2.0 * depth) / 2.0, slope) for depth, slope in end.bends)
+    return _graded_space(
+        PANEL_WIDTH,
+        -log(tolerance),
+        settling_depth,
+        end.rate,
+        bends,
+        end.start_degrees,
+        end.power,
+        end.spare_degrees,
+    )
 
 
 @kept("first spaces on zones", 128)
-def _settling(
+def _graded_space(
     width: float,
-    begin: float,
-    bends: tuple[tuple[float, float], ...],
     digits: float,
+    settling_depth: float,
     rate: float,
-    first: float,
+    bends: tuple[tuple[float, float], ...],
+    start_degrees: float,
     power: float,
-    spare: float,
+    spare_degrees: float,
 ) -> Resolution:
-    depth = begin + ((digits + 2.0) / rate if rate else ROOT_DEPTH)
+    """Return a space whose degrees are ``1 + spare + digits * slope`` (cached).
+
+    The slope is ZONE_DEGREES times the share of the digits that have not settled at the depth of a
+    panel, and what bends and the start add.
+    """
+    depth = settling_depth + ((digits + 2.0) / rate if rate else ROOT_TAIL_DEPTH)
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
-    missing = np.clip(1.0 - rate * (x - begin) / (digits + 2.0), 0.0, 1.0)
-    more = np.zeros(panels)
-    for place, share in bends:
-        more = np.maximum(more, share * nearness(panels, place))
-    if first:
-        more[:2] = np.maximum(more[:2], (first, _TURN))
-    degrees = np.ceil(1.0 + spare + digits * (_ALL * missing + more)).astype(int)
+    unsettled = np.clip(1.0 - rate * (x - settling_depth) / (digits + 2.0), 0.0, 1.0)
+    added = np.zeros(panels)
+    for bend, slope in bends:
+        added = np.maximum(added, slope * bend_weight(panels, bend))
+    if start_degrees:
+        added[:2] = np.maximum(added[:2], (start_degrees, WEAK_BEND_DEGREES))
+    slopes = ZONE_DEGREES * unsettled + added
+    degrees = np.ceil(1.0 + spare_degrees + digits * slopes).astype(int)
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)

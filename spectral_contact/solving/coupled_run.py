@@ -7,9 +7,12 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.resolution import ONSET, NormalContact
+from spectral_contact.contact.resolution import (
+    NormalContact,
+)
 from spectral_contact.contact.tuning import (
     HIDDEN_SLIP,
+    ONSET_BAND,
     ONSET_ERROR_FACTOR,
     ONSET_TOLERANCE_FACTOR,
     OPTIONAL_SEARCH,
@@ -37,8 +40,8 @@ if TYPE_CHECKING:
     from spectral_contact.solving.sharing import StickPath
 
 
-#: Tolerance of full stick that tells whether ``1 - f/f_crit`` is below `ONSET`.
-_ONSET_TOLERANCE = ONSET_TOLERANCE_FACTOR * ONSET
+#: Tolerance of full stick that tells whether ``1 - f/f_crit`` is below `ONSET_BAND`.
+_ONSET_TOLERANCE = ONSET_TOLERANCE_FACTOR * ONSET_BAND
 
 
 class CoupledRun(Run):
@@ -167,7 +170,7 @@ class CoupledRun(Run):
         try:
             slip = search.outcome()
         except NoZonesError:
-            if onset_distance <= ONSET:
+            if onset_distance <= ONSET_BAND:
                 return None
             closer = closer_tolerance(search.tolerance)
             rough = search.parameters.alpha and search.parameters.beta
@@ -178,7 +181,7 @@ class CoupledRun(Run):
             path.add(place, slip.layout)
         error = max(slip.pressure_error, slip.traction_error, slip.shear_error, slip.approach_error)
         accurate = slip.consistent and error <= max(self.rtol, ONSET_ERROR_FACTOR * onset_distance)
-        return slip if accurate or onset_distance > ONSET else None
+        return slip if accurate or onset_distance > ONSET_BAND else None
 
     def _store_refuted(self, stick: FullStick, error: NoZonesError) -> None:
         """Store the outcome that violates the friction law least, where the law holds on none.

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.normal import by_compliance, solve_normal
+from spectral_contact.contact.normal import compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_derivatives import ZoneDerivatives, differentiated
@@ -86,7 +86,7 @@ class SolutionSlopes:
             self.scene.normal_compliance, max(0.1 * self.tolerance, 1.2e-13), _MOST_UNKNOWNS
         )
         if isinstance(solved, Refinement):
-            return solved.best.value, by_compliance(solved)
+            return solved.best.value, compliance_derivative(solved)
         return solved, None
 
     @cached_property

@@ -66,7 +66,7 @@ class UncoupledRun(Run):
         if not (outcome.verified and positive) or disk.shear_error > self.rtol:
             return None
         kappa = self.scene.kappa
-        friction_error = float(disk.shifts[0])  # with a given radius the unknown is ln f
+        friction_error = float(disk.logit_errors[0])  # with a given radius the unknown is ln f
         return RadiusFriction(
             kappa * friction, friction_error, kappa * disk.total_shear, disk.shear_error
         )

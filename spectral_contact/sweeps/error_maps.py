@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
-from spectral_contact.contact.resolution import ROUNDING, TRACTION_ROUNDING
+from spectral_contact.contact.tuning import ROUNDING, TRACTION_ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum

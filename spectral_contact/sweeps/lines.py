@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, Placed, nodes_needed

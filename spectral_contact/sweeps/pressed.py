@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.contact_radius import RadiusScale
-from spectral_contact.contact.resolution import ROUNDING
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.profiles import Profile
 from spectral_contact.solution import PROFILE_QUANTITIES, Solution

@@ -18,7 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.contact.resolution import PANEL_WIDTH
+from spectral_contact.contact.tuning import PANEL_WIDTH
 from spectral_contact.fields import Array
 from spectral_contact.spectral.blocks import disk_shear
 from spectral_contact.spectral.jacobi import legendre_rows

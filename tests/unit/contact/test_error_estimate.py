@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.error_estimate import zones_error
+from spectral_contact.contact.error_estimate import largest_boundary_error
 from spectral_contact.fields.series import Radius
 
 
@@ -16,10 +16,10 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_may_not_be_there(share):
     expected = 1.0 if share < 0.5 else np.inf
     # d(s^2) is 2 s^2 times the relative error from the centre
     errors = [share * width / (2.0 * radius.value**2) for radius in (inner, outer)]
-    assert zones_error((inner, outer), ((errors[0], 1.0), (errors[1], 1.0))) == expected
+    assert largest_boundary_error((inner, outer), ((errors[0], 1.0), (errors[1], 1.0))) == expected
     # from the edge it is y times that
     errors = [share * width / radius.rest for radius in (inner, outer)]
-    assert zones_error((inner, outer), ((1.0, errors[0]), (1.0, errors[1]))) == expected
+    assert largest_boundary_error((inner, outer), ((1.0, errors[0]), (1.0, errors[1]))) == expected
 
 
 @pytest.mark.parametrize("rtol", [6.7e-4, 1e-3])

@@ -9,7 +9,7 @@ from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, FreeBoundary, corrected
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import solve_normal
-from spectral_contact.contact.stick_radius import differences
+from spectral_contact.contact.stick_radius import fd_jacobian
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.parameters import Parameters
@@ -114,7 +114,7 @@ def test_a_jacobian_is_learnt_from_the_steps():
     start = newton.start(logits + np.array([0.1, -0.1]), 1.3 * located.jacobian @ spread)
     iterate = newton.solve(start, 1e-9, 1e-11)
     assert iterate.converged
-    true = differences(residual_at(problem, logits), iterate.logits)
+    true = fd_jacobian(residual_at(problem, logits), iterate.logits)
     off_first = np.abs(np.linalg.solve(true, start.jacobian) - np.eye(2)).max()
     off_last = np.abs(np.linalg.solve(true, iterate.jacobian) - np.eye(2)).max()
     assert off_last < 0.2 * off_first
@@ -127,7 +127,7 @@ def test_the_jacobian_by_differences_is_that_of_the_residual():
         a, b = x - root
         return np.array([np.sinh(a) + 0.2 * b, np.expm1(0.5 * b) - 0.3 * a * b])
 
-    assert np.allclose(differences(values, root), [[1.0, 0.2], [0.0, 0.5]], rtol=0, atol=1e-6)
+    assert np.allclose(fd_jacobian(values, root), [[1.0, 0.2], [0.0, 0.5]], rtol=0, atol=1e-6)
 
 
 def test_boundaries_stay_in_order():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spectral_contact.contact.resolution import crossing, table_rates
+from spectral_contact.contact.resolution import first_sign_change, table_rates
 
 
 def rate(*coefficients):
@@ -45,14 +45,14 @@ def test_what_shows_nothing_has_a_default(coefficients, kept):
 @pytest.mark.parametrize("root", [1e-3, 0.7, 35.999])
 def test_a_change_of_sign_is_found_to_rounding(root):
     for sign in (1.0, -1.0):
-        assert crossing(lambda x, sign=sign: sign * (x - root), 0.0, 36.0) == pytest.approx(
-            root, rel=4e-16
-        )
+        assert first_sign_change(
+            lambda x, sign=sign: sign * (x - root), 0.0, 36.0
+        ) == pytest.approx(root, rel=4e-16)
 
 
 def test_the_first_of_several_changes_of_sign_is_found():
-    assert crossing(np.sin, 0.5, 9.0) == pytest.approx(np.pi, rel=4e-16)
+    assert first_sign_change(np.sin, 0.5, 9.0) == pytest.approx(np.pi, rel=4e-16)
 
 
 def test_without_a_change_of_sign_it_is_the_farther_end():
-    assert crossing(np.exp, 0.5, 9.0) == 9.0
+    assert first_sign_change(np.exp, 0.5, 9.0) == 9.0

@@ -7,7 +7,7 @@ import pytest
 from spectral_contact import Ending, Scene, solve
 from spectral_contact.contact.stick_radius import (
     NoStickDiskError,
-    root_near,
+    secant_root,
 )
 
 FUNCTIONS = {
@@ -33,7 +33,7 @@ def counted(function):
 def test_a_rough_root_and_its_slope(name, away):
     function, root, slope = FUNCTIONS[name]
     call, places = counted(function)
-    found, its_slope = root_near(call, root + away, 1.3 * slope, 1e-5)
+    found, its_slope = secant_root(call, root + away, 1.3 * slope, 1e-5)
     assert abs(found - root) <= 1e-5
     assert its_slope == pytest.approx(slope, rel=1e-2)
     assert len(places) <= 7
@@ -43,7 +43,7 @@ def test_a_rough_root_and_its_slope(name, away):
 def test_a_root_is_polished_in_three_steps(name):
     function, root, slope = FUNCTIONS[name]
     call, places = counted(function)
-    found, _ = root_near(call, root + 1e-6, slope * (1.0 + 1e-3))
+    found, _ = secant_root(call, root + 1e-6, slope * (1.0 + 1e-3))
     assert found == pytest.approx(root, abs=4e-15)
     assert len(places) <= 3
 
@@ -52,22 +52,22 @@ def test_where_the_secant_falls_a_bracket_is_taken():
     def dips(x):  # falls near the start, rises to its root
         return math.atan(x - 1.0) - 2.0 * math.exp(-((x + 3.0) ** 2))
 
-    found, slope = root_near(dips, -3.4, 1.0, 1e-5)
+    found, slope = secant_root(dips, -3.4, 1.0, 1e-5)
     assert abs(found - 1.0) < 1e-2
     assert slope == pytest.approx(1.0, rel=1e-2)
 
 
 def test_values_that_come_back_in_noise_are_no_parabola():
     noise = iter([-1e-3, 2e-3, -1e-3])
-    found, _ = root_near(lambda x: next(noise, x - 0.5), 0.0, 1.0, 1e-9)
+    found, _ = secant_root(lambda x: next(noise, x - 0.5), 0.0, 1.0, 1e-9)
     assert abs(found - 0.5) < 1e-2
 
 
 def test_no_root_is_an_error_that_says_on_which_side():
     with pytest.raises(NoStickDiskError) as above:
-        root_near(lambda x: -1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
+        secant_root(lambda x: -1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
     with pytest.raises(NoStickDiskError) as below:
-        root_near(lambda x: 1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
+        secant_root(lambda x: 1.0 + 0.0 * x, 0.0, 1.0, 1e-5)
     assert (above.value.at_centre, below.value.at_centre) == (False, True)
 
 
@@ -75,19 +75,19 @@ def test_next_to_an_onset_a_root_is_enclosed():
     def almost(x):  # from far away secants take a step of 0.7 each
         return 1e-14 - math.exp(-x)
 
-    found, slope = root_near(almost, 11.2, math.exp(-11.2))
+    found, slope = secant_root(almost, 11.2, math.exp(-11.2))
     assert found == pytest.approx(14.0 * math.log(10.0), abs=1e-12)
     assert slope == pytest.approx(1e-14, rel=1e-2)
 
 
 def test_a_bracket_narrows_however_small_the_values_are():
-    found, _ = root_near(lambda x: 1e-9 - math.exp(-x), 0.0, 0.0, 0.1)
+    found, _ = secant_root(lambda x: 1e-9 - math.exp(-x), 0.0, 0.0, 0.1)
     assert found == pytest.approx(9.0 * math.log(10.0), abs=0.1)
 
 
 def test_a_flat_function_has_no_root_to_enclose():
     with pytest.raises(NoStickDiskError):
-        root_near(lambda x: -math.exp(-x), 11.2, math.exp(-11.2))
+        secant_root(lambda x: -math.exp(-x), 11.2, math.exp(-11.2))
 
 
 #: ``1 - c`` at alpha* = 1, beta* = 0.5, nu = 0.3, by `reference` to 20 digits.
