@@ -136,9 +136,10 @@ MIN_RESTART_TOL = 1e-12
 PANEL_WIDTH = 2.0
 #: Depth past a layer at which a singular field is its leading term, to 1e-13, ``exp(-30)``.
 LEADING_TERM_DEPTH = 30.0
-#: Depth past a layer at which the powers of ``sqrt(d)`` of a tail of roots (`spectral.panels`) are
-#: exact to rounding: validation/honesty/honesty.py, scenes with beta = 0.
-ROOT_TAIL_DEPTH = 7.0
+#: How far a tail of roots begins below the narrowest feature, in x = -ln d. Derived: the three
+#: polynomials that a known pressure has on its tail leave exp(-3 * 12), which is rounding. With 7
+#: they left 9e-12 in a smooth scene. The traction's half-integer powers would do with 7.
+ROOT_TAIL_DEPTH = 12.0
 #: Meshes toward a boundary go deeper than its rounding by this in x: fields next to the end of a
 #: mesh still depend on where it ends. Not measured again.
 EXTRA_BOUNDARY_DEPTH = 10.0

@@ -80,7 +80,7 @@ def stick(most):
 
 @functools.cache
 def zones(most, tolerance=1e-10):
-    layout = FreeBoundaryProblem(PARAMETERS, Layout((0.5,), (0, 1)), 1e-3).located()
+    layout = FreeBoundaryProblem(PARAMETERS, Layout((0.5,), (0, 1)), 1e-3).initial_layout()
     return solve_zones(PARAMETERS, layout, tolerance, most)
 
 

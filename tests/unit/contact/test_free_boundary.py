@@ -64,7 +64,7 @@ def residual_at(problem, logits):
 @pytest.mark.parametrize(("make", "known"), CASES)
 def test_boundaries_are_found_from_a_guess_that_is_off_by_a_third(make, known):
     problem = make(known=known)
-    located = problem.located()
+    located = problem.initial_layout()
     logits = np.array(located.logits)
     newton = newton_of(problem, logits)
     found = []
@@ -84,7 +84,7 @@ def test_boundaries_are_found_from_a_guess_that_is_off_by_a_third(make, known):
 @pytest.mark.parametrize(("make", "known"), CASES)
 def test_what_it_begins_with_stays_as_it_is(make, known):
     problem = make(known=known)
-    located = problem.located()
+    located = problem.initial_layout()
     logits = np.array(located.logits) + 0.1
     jacobian = np.array(located.jacobian)
     newton = newton_of(problem, logits)
@@ -107,7 +107,7 @@ def test_what_it_begins_with_stays_as_it_is(make, known):
 
 def test_a_jacobian_is_learnt_from_the_steps():
     problem = slip_inside(known=False)
-    located = problem.located()
+    located = problem.initial_layout()
     logits = np.array(located.logits)
     spread = np.array([[1.0, 0.3], [-0.2, 1.0]])
     newton = newton_of(problem, logits)
@@ -152,7 +152,7 @@ def test_boundaries_stay_in_order():
 @pytest.mark.parametrize("known", [True, False], ids=["known", "unknown"])
 def test_boundaries_that_are_not_near_by_are_given_up(known):
     problem = slip_inside(known=known)
-    located = problem.located()
+    located = problem.initial_layout()
     # with so much friction nothing slips, and no zones have such boundaries
     more = problem.parameters._replace(friction=100.0 * problem.parameters.friction)
     problem.parameters = more
@@ -162,7 +162,7 @@ def test_boundaries_that_are_not_near_by_are_given_up(known):
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
         newton.solve(start, 1e-8, 1e-8, near=True)
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
-        problem.located()
+        problem.initial_layout()
 
 
 def test_a_zone_that_vanishes_at_the_edge_is_none():
@@ -175,7 +175,7 @@ def test_a_zone_that_vanishes_at_the_edge_is_none():
 @pytest.mark.parametrize(("make", "known"), CASES)
 def test_fields_are_corrected_with_the_factors_of_other_boundaries(make, known):
     problem = make(known=known)
-    logits = np.array(problem.located().logits)
+    logits = np.array(problem.initial_layout().logits)
     spaces = problem.spaces(TOLERANCE, logits)
     system = problem.system(spaces, logits)
     own = FieldSolution.first(factored(system))
