@@ -160,7 +160,7 @@ def test_boundaries_that_are_not_near_by_are_given_up(known):
     newton = newton_of(problem, logits)
     start = newton.start(logits, located.jacobian)
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
-        newton.solve(start, 1e-8, 1e-8, near=True)
+        newton.solve(start, 1e-8, 1e-8, warm_start=True)
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
         problem.initial_layout()
 
