@@ -156,10 +156,16 @@ def refusal(name: str, value: object, allowed: str) -> ValueError:
     return ValueError(f"{name} = {text:.80}: must be {allowed}")
 
 
-def _without_unit(name: str, values: Any) -> Any:
+#: Deepest list that is looked into; NumPy's arrays have at most 64 dimensions.
+_DEEPEST = 64
+
+
+def _without_unit(name: str, values: Any, depth: int = 0) -> Any:
     """Return quantities, of pint for example, as plain numbers, and anything else as it is."""
     if isinstance(values, list | tuple):
-        return [_without_unit(name, value) for value in values]
+        if depth > _DEEPEST:
+            raise refusal(name, "a list that is nested too deeply", "numbers")
+        return [_without_unit(name, value, depth + 1) for value in values]
     if not (hasattr(type(values), "to") and (hasattr(values, "units") or hasattr(values, "unit"))):
         return values
     try:
