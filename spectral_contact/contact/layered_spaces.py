@@ -24,7 +24,7 @@ from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
 from spectral_contact.spectral.panels import Resolution
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.parts import GradedMesh, Parts
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
 from spectral_contact.spectral.spaces import disk_space
@@ -61,7 +61,7 @@ class PanelForm:
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
         self.z: Array = np.concatenate(
-            [Family(*end, panels).sampling().z for end, (panels, _) in ends]
+            [GradedMesh(*end, panels).sampling().z for end, (panels, _) in ends]
         )
         self.tail_extent = parts.ends[-1][2] * used[-1][0].end
         self.central = len(used[0][1])

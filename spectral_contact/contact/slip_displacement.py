@@ -29,7 +29,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.parts import GradedMesh, Points, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _inside(stuck: list[Stuck], radius: Radius) -> list[Stuck]:
     return [zone for zone in stuck if zone.outer.rest >= radius.rest]
 
 
-def _from_stuck_at_samples(zone: Stuck, family: Family) -> Array:
+def _from_stuck_at_samples(zone: Stuck, family: GradedMesh) -> Array:
     """Integrate over a stick zone inside, at the sampling points of half a slip zone.
 
     The outer half is farther from the zone than it is wide: there a polynomial in ``s**2`` through

@@ -22,7 +22,7 @@ from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Parts, Points, gap
+from spectral_contact.spectral.parts import GradedMesh, Parts, Points, gap
 from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
@@ -102,7 +102,7 @@ class _KnownPart:
 
     Attributes
     ----------
-    family : Family
+    family : GradedMesh
     points : Points
     weights, t : ndarray
         Weights of ``dt^2``, and radii.
@@ -119,7 +119,7 @@ class _KnownPart:
         self._profile, self._radius, self._inner = profile, radius, inner
         boundary, sign, extent = end
         count = _TO_TIP if boundary is CENTRE else _PANELS
-        self.family = Family(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
+        self.family = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
         rule = _rule(self.family.panels, centred := first and sign < 0)
         self.points, self.weights = self.family.points(rule.d), extent * rule.weights
         # a disk's own points know how far they are from its centre

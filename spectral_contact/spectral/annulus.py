@@ -10,7 +10,7 @@ import numpy as np
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
@@ -32,12 +32,12 @@ class Annulus:
     toward_outer: LogPanels
 
     @cached_property
-    def families(self) -> tuple[Family, Family]:
+    def families(self) -> tuple[GradedMesh, GradedMesh]:
         """The two halves: above the inner end, below the outer end."""
         half = gap(self.inner, self.outer) / 2.0
         return (
-            Family(self.inner, 1, half, self.toward_inner),
-            Family(self.outer, -1, half, self.toward_outer),
+            GradedMesh(self.inner, 1, half, self.toward_inner),
+            GradedMesh(self.outer, -1, half, self.toward_outer),
         )
 
     @cached_property

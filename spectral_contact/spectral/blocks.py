@@ -45,7 +45,7 @@ from spectral_contact.spectral.graded import (
 )
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -270,9 +270,9 @@ def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
 
 
 def block(
-    source: Family,
+    source: GradedMesh,
     degrees: Degrees,
-    target: Family,
+    target: GradedMesh,
     used: Used,
     side: int,
     *,
@@ -285,9 +285,9 @@ def block(
 
     Parameters
     ----------
-    source, degrees : Family, tuple of int
+    source, degrees : GradedMesh, tuple of int
         Of the functions psi, and the highest ones on its panels.
-    target : Family
+    target : GradedMesh
         With the points: the same part or another one.
     used : tuple of int or LogPanels
         What the points are for: functions of these degrees (Galerkin nodes), or an expansion
@@ -328,7 +328,7 @@ def block(
     return unit._replace(scale=scale)
 
 
-def across(coefficients: Array, half: Family, other: Family, side: int) -> Array:
+def across(coefficients: Array, half: GradedMesh, other: GradedMesh, side: int) -> Array:
     """Return what a function on a part adds at the sampling points of another, on its `side`.
 
     To the half-integral (side +1) or the inner integral (-1) there, of functions (..., size).
@@ -351,7 +351,7 @@ def _vanishing(matrix: Array | StripMatrix) -> Block:
 
 
 def _facing(
-    source: Family, degrees: Degrees, target: Family, nodes: Nodes, differences: bool
+    source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes, differences: bool
 ) -> Block:
     """Return what is seen across the boundary that both parts have."""
     form = source.panels.panels, source.panels.width
@@ -394,7 +394,7 @@ def _halves(
 
 
 def _apart(
-    source: Family, degrees: Degrees, target: Family, nodes: Nodes, side: int, apart: float
+    source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes, side: int, apart: float
 ) -> Block:
     """Return what a part contributes whose boundary is another one."""
     outward, onward = side * source.sign * source.reach, side * target.sign * target.reach

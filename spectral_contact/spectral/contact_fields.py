@@ -27,7 +27,7 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.moments import moments
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.parts import GradedMesh, Parts
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
@@ -49,7 +49,7 @@ class MeshPart(NamedTuple):
         0 for stick, +1 or -1 for slip with this sign of the traction.
     boundary : int
         Number of the boundary that the mesh is graded to; -1 for the edge of the contact.
-    family, shear : Family
+    family, shear : GradedMesh
         The mesh with the functions of p, and with those of u. They differ in the endpoint weight.
     degrees : tuple of int
         Highest degree of an unknown on every panel.
@@ -60,8 +60,8 @@ class MeshPart(NamedTuple):
     zone: int
     state: int
     boundary: int
-    family: Family
-    shear: Family
+    family: GradedMesh
+    shear: GradedMesh
     degrees: Degrees
     pressure_degrees: Degrees
     shear_degrees: Degrees
@@ -175,7 +175,7 @@ class ContactFields:
                 singular = self.parameters.beta == 0.0 and boundary < 0
                 power = -0.5 if singular else 0.0
             # a tail of roots is that of a traction at the rim of a disk
-            family = Family(*end, replace(panels, root_tail=False))
+            family = GradedMesh(*end, replace(panels, root_tail=False))
             shear = family
             if power != panels.power or panels.root_tail:
                 shear = family._replace(panels=replace(panels, power=power))
@@ -410,7 +410,7 @@ def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
     return tuple(min(n + _EXTRA_DEGREES, panels.degree) for n in degrees)
 
 
-def _over_radius(family: Family, degrees: Degrees) -> Blockwise:
+def _over_radius(family: GradedMesh, degrees: Degrees) -> Blockwise:
     """Return the map from the coefficients of p on a part to those of ``p/s``, panel by panel."""
     panels = family.panels
     points = panels.degree + 11

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.blocks import Block, block
 from spectral_contact.spectral.contact_fields import ContactFields, MeshPart
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
-from spectral_contact.spectral.parts import Family
+from spectral_contact.spectral.parts import GradedMesh
 from spectral_contact.spectral.seen import Seen
 
 Array = NDArray[np.float64]
@@ -135,7 +135,7 @@ class ContactOperators:
             pressure.blocks[k] = self._pressure_block(part, place, of_shear)
 
     def _pressure_block(
-        self, part: MeshPart, place: tuple[Family, Degrees, int], of_shear: Block | None
+        self, part: MeshPart, place: tuple[GradedMesh, Degrees, int], of_shear: Block | None
     ) -> Block:
         """Return the integrals of p, which are those of u where the functions are the same."""
         if of_shear is not None and part.shear is part.family:

@@ -47,7 +47,7 @@ from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
 from spectral_contact.spectral.panels import Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family
+from spectral_contact.spectral.parts import GradedMesh
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
@@ -257,7 +257,7 @@ class ContactSystem(ContactFields):
         """Return E at the sampling points of both halves of an annulus, of vectors as columns."""
         return [self._residual_at_samples(values, half) for half in annulus.families]
 
-    def _residual_at_samples(self, values: Array, target: Family) -> Array:
+    def _residual_at_samples(self, values: Array, target: GradedMesh) -> Array:
         """Return E at the sampling points of a mesh."""
         inner = np.zeros((len(target.panels.distances), values.shape[1]))
         outer = np.zeros_like(inner)

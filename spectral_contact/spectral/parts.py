@@ -46,7 +46,7 @@ class Points(NamedTuple):
         return self.anchor.rest - self.offset
 
 
-class Family(NamedTuple):
+class GradedMesh(NamedTuple):
     """Panels in the logarithm of the distance to one end of an annulus.
 
     Attributes

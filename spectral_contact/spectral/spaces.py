@@ -11,8 +11,9 @@ left to integrate. Spaces know nothing of compliance, friction or Poisson's rati
 they also serve a stick disk of any radius c, with ``compliance / c``.
 
 A disk is one part, with panels in the logarithm of the distance to its edge, or several, with
-panels graded to the breaks of a profile. Each is a disk, or one half of an annulus (`Family`); the
-centre is an end of one where a punch has a tip. Half-integrals between parts are those of `blocks`.
+panels graded to the breaks of a profile. Each is a disk, or one half of an annulus (`GradedMesh`);
+the centre is an end of one where a punch has a tip. Half-integrals between parts are those of
+`blocks`.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.parts import GradedMesh, Parts
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
@@ -54,7 +55,7 @@ class Space(NodalSpace):
 
     def __init__(self, parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> None:
         pairs = zip(parts.ends, used, strict=True)
-        self._families = families = [Family(*end, panels) for end, (panels, _) in pairs]
+        self._families = families = [GradedMesh(*end, panels) for end, (panels, _) in pairs]
         self._used, self.shear = used, shear
         self._order = order = _order(used)
         self.size, self.panels = order.size, order.panels

@@ -11,7 +11,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.parts import GradedMesh, Points, gap
 from spectral_contact.spectral.transforms import sampled_series, series_of
 
 mp = MPContext()
@@ -193,10 +193,10 @@ def test_own_integrals_are_those_at_the_sampling_points(annulus):
 FAMILIES = pytest.mark.parametrize(
     "family",
     [
-        Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(5, 1.0, 10)),
-        Family(Radius(0.75, 0.25), -1, 0.25, LogPanels(3, 2.0, 14)),
-        Family(Radius(0.75, 0.25), -1, 0.25, LogPanels(4, 1.0, 6)),
-        Family(Radius(1 - 1e-9, 1e-9), -1, 1e-7, LogPanels(3, 1.0, 20)),
+        GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(5, 1.0, 10)),
+        GradedMesh(Radius(0.75, 0.25), -1, 0.25, LogPanels(3, 2.0, 14)),
+        GradedMesh(Radius(0.75, 0.25), -1, 0.25, LogPanels(4, 1.0, 6)),
+        GradedMesh(Radius(1 - 1e-9, 1e-9), -1, 1e-7, LogPanels(3, 1.0, 20)),
     ],
     ids=["above", "below", "degree 6", "edge"],
 )
@@ -243,7 +243,7 @@ def test_moments_with_smooth_densities(family):
 
 
 def test_expansion_and_series_are_inverse():
-    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
+    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
     d = family.sampling().offset / family.reach
     coefficients = family.expand(function(d))
     assert coefficients.shape == (family.panels.size,)
@@ -254,7 +254,7 @@ def test_expansion_and_series_are_inverse():
 
 
 def test_unresolved_looks_at_the_last_coefficients():
-    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
     coefficients = np.zeros(family.panels.size)
     coefficients[[0, 7, 14, 15]] = 5.0  # low degrees of every panel
     coefficients[7 + 4] = -0.25
@@ -264,7 +264,7 @@ def test_unresolved_looks_at_the_last_coefficients():
 
 
 def test_truncated_is_what_expand_drops():
-    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
     d = family.sampling().offset / family.reach
     inside = -np.log(d) < 3.0
     # Legendre polynomials of the panel coordinate, one within the basis and one beyond it

@@ -10,7 +10,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 
 FIRST, SECOND = Radius.from_logit(-1.0), Radius.from_logit(8.0)
 COUNT, DEGREE = 14, 16
@@ -22,11 +22,11 @@ def families(power=0.0):
     panels = LogPanels(COUNT, 2.0, DEGREE)
     wide, narrow = gap(FIRST, SECOND) / 2.0, gap(SECOND, EDGE) / 2.0
     return [
-        Family(FIRST, -1, FIRST.square, panels),
-        Family(FIRST, 1, wide, panels),
-        Family(SECOND, -1, wide, panels),
-        Family(SECOND, 1, narrow, panels),
-        Family(EDGE, -1, narrow, LogPanels(COUNT, 2.0, DEGREE, power)),
+        GradedMesh(FIRST, -1, FIRST.square, panels),
+        GradedMesh(FIRST, 1, wide, panels),
+        GradedMesh(SECOND, -1, wide, panels),
+        GradedMesh(SECOND, 1, narrow, panels),
+        GradedMesh(EDGE, -1, narrow, LogPanels(COUNT, 2.0, DEGREE, power)),
     ]
 
 

@@ -6,7 +6,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.abel import deeper, outer
 from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import transforms
 
 
@@ -30,11 +30,11 @@ def test_across_is_the_integral_past_the_first_panel(count, other, end):
     panels, points, start = LogPanels(count, 2.0, 8), LogPanels(other, 2.0, 10), Radius(0.6, 0.4)
     coefficients = np.random.default_rng(4).standard_normal(panels.size)
     half = gap(start, end) / 2.0
-    outside, inside = Family(end, -1, half, panels), Family(start, 1, half, points)
+    outside, inside = GradedMesh(end, -1, half, panels), GradedMesh(start, 1, half, points)
     matrix = np.sqrt(half) * deeper(2.0 - points.distances, count, 2.0, 8)
     values = across(coefficients, outside, inside, 1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
     # and the other way round
-    outside, inside = Family(end, -1, half, points), Family(start, 1, half, panels)
+    outside, inside = GradedMesh(end, -1, half, points), GradedMesh(start, 1, half, panels)
     values = across(coefficients, inside, outside, -1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
