@@ -15,7 +15,7 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.parts import Parts
+from spectral_contact.spectral.parts import DiskPartition
 from spectral_contact.spectral.regularised import Change
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class LayeredSetting:
         Where the approach is to be such that it is carried; else it is as given.
     centre : float or None
         Where it is to be such that this is the overclosure at the centre.
-    parts : Parts
+    parts : DiskPartition
         How panels cut the disk, if there are no cells.
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
@@ -75,7 +75,7 @@ class LayeredSetting:
     layer: Layer
     radius: float
     approach: float | None
-    parts: Parts
+    parts: DiskPartition
     depths: tuple[float, ...]
     smooth: tuple[bool, ...]
     load: float | None = None

@@ -21,7 +21,7 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.shapes import Flat
 from spectral_contact.spectral.cells import DiskCells
-from spectral_contact.spectral.parts import Parts
+from spectral_contact.spectral.parts import DiskPartition
 
 Array = NDArray[np.float64]
 
@@ -73,7 +73,7 @@ def setting_at_approach(profile: Profile, layer: Layer, approach: float) -> Laye
     if all(abs(one.value * radius - knee) >= _APART * radius for one in own.breaks):
         turns = [Radius(knee / radius, (radius - knee) / radius)]
     breaks = sorted([*own.breaks, *turns], key=lambda one: one.value)
-    parts = Parts(tuple(breaks), own.pointed, tuple(turns))
+    parts = DiskPartition(tuple(breaks), own.pointed, tuple(turns))
     central = layer._overclosure(_central(layer, approach, max(turn, layer._size)))
     thin = 1.0 / max(float(layer._slope(np.array(central))) * radius, 1.0)
     depths, smooth = [], []

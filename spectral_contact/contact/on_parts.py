@@ -27,7 +27,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.parts import Parts
+from spectral_contact.spectral.parts import DiskPartition
 from spectral_contact.spectral.regularised import Change
 from spectral_contact.spectral.transforms import series_of
 
@@ -100,7 +100,7 @@ class PartedProblem:
 
     Parameters
     ----------
-    parts : Parts
+    parts : DiskPartition
     depths : sequence of float
         ``x`` of the deepest feature at the end of every part.
     tolerance : float
@@ -110,7 +110,7 @@ class PartedProblem:
     """
 
     def __init__(
-        self, parts: Parts, depths: Sequence[float], tolerance: float, *, pointwise: bool
+        self, parts: DiskPartition, depths: Sequence[float], tolerance: float, *, pointwise: bool
     ) -> None:
         # integrals superconverge: their errors are the squares of the pressure's
         self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
@@ -147,10 +147,10 @@ class PartedProblem:
         return tuple(used)
 
 
-def profile_parts(profile: Profile, radius: float) -> Parts:
+def profile_parts(profile: Profile, radius: float) -> DiskPartition:
     """Return how a profile cuts a contact of this radius."""
     breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in profile.breaks if b < radius)
-    return Parts(breaks, profile.pointed)
+    return DiskPartition(breaks, profile.pointed)
 
 
 def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
@@ -159,7 +159,7 @@ def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
 
 
 def pointwise_errors(
-    parts: Parts, used: tuple[Resolution, ...], whole: Array, change: Change, mean: float
+    parts: DiskPartition, used: tuple[Resolution, ...], whole: Array, change: Change, mean: float
 ) -> tuple[Array, Array]:
     """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
 
@@ -192,7 +192,7 @@ def series_on_parts(used: tuple[Resolution, ...], coefficients: Array) -> list[L
     ]
 
 
-def field_of(parts: Parts, series: Sequence[LogSeries]) -> PressureField | ZonalField:
+def field_of(parts: DiskPartition, series: Sequence[LogSeries]) -> PressureField | ZonalField:
     """Return the pressure with these series on the parts."""
     if len(parts.ends) == 1:
         return PressureField(None, series[0])

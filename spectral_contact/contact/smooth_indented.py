@@ -22,7 +22,7 @@ from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, Parts, Points, gap
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh, Points, gap
 from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
@@ -74,7 +74,7 @@ class KnownContact:
 
 
 def smooth_contact(
-    profile: Profile, radius: float, parts: Parts, *, pointwise: bool
+    profile: Profile, radius: float, parts: DiskPartition, *, pointwise: bool
 ) -> KnownContact:
     """Return a contact of a given radius.
 
@@ -82,7 +82,7 @@ def smooth_contact(
     ----------
     profile : Profile
     radius : float
-    parts : Parts
+    parts : DiskPartition
         Graded to the profile's breaks.
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.

@@ -27,7 +27,7 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.moments import moments
 from spectral_contact.spectral.panels import LogPanels, Resolution
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import GradedMesh, Parts
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
@@ -164,7 +164,7 @@ class ContactFields:
         """Return the parts of the disk."""
         boundaries = len(self.radii)
         parts = []
-        ends = Parts(self.radii, pointed=False).ends
+        ends = DiskPartition(self.radii, pointed=False).ends
         for k, (end, (panels, degrees)) in enumerate(zip(ends, spaces, strict=True)):
             zone = (k + 1) // 2
             state = self.states[zone]

@@ -106,7 +106,7 @@ class GradedMesh(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class DiskPartition:
     """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
 
     Parameters

@@ -30,7 +30,7 @@ from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.parts import GradedMesh, Parts
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
@@ -38,7 +38,7 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 
 #: A disk in one part.
-WHOLE = Parts((), pointed=False)
+WHOLE = DiskPartition((), pointed=False)
 
 
 class Space(NodalSpace):
@@ -46,14 +46,16 @@ class Space(NodalSpace):
 
     Parameters
     ----------
-    parts : Parts
+    parts : DiskPartition
     used : tuple of Resolution
         Of every part.
     shear : bool
         Those of K2, with the mass ``int u v s**3 ds`` instead of ``int phi psi s ds``.
     """
 
-    def __init__(self, parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> None:
+    def __init__(
+        self, parts: DiskPartition, used: tuple[Resolution, ...], *, shear: bool = False
+    ) -> None:
         pairs = zip(parts.ends, used, strict=True)
         self._families = families = [GradedMesh(*end, panels) for end, (panels, _) in pairs]
         self._used, self.shear = used, shear
@@ -199,7 +201,7 @@ _order = kept("orders of functions", 96)(_Order)
 _space = kept("spaces", 96)(Space)
 
 
-def disk_space(parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> Space:
+def disk_space(parts: DiskPartition, used: tuple[Resolution, ...], *, shear: bool = False) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.

@@ -6,7 +6,7 @@ from oracles.family_integrals import half_integral
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, Parts
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.spaces import Space
 
 PANELS, DEGREES = LogPanels(6, 2.0, 8), (8, 6, 5, 4, 3, 2)
@@ -14,7 +14,7 @@ PANELS, DEGREES = LogPanels(6, 2.0, 8), (8, 6, 5, 4, 3, 2)
 
 def space_of(breaks, pointed):
     """Return a space, and its half-integrals at its nodes without any block that is kept."""
-    parts = Parts(tuple(Radius(b, 1.0 - b) for b in breaks), pointed)
+    parts = DiskPartition(tuple(Radius(b, 1.0 - b) for b in breaks), pointed)
     space = Space(parts, ((PANELS, DEGREES),) * len(parts.ends))
     families = [GradedMesh(*end, PANELS) for end in parts.ends]
     rows = []
