@@ -35,7 +35,7 @@ from spectral_contact.contact.slip_displacement import Slipping, Stuck, largest_
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import Points, gap
 from spectral_contact.spectral.regularised import HARMLESS
 from spectral_contact.spectral.transforms import series_of
@@ -62,7 +62,7 @@ class FieldErrors(NamedTuple):
 
 
 def _field_errors(
-    spaces: list[Resolution], system: ContactSystem, values: Array, change: Array
+    spaces: list[DiscreteSpace], system: ContactSystem, values: Array, change: Array
 ) -> FieldErrors:
     """Return the errors of the fields, from the change that a coarser space makes."""
     alpha, beta, _, _ = system.parameters
@@ -211,7 +211,7 @@ class ZoneEstimate:
     ----------
     iterate : Iterate
         Boundaries, fields and Jacobian.
-    spaces : list of Resolution
+    spaces : list of DiscreteSpace
     pointwise : bool
         Whether the fields are wanted, else approach and shear alone.
 
@@ -221,7 +221,7 @@ class ZoneEstimate:
         If the solution is not finite.
     """
 
-    def __init__(self, iterate: Iterate, spaces: list[Resolution], *, pointwise: bool) -> None:
+    def __init__(self, iterate: Iterate, spaces: list[DiscreteSpace], *, pointwise: bool) -> None:
         fields = iterate.fields
         if not np.isfinite(fields.values).all():
             raise NoBoundariesError("the system has no solution that is finite")

@@ -22,7 +22,7 @@ from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Attempt
 from spectral_contact.contact.resolution import ROUNDING
 from spectral_contact.fields.series import central_value
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layered_spaces import Form
@@ -53,10 +53,10 @@ class Layered(ABC):
         self._last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
-    def _form(self, resolution: Resolution) -> Form:
+    def _form(self, resolution: DiscreteSpace) -> Form:
         """Return the space."""
 
-    def attempt(self, resolution: Resolution) -> Attempt[Indentation]:
+    def attempt(self, resolution: DiscreteSpace) -> Attempt[Indentation]:
         """Solve in a space."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)

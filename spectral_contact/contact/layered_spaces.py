@@ -23,7 +23,7 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.fields.series import PressureField, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
@@ -55,7 +55,7 @@ class PanelForm:
         How many panels are of the piece at the centre.
     """
 
-    def __init__(self, parts: DiskPartition, used: tuple[Resolution, ...]) -> None:
+    def __init__(self, parts: DiskPartition, used: tuple[DiscreteSpace, ...]) -> None:
         self._parts, self._used = parts, used
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)

@@ -19,7 +19,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 
@@ -39,13 +39,13 @@ class _NormalProblem:
         small = compliance < SMALL_COMPLIANCE and self.pointwise
         self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if small else None
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         layer = max(-log(self.compliance), 0.0)
         # the approach superconverges: its error is the square of the pressure's
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
         return starting_resolution(layer, tolerance)
 
-    def attempt(self, resolution: Resolution) -> Attempt[NormalContact]:
+    def attempt(self, resolution: DiscreteSpace) -> Attempt[NormalContact]:
         panels, compliance, weight = resolution.panels, self.compliance, self.weight
         space = unit_space(panels, resolution.degrees)
         target: Array | float = 2.0

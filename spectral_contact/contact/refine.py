@@ -11,7 +11,7 @@ import numpy as np
 
 from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
-from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
+from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace
 
 T = TypeVar("T")
 
@@ -53,10 +53,10 @@ class Attempt(Generic[T]):
 class Problem(Protocol[T]):
     """What `refine` needs of a problem."""
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the first space to try."""
 
-    def attempt(self, resolution: Resolution) -> Attempt[T]:
+    def attempt(self, resolution: DiscreteSpace) -> Attempt[T]:
         """Solve in a space."""
 
 
@@ -65,7 +65,7 @@ class Refinement(Generic[T]):
     """The best attempt, why it is the last one, and the history."""
 
     best: Attempt[T]
-    resolution: Resolution
+    resolution: DiscreteSpace
     ending: Ending
     history: tuple[RefinementStep, ...]
 
@@ -103,12 +103,12 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         return Refinement(best, space, ending, tuple(history))
 
 
-def _size(resolution: Resolution) -> int:
+def _size(resolution: DiscreteSpace) -> int:
     """Return the number of unknowns on the panels, tails aside."""
     return sum(resolution.degrees) + len(resolution.degrees)
 
 
-def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
+def fitted(resolution: DiscreteSpace, max_unknowns: int) -> DiscreteSpace:
     """Lower the highest degrees until the space fits."""
     # the caller sees where even the least is too large
     while _size(resolution) > max_unknowns and (top := max(resolution.degrees)) > LEAST_DEGREE:
@@ -118,8 +118,8 @@ def fitted(resolution: Resolution, max_unknowns: int) -> Resolution:
 
 
 def _finer(
-    resolution: Resolution, attempt: Attempt[T], tolerance: float, stalled: int
-) -> Resolution:
+    resolution: DiscreteSpace, attempt: Attempt[T], tolerance: float, stalled: int
+) -> DiscreteSpace:
     """Raise the degree where the indicator asks for it, by what the decay predicts.
 
     Where that did not help the error comes from elsewhere: what panels above a thin layer leave is
@@ -133,4 +133,4 @@ def _finer(
     panels = resolution.panels
     if highest > panels.degree:
         panels = replace(panels, degree=min(highest + 4, _DEGREE_LIMIT))
-    return Resolution(panels, tuple(degrees.tolist()))
+    return DiscreteSpace(panels, tuple(degrees.tolist()))

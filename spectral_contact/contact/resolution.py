@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import kept
-from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
+from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
 ROUNDING = 2e-15
@@ -104,7 +104,7 @@ class NormalContact:
     rate: float = 0.0
 
 
-def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> Resolution:
+def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> DiscreteSpace:
     """Return the first space for a solution that settles like ``exp(-rate x)`` past `layer`.
 
     Parameters
@@ -121,7 +121,7 @@ def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) ->
 
 
 @kept("first spaces", 128)
-def _first_space(width: float, layer: float, digits: float, rate: float) -> Resolution:
+def _first_space(width: float, layer: float, digits: float, rate: float) -> DiscreteSpace:
     # few distinct meshes, so that caches are shared
     panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
     top: Array = np.full(panels, LEAST_DEGREE + ceil(_DEGREES * digits))
@@ -132,7 +132,7 @@ def _first_space(width: float, layer: float, digits: float, rate: float) -> Reso
     # what falls like exp(-x) still bends on its panel: two degrees more than its share
     degrees = np.maximum(np.ceil(np.minimum(top * missing + 2.0, top)).astype(int), LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
-    return Resolution(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
+    return DiscreteSpace(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
 
 
 def nearness(panels: int, bend: float) -> Array:
@@ -150,14 +150,14 @@ def slip_degree(tolerance: float) -> int:
     return 4 * ceil((4 - _IN_SLIP * log(tolerance)) / 4)
 
 
-def joined(spaces: Sequence[Resolution]) -> Resolution:
+def joined(spaces: Sequence[DiscreteSpace]) -> DiscreteSpace:
     """Return the spaces of all parts as one, for `refine`."""
     capacity = max(one.panels.degree for one in spaces)
     degrees = tuple(n for one in spaces for n in one.degrees)
-    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
+    return DiscreteSpace(replace(spaces[0].panels, degree=capacity), degrees)
 
 
-def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
+def decay_rates(resolution: DiscreteSpace, coefficients: Array) -> Array:
     """Return by what factor a coefficient falls with one degree, panel by panel."""
     return table_rates(resolution.degrees, resolution.panels.table(coefficients))
 

@@ -42,7 +42,7 @@ from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
 #: A last zone that is narrower than this share of the layer at the edge is none: 1e-12 misses
@@ -97,7 +97,7 @@ class FreeBoundaryProblem:
 
     # systems
 
-    def spaces(self, tolerance: float, logits: Array) -> list[Resolution]:
+    def spaces(self, tolerance: float, logits: Array) -> list[DiscreteSpace]:
         """Return the first spaces for a tolerance, with these boundaries."""
         alpha, beta, _, _ = self.parameters
         radii = tuple(map(Radius.from_logit, logits.tolist()))
@@ -105,13 +105,13 @@ class FreeBoundaryProblem:
         return first(alpha, beta, radii, self.states, tolerance)
 
     def system(
-        self, spaces: Sequence[Resolution], logits: Array, *, changes: bool = False
+        self, spaces: Sequence[DiscreteSpace], logits: Array, *, changes: bool = False
     ) -> ContactSystem:
         """Return the equations with given boundaries.
 
         Parameters
         ----------
-        spaces : sequence of Resolution
+        spaces : sequence of DiscreteSpace
         logits : ndarray
         changes : bool
             Whether it takes the changes of a known pressure, which tell of its error.
@@ -140,7 +140,7 @@ class FreeBoundaryProblem:
             truncated=changes and self._known is not None,
         )
 
-    def _newton(self, spaces: Sequence[Resolution], *, changes: bool = False) -> FreeBoundary:
+    def _newton(self, spaces: Sequence[DiscreteSpace], *, changes: bool = False) -> FreeBoundary:
         return FreeBoundary(
             lambda logits: self.system(spaces, logits, changes=changes), relative_size
         )
@@ -190,7 +190,7 @@ class FreeBoundaryProblem:
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def _jacobian(
-        self, spaces: Sequence[Resolution], logits: Array, tolerance: float = SLOPING
+        self, spaces: Sequence[DiscreteSpace], logits: Array, tolerance: float = SLOPING
     ) -> Array:
         """Return the derivatives of the boundary residual by differences."""
         factors = factored(self.system(spaces, logits))
@@ -207,7 +207,7 @@ class FreeBoundaryProblem:
 
     # what `refine` asks for
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the first space, of all parts one after the other."""
         self._layout = self.located()
         logits = np.array(self._layout.logits)
@@ -227,11 +227,11 @@ class FreeBoundaryProblem:
         self._counts = [space.panels.panels for space in spaces]
         return joined(spaces)
 
-    def parted(self, resolution: Resolution) -> list[Resolution]:
+    def parted(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:
         """Return the spaces of all parts, of one like that of `start`."""
         return parted(resolution, self._counts, self.parameters.alpha)
 
-    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
+    def attempt(self, resolution: DiscreteSpace) -> Attempt[ZoneSolution]:
         """Solve in a space."""
         spaces = self.parted(resolution)
         layout = self.located()
@@ -246,7 +246,7 @@ class FreeBoundaryProblem:
         self._layout = self._layout_of(iterate.logits, iterate.jacobian)
         return self.estimated(iterate, spaces)
 
-    def estimated(self, iterate: Iterate, spaces: list[Resolution]) -> Attempt[ZoneSolution]:
+    def estimated(self, iterate: Iterate, spaces: list[DiscreteSpace]) -> Attempt[ZoneSolution]:
         """Return a solution with the estimates of its errors."""
         attempt = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).attempt()
         if self._known and not self.pointwise:
@@ -262,7 +262,7 @@ def narrowest(logits: Array) -> float:
 class _GivenRadius(FreeBoundaryProblem):
     """Spaces for a stick disk of a given radius, whose friction is found."""
 
-    def attempt(self, resolution: Resolution) -> Attempt[ZoneSolution]:
+    def attempt(self, resolution: DiscreteSpace) -> Attempt[ZoneSolution]:
         """Solve in a space; the derivative is that by the logarithm of the friction."""
         spaces = self.parted(resolution)
         logits = np.array(self._layout.logits)

@@ -23,7 +23,7 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.cache import kept
-from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
+from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
@@ -87,14 +87,14 @@ def rounding_depth(end: Radius, extent: float) -> float:
     return -log(_CLOSEST * min(end.square, end.rest) / extent)
 
 
-def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolution:
+def without_rounding(space: DiscreteSpace, end: Radius, extent: float) -> DiscreteSpace:
     """Return a space toward a boundary without the panels that only rounding could tell of."""
     most = ceil((_DEEPER + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
-    return Resolution(replace(space.panels, panels=len(degrees)), degrees)
+    return DiscreteSpace(replace(space.panels, panels=len(degrees)), degrees)
 
 
-def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[Resolution]:
+def parted(resolution: DiscreteSpace, counts: Sequence[int], alpha: float) -> list[DiscreteSpace]:
     """Return the spaces of all parts, with their numbers of panels, from what `joined` returns.
 
     The pressure under a smooth edge has its singularity. A tail of roots is that of the disk.
@@ -108,13 +108,13 @@ def parted(resolution: Resolution, counts: Sequence[int], alpha: float) -> list[
             power=power,
             root_tail=resolution.panels.root_tail and a == 0,
         )
-        spaces.append(Resolution(panels, resolution.degrees[a:b]))
+        spaces.append(DiscreteSpace(panels, resolution.degrees[a:b]))
     return spaces
 
 
 def first_spaces(
     alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
-) -> list[Resolution]:
+) -> list[DiscreteSpace]:
     """Return the first spaces on the disk, and toward both ends of every zone around it.
 
     Parameters
@@ -154,7 +154,7 @@ def first_spaces(
 
 def known_pressure_spaces(
     alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
-) -> list[Resolution]:
+) -> list[DiscreteSpace]:
     """Return first spaces under a pressure that is given, with the degrees that this has in slip.
 
     Parameters are those of `first_spaces`.
@@ -167,14 +167,14 @@ def known_pressure_spaces(
     accuracy = min(_QUADRATURE * tolerance, _FINEST) if tolerance < ROUGH else tolerance
     degree = slip_degree(accuracy)
     return [
-        Resolution(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
+        DiscreteSpace(replace(one.panels, degree=degree), (degree,) * one.panels.panels)
         if states[(k + 1) // 2]
         else one
         for k, one in enumerate(spaces)
     ]
 
 
-def _rigid_disk(alpha: float, rim: Radius, tolerance: float) -> Resolution:
+def _rigid_disk(alpha: float, rim: Radius, tolerance: float) -> DiscreteSpace:
     """Return the space of a stick disk without tangential compliance under a known pressure.
 
     The traction has a root at the rim, and bends where the annulus around it ends and where the
@@ -193,7 +193,7 @@ def _to_a_boundary(
     zone: int,
     state: int,
     tolerance: float,
-) -> Resolution:
+) -> DiscreteSpace:
     """Return the space of a part toward a boundary, so much larger than the one across it."""
     bends = [(layer - 1.0, _TURN)] if state == 0 and layer > 1.0 else []
     begin = min(layer, 0.5 * layer + _BEFORE)
@@ -203,7 +203,7 @@ def _to_a_boundary(
     return _space(begin, bends, tolerance, rate, _AROUND if zone else _INSIDE)
 
 
-def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> Resolution:
+def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> DiscreteSpace:
     layer = thinnest_layer(alpha, beta, extent)
     if alpha > 0.0:
         return _space(layer + _FELT, [(layer - _FELT, _BEND)], tolerance, 1.0, _AT_EDGE)
@@ -214,7 +214,7 @@ def _to_the_edge(alpha: float, beta: float, extent: float, tolerance: float) -> 
 
 def _all_sticks(
     alpha: float, beta: float, tolerance: float, smooth: bool, spare: float, first: float = 0.0
-) -> Resolution:
+) -> DiscreteSpace:
     """Return the space of a disk that sticks to the edge: both layers bend both fields.
 
     Next to the edge of a smooth surface they have square roots.
@@ -235,7 +235,7 @@ def _space(
     *,
     power: float = 0.0,
     spare: float = 0.0,
-) -> Resolution:
+) -> DiscreteSpace:
     """Return a space whose solution settles like ``exp(-rate x)`` past `begin`.
 
     With a rate of 0 it ends in a tail of half-integer powers, which fall too slowly to taper the
@@ -257,7 +257,7 @@ def _settling(
     first: float,
     power: float,
     spare: float,
-) -> Resolution:
+) -> DiscreteSpace:
     depth = begin + ((digits + 2.0) / rate if rate else ROOT_DEPTH)
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
@@ -271,4 +271,4 @@ def _settling(
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
-    return Resolution(mesh, tuple(degrees.tolist()))
+    return DiscreteSpace(mesh, tuple(degrees.tolist()))

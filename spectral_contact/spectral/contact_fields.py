@@ -25,7 +25,7 @@ from spectral_contact.spectral.jacobi import (
     legendre_values,
 )
 from spectral_contact.spectral.moments import moments
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.transforms import series_of
@@ -117,7 +117,7 @@ class ContactFields:
         Boundaries between zones, outward.
     states : tuple of int
         0 for stick, +1 or -1 for slip with this sign of the traction; the first is 0.
-    spaces : sequence of Resolution
+    spaces : sequence of DiscreteSpace
         Meshes and degrees: of the central disk, then toward the inner and the outer end of every
         zone around it.
     parameters : Parameters
@@ -145,7 +145,7 @@ class ContactFields:
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        spaces: Sequence[Resolution],
+        spaces: Sequence[DiscreteSpace],
         parameters: Parameters,
         pressures: Sequence[PressureField] = (),
         *,
@@ -160,7 +160,7 @@ class ContactFields:
         self._place_fields(pressures, truncated=truncated)
         self._assemble_loads()
 
-    def _cut(self, spaces: Sequence[Resolution]) -> list[MeshPart]:
+    def _cut(self, spaces: Sequence[DiscreteSpace]) -> list[MeshPart]:
         """Return the parts of the disk."""
         boundaries = len(self.radii)
         parts = []

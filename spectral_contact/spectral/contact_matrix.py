@@ -15,7 +15,7 @@ from spectral_contact.spectral.blocks import kept_disk_gram
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.moments import outer_moments
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ def _without_masses(system: ContactSystem) -> Array:
     if system.radii or system.pressure_known:
         return _assembled(system)
     [part] = system.parts
-    space = Resolution(part.family.panels, part.degrees)
+    space = DiscreteSpace(part.family.panels, part.degrees)
     matrix = _full_stick_matrix(space, system.parameters.beta == 0.0).copy()
     matrix[: system.pressure_terms, system.pressure_terms :] *= system.parameters.kappa
     matrix[system.pressure_terms :, : system.pressure_terms] *= system.parameters.kappa
@@ -148,7 +148,7 @@ def _moments_within(system: ContactSystem, k: int) -> Array:
 
 
 @kept("full-stick matrices", 8)
-def _full_stick_matrix(space: Resolution, rigid: bool) -> Array:
+def _full_stick_matrix(space: DiscreteSpace, rigid: bool) -> Array:
     """Return the matrix of coupled full stick without masses, for kappa = 1."""
     parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)
     return _assembled(ContactSystem((), (0,), [space], parameters))

@@ -45,7 +45,7 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import GradedMesh
 from spectral_contact.spectral.seen import Seen
@@ -86,7 +86,7 @@ class ContactSystem(ContactFields):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        spaces: Sequence[Resolution],
+        spaces: Sequence[DiscreteSpace],
         parameters: Parameters,
         pressures: Sequence[PressureField] = (),
         *,

@@ -196,7 +196,7 @@ class LogPanels:
         return found
 
 
-class Resolution(NamedTuple):
+class DiscreteSpace(NamedTuple):
     """A space on a part: panels and the degree used on each of them."""
 
     panels: LogPanels

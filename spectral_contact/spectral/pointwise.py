@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 
 Array = NDArray[np.float64]
 
@@ -48,14 +48,14 @@ class Sampling:
 
     Parameters
     ----------
-    used : tuple of Resolution
+    used : tuple of DiscreteSpace
         Of every part.
     polynomials : tuple of int
         Degrees on cells instead.
     """
 
     def __init__(
-        self, used: tuple[Resolution, ...] = (), polynomials: tuple[int, ...] = ()
+        self, used: tuple[DiscreteSpace, ...] = (), polynomials: tuple[int, ...] = ()
     ) -> None:
         self._pieces: list[_Stretch] = []
         self.size = self.samples = 0

@@ -29,7 +29,7 @@ from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block, disk_gram
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.spectral.seen import Seen
@@ -47,14 +47,14 @@ class Space(NodalSpace):
     Parameters
     ----------
     parts : DiskPartition
-    used : tuple of Resolution
+    used : tuple of DiscreteSpace
         Of every part.
     shear : bool
         Those of K2, with the mass ``int u v s**3 ds`` instead of ``int phi psi s ds``.
     """
 
     def __init__(
-        self, parts: DiskPartition, used: tuple[Resolution, ...], *, shear: bool = False
+        self, parts: DiskPartition, used: tuple[DiscreteSpace, ...], *, shear: bool = False
     ) -> None:
         pairs = zip(parts.ends, used, strict=True)
         self._families = families = [GradedMesh(*end, panels) for end, (panels, _) in pairs]
@@ -172,7 +172,7 @@ class _Order:
         Where they are in that order.
     """
 
-    def __init__(self, used: tuple[Resolution, ...]) -> None:
+    def __init__(self, used: tuple[DiscreteSpace, ...]) -> None:
         self.size = sum(panels.size for panels, _ in used)
         self.panels = sum(panels.panels for panels, _ in used)
         place, panel, starts, shed = [], [], [0], list[NDArray[np.int_]]()
@@ -201,7 +201,9 @@ _order = kept("orders of functions", 96)(_Order)
 _space = kept("spaces", 96)(Space)
 
 
-def disk_space(parts: DiskPartition, used: tuple[Resolution, ...], *, shear: bool = False) -> Space:
+def disk_space(
+    parts: DiskPartition, used: tuple[DiscreteSpace, ...], *, shear: bool = False
+) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
     Those of breaks are seldom the same, and what is kept of them are their blocks.
@@ -211,4 +213,4 @@ def disk_space(parts: DiskPartition, used: tuple[Resolution, ...], *, shear: boo
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:
     """Return the space on a disk in one part (cached)."""
-    return disk_space(WHOLE, (Resolution(panels, degrees),), shear=shear)
+    return disk_space(WHOLE, (DiscreteSpace(panels, degrees),), shear=shear)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from oracles.disk_integral import integral, places
 from oracles.property_settings import few
 from scipy.linalg import cholesky, solve_triangular, svdvals
+from spectral_contact.spectral.system import System
 
 from spectral_contact import Scene, solve
 from spectral_contact.equations.residuals import (
@@ -17,9 +18,8 @@ from spectral_contact.equations.residuals import (
     shear_lift,
     tangential_displacement,
 )
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.system import System
 from spectral_contact.testing import check_solution
 from spectral_contact.testing.strategies import (
     compliances,
@@ -109,7 +109,7 @@ def test_any_tractions_strain_the_body(panels, degree, power):
     own = LogPanels(panels, 2.0, degree, power)
     none = 1e-300 if power == 0.0 else 0.0  # a compliance, which decides on the endpoint weight
     parameters = Parameters(none, none, 1.0, math.inf)
-    system = System((), (0,), [Resolution(own, (degree,) * panels)], parameters)
+    system = System((), (0,), [DiscreteSpace(own, (degree,) * panels)], parameters)
     matrix, n = system.matrix(), system.count
     roots = [cholesky(matrix[place, place], lower=True) for place in (slice(n), slice(n, None))]
     half = solve_triangular(roots[0], -matrix[:n, n:], lower=True)

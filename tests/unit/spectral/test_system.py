@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from oracles.family_integrals import half_integral, inner_integral, sources
+from spectral_contact.spectral.system import System
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.factored import Factored
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import Points
-from spectral_contact.spectral.system import System
 
 PARAMETERS = Parameters(0.1, 0.2, 0.3, 0.4)
 STATES = [(0, 1), (0, 1, 0), (0, 1, 0, -1), (0, -1, 0, 1, 0)]
@@ -32,7 +32,7 @@ def zones(states, degree=6, parameters=PARAMETERS, moved=0.0):
     panels = [LogPanels(6, 2.0, 12) for _ in range(count)]
     panels[-1] = LogPanels(6, 2.0, 12, 0.0 if parameters.alpha else -0.5)
     radii = tuple(Radius.from_logit(x) for x in np.linspace(-1.0, 3.0, len(states) - 1) + moved)
-    return System(radii, states, [Resolution(one, (degree,) * 6) for one in panels], parameters)
+    return System(radii, states, [DiscreteSpace(one, (degree,) * 6) for one in panels], parameters)
 
 
 def vector(system):
