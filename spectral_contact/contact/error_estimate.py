@@ -36,7 +36,7 @@ from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import DiscreteSpace
-from spectral_contact.spectral.parts import Points, gap
+from spectral_contact.spectral.parts import OffsetRadii, gap
 from spectral_contact.spectral.regularised import HARMLESS
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
@@ -421,7 +421,7 @@ def _unsure(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> l
 
 def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[Stuck]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones."""
-    parts: dict[int, list[tuple[Points, Array]]] = {}
+    parts: dict[int, list[tuple[OffsetRadii, Array]]] = {}
     # farther out than the last that sticks E is not known
     each = zip(
         system.parts, system.operators.nodes, system.operators.shear_weights, misfit, strict=False

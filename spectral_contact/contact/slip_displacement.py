@@ -29,7 +29,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
-from spectral_contact.spectral.parts import GradedMesh, Points, gap
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Stuck(NamedTuple):
     """A stick zone: quadrature of ``t^2 E dt`` over it, point sets with their weighted values."""
 
     outer: Radius
-    parts: tuple[tuple[Points, Array], ...]
+    parts: tuple[tuple[OffsetRadii, Array], ...]
 
 
 class Slipping(NamedTuple):
@@ -138,11 +138,11 @@ def _from_stuck_at_samples(zone: Stuck, family: GradedMesh) -> Array:
     if family.sign > 0:
         return _from_stuck(zone, points)
     reach = -family.reach
-    fit = FAR_FIT @ _from_stuck(zone, Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
+    fit = FAR_FIT @ _from_stuck(zone, OffsetRadii(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
     return np.asarray(chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])[0])
 
 
-def _from_stuck(zone: Stuck, points: Points) -> Array:
+def _from_stuck(zone: Stuck, points: OffsetRadii) -> Array:
     """Integrate over a stick zone that lies inside `points`."""
     total = np.zeros(len(points.offset))
     for sources, values in zone.parts:
@@ -157,7 +157,7 @@ def largest_displacement(stuck: list[Stuck], inner: Radius, outer: Radius) -> fl
 
     Seen at points graded to the inner end, where it is largest.
     """
-    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, DEEPEST, 41)))
+    points = OffsetRadii(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, DEEPEST, 41)))
     total = np.zeros(len(points.offset))
     for zone in _inside(stuck, inner):
         total += _from_stuck(zone, points)

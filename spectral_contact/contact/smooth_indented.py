@@ -22,7 +22,7 @@ from spectral_contact.spectral.blocks import across
 from spectral_contact.spectral.cache import kept
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import DiskPartition, GradedMesh, Points, gap
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
@@ -103,7 +103,7 @@ class _KnownPart:
     Attributes
     ----------
     family : GradedMesh
-    points : Points
+    points : OffsetRadii
     weights, t : ndarray
         Weights of ``dt^2``, and radii.
     """
@@ -125,12 +125,12 @@ class _KnownPart:
         # a disk's own points know how far they are from its centre
         self.t: Array = np.sqrt(extent * rule.rest if centred else self.points.z)
 
-    def _past(self, points: Points) -> Array:
+    def _past(self, points: OffsetRadii) -> Array:
         """Return ``t^2 - b^2`` for the break b before this part, 0 if there is none."""
         inside = self._inner is CENTRE
         return np.zeros(len(points.offset)) if inside else -points.before(self._inner)
 
-    def _rates(self, t: Array, points: Points) -> Array:
+    def _rates(self, t: Array, points: OffsetRadii) -> Array:
         return self._profile._rate(self._radius * t, self._radius**2 * self._past(points))
 
     def half_integral(self) -> Array:
@@ -153,7 +153,7 @@ class _KnownPart:
         lost = last * np.sqrt(family.reach * series.ends[:-1])
         return _Density(panels, family.expand(values), lost)
 
-    def seen_from(self, target: Points) -> Array:
+    def seen_from(self, target: OffsetRadii) -> Array:
         """Return half of ``int H'(t)/t dt^2 / sqrt(t^2 - s^2)`` at points that are clear of it."""
         apart = gap(target.anchor, self.points.anchor) - target.offset
         kernel = apart[:, None] + self.points.offset

@@ -8,7 +8,7 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, Points
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii
 from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.spectral.spaces import Space, unit_space
 
@@ -16,7 +16,7 @@ __all__ = [
     "Annulus",
     "GradedMesh",
     "LogPanels",
-    "Points",
+    "OffsetRadii",
     "Regularised",
     "Space",
     "cache_sizes",

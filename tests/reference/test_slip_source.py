@@ -3,12 +3,12 @@
 import mpmath as mp
 import numpy as np
 import pytest
-
 from spectral_contact.contact.slip_source import SlipSource
+
 from spectral_contact.fields.series import EDGE, EdgeWeight, PressureField, Radius
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Points, gap
+from spectral_contact.spectral.parts import OffsetRadii, gap
 
 PANELS = LogPanels(18, 2.0, 6)
 NODES = graded_nodes(PANELS, (6,) * 18)
@@ -58,7 +58,7 @@ def test_half_integrals_of_the_endpoint_weight(logit, end, alpha):
         for i in (3, len(below) // 2, len(below) - 1):
             b = mp.mpf(below[i])
             wanted = integral(inner, outer, alpha, lambda above, b=b: 1 / mp.sqrt(above + b))
-            points = Points(inner, -below[i : i + 1])
+            points = OffsetRadii(inner, -below[i : i + 1])
             assert source.half_integral(points)[0, 0] == pytest.approx(float(wanted), rel=1e-14)
 
             def fall(above, b=b):

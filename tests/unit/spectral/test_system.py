@@ -9,7 +9,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.factored import Factored
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Points
+from spectral_contact.spectral.parts import OffsetRadii
 
 PARAMETERS = Parameters(0.1, 0.2, 0.3, 0.4)
 STATES = [(0, 1), (0, 1, 0), (0, 1, 0, -1), (0, -1, 0, 1, 0)]
@@ -82,7 +82,7 @@ def test_balances_are_integrals_at_the_boundaries(states):
     pressure = [one.of(values) for one in system.fields[: len(system.parts)]]
     traction = whole_traction(system, values)
     for b, radius in enumerate(system.radii):
-        at = Points(radius, np.zeros(1))
+        at = OffsetRadii(radius, np.zeros(1))
         inner = sum(
             float((inner_integral(part.family, at) @ p)[0])
             for part, p in zip(system.parts, pressure, strict=True)
