@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import Array, PressureField, Radius
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
 
 #: Relative rounding error of an integral quantity, measured (docs/theory).
@@ -120,7 +120,7 @@ def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) ->
     return _first_space(PANEL_WIDTH, ceil(2.0 * layer) / 2.0, -log(tolerance), rate)
 
 
-@kept("first spaces", 128)
+@bounded_cache("first spaces", 128)
 def _first_space(width: float, layer: float, digits: float, rate: float) -> DiscreteSpace:
     # few distinct meshes, so that caches are shared
     panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
@@ -179,7 +179,7 @@ def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     return np.asarray(np.minimum(np.maximum(rate, _FASTEST), _SLOWEST))
 
 
-@kept("last coefficients", 128)
+@bounded_cache("last coefficients", 128)
 def _last_places(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
     """Return where the last four coefficients are in a table, (4, rows), and the least rates."""
     highest = np.array(degrees)

@@ -19,7 +19,7 @@ from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.blocks import across
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import DiskPartition, GradedMesh, OffsetRadii, gap
@@ -239,7 +239,7 @@ def _to_the_break(series: LogSeries) -> tuple[LogSeries, float]:
     return replace(series, logarithm=slope), 0.0
 
 
-@kept("plain rules", 8)
+@bounded_cache("plain rules", 8)
 def _rule(panels: LogPanels, centred: bool) -> _PlainRule:
     """Return a rule on these panels and the tail (cached).
 

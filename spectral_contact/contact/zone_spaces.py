@@ -22,7 +22,7 @@ from spectral_contact.contact.resolution import (
     slip_degree,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
@@ -247,7 +247,7 @@ def _space(
     return _settling(PANEL_WIDTH, begin, turns, -log(tolerance), rate, first, power, spare)
 
 
-@kept("first spaces on zones", 128)
+@bounded_cache("first spaces on zones", 128)
 def _settling(
     width: float,
     begin: float,

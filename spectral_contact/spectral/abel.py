@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.spectral.blockwise import Blockwise
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     TAIL_EXTRA,
@@ -60,7 +60,7 @@ class Charges(Blockwise):
         self.d: Array = np.exp(-width * np.concatenate(middles))
 
 
-charges_on = kept("charges on panels", 128)(Charges)
+charges_on = bounded_cache("charges on panels", 128)(Charges)
 
 
 class Moments(Blockwise):
@@ -82,7 +82,7 @@ class Moments(Blockwise):
         return self.after(densities * self._weights)
 
 
-moments_on = kept("moments with densities", 128)(Moments)
+moments_on = bounded_cache("moments with densities", 128)(Moments)
 
 
 def _smooth(u: Array) -> Array:

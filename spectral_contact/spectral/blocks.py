@@ -31,7 +31,7 @@ from spectral_contact.spectral.abel import (
     plain,
     rise,
 )
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.graded import (
     FAR_NODES,
     SAMPLES,
@@ -164,7 +164,7 @@ class StripMatrix:
 
 
 # slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
-@kept("own integrals", 256)
+@bounded_cache("own integrals", 256)
 def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     """Return the integrals of the functions of a part, of unit extent, at its own nodes (cached).
 
@@ -185,7 +185,7 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     return Block(at, rise(whole, functions, d, *form), whole, False)
 
 
-@kept("half-integrals in strips", 128)
+@bounded_cache("half-integrals in strips", 128)
 def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripMatrix:
     """Return half-integrals of functions at the Galerkin nodes for some degrees (cached).
 
@@ -216,7 +216,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripM
     return StripMatrix((len(nodes.d), len(columns)), found)
 
 
-@kept("half-integrals", 72)
+@bounded_cache("half-integrals", 72)
 def _deeper(count: int, highest: int, form: Form) -> Array:
     """Return half-integrals at so many nodes of a panel, of it and deeper ones (cached).
 
@@ -229,14 +229,14 @@ def _deeper(count: int, highest: int, form: Form) -> Array:
     return blocks.reshape(count, -1)
 
 
-@kept("half-integrals near by", 24)
+@bounded_cache("half-integrals near by", 24)
 def _near(count: int, highest: int, width: float, power: float) -> Array:
     """Return those of that panel and of the next, of any number of panels."""
     start, _ = clustered_rule(count, width)
     return near_blocks(start[::-1], start, 2, width, highest, power)
 
 
-@kept("half-integrals far off", 24)
+@bounded_cache("half-integrals far off", 24)
 def _far_samples(form: Form) -> Array:
     """Return those of the panels beyond, which are smooth, at the samples of a panel."""
     g, _ = gauss_rule(SAMPLES)
@@ -259,10 +259,10 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     return gram
 
 
-kept_disk_gram = kept("disk Gram", 48)(disk_gram)
+kept_disk_gram = bounded_cache("disk Gram", 48)(disk_gram)
 
 
-@kept("disk shears", 96)
+@bounded_cache("disk shears", 96)
 def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
     nodes, seen = graded_nodes(panels, degrees), half_integrals(panels, degrees, degrees)
@@ -363,7 +363,7 @@ def _facing(
     return Block(at, -falls, whole, True)
 
 
-@kept("halves", 128)
+@bounded_cache("halves", 128)
 def _halves(
     panels: LogPanels, degrees: Degrees, target: LogPanels, used: Used, edge: bool
 ) -> Block:
@@ -423,7 +423,7 @@ def _apart(
     return Block(at, more, whole, True, float(np.sqrt(source.reach)), gathered)
 
 
-@kept("gathered parts", 128)
+@bounded_cache("gathered parts", 128)
 def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
     # polynomials of degree 23 take more points than low degrees have

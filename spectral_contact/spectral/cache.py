@@ -151,7 +151,7 @@ def cleared_too(*others: Callable[[], None]) -> None:
     _OTHERS.extend(others)
 
 
-def kept(name: str, capacity: int) -> Callable[[Callable[P, V]], Callable[P, V]]:
+def bounded_cache(name: str, capacity: int) -> Callable[[Callable[P, V]], Callable[P, V]]:
     """Return a decorator of functions of hashable arguments, or classes: what they made is kept."""
 
     def decorated(make: Callable[P, V]) -> Callable[P, V]:

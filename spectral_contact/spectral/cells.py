@@ -21,7 +21,7 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.regularised import NodalSpace
 from spectral_contact.threads import cached_property
@@ -166,4 +166,4 @@ class CellSpace(NodalSpace):
         return np.asarray(self._matrix @ coefficients[self.index])
 
 
-cell_space = kept("cells", 16)(CellSpace)
+cell_space = bounded_cache("cells", 16)(CellSpace)

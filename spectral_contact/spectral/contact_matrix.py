@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.blocks import kept_disk_gram
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.moments import outer_moments
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -147,7 +147,7 @@ def _moments_within(system: ContactSystem, k: int) -> Array:
     return np.asarray((0.5 * part.family.reach) ** 2 * whole[np.ix_(rows, columns)])
 
 
-@kept("full-stick matrices", 8)
+@bounded_cache("full-stick matrices", 8)
 def _full_stick_matrix(space: DiscreteSpace, rigid: bool) -> Array:
     """Return the matrix of coupled full stick without masses, for kappa = 1."""
     parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)

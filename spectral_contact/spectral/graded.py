@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
     TAIL_TERMS,
     chebyshev_interpolation,
@@ -116,7 +116,7 @@ class GradedNodes:
         return np.concatenate([*parts, values[start:]])
 
 
-graded_nodes = kept("graded nodes", 128)(GradedNodes)
+graded_nodes = bounded_cache("graded nodes", 128)(GradedNodes)
 
 
 class PlainNodes:
@@ -131,7 +131,7 @@ class PlainNodes:
         return far_values(self.d)
 
 
-@kept("clustered rules", 24)
+@bounded_cache("clustered rules", 24)
 def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     """Return a rule on (0, width) for functions with square roots at both ends (cached)."""
     g, w = gauss_rule(points)
@@ -140,7 +140,7 @@ def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     return width * sine**2, width * (w * np.pi / 2.0 * sine * cosine)
 
 
-@kept("from samples", 24)
+@bounded_cache("from samples", 24)
 def from_samples(points: int, width: float) -> Array:
     """Return the matrix from the samples of a panel to so many nodes (cached)."""
     places = 2.0 * clustered_rule(points, width)[0] / width - 1.0

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import cleared_too, kept
+from spectral_contact.spectral.cache import bounded_cache, cleared_too
 from spectral_contact.spectral.jacobi import (
     EXTRA,
     ROOT_TERMS,
@@ -97,13 +97,13 @@ class LogPanels:
         """Number of sampling points on the tail."""
         return self.tail_terms + 1
 
-    @kept("functions in use", 512)
+    @bounded_cache("functions in use", 512)
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
         own = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
         return np.append(own, np.arange(self.size - self.tail_terms, self.size))
 
-    @kept("top degrees", 512)
+    @bounded_cache("top degrees", 512)
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
         """Return places among these of so many top degrees of every panel, and of the tail's last.
 
@@ -133,12 +133,12 @@ class LogPanels:
         return self.end * (1.0 + g) / 2.0
 
     @property
-    @kept("sampling points", 48)
+    @bounded_cache("sampling points", 48)
     def distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
         return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
 
-    @kept("rules on tails", 256)
+    @bounded_cache("rules on tails", 256)
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there (cached)."""
         g, w = gauss_rule(self.tail_terms + TAIL_EXTRA)
@@ -182,7 +182,7 @@ class LogPanels:
         product[last] = (constant * tail + rising * rising_tail) @ table[last]
         return np.asarray(product[used])
 
-    @kept("masses", 256)
+    @bounded_cache("masses", 256)
     def _masses(self) -> list[PartMass]:
         """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
         g, w = gauss_rule(self.degree + EXTRA)

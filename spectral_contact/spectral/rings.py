@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule
 
 Array = NDArray[np.float64]
@@ -84,7 +84,7 @@ def _between(lower: Array, upper: Array) -> Array:
     return np.asarray(fall * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
 
 
-@kept("rings", 8)  # the first ones, and some that were refined
+@bounded_cache("rings", 8)  # the first ones, and some that were refined
 def _assembled(grid: bytes) -> RingOperators:
     """Return the operators: F and G of every ring at Gauss points of every ring.
 

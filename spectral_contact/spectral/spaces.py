@@ -27,7 +27,7 @@ from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
 from spectral_contact.spectral.blocks import block, disk_gram
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parts import DiskPartition, GradedMesh
@@ -197,8 +197,8 @@ class _Order:
         return matrix[np.ix_(self.place, self.place)]
 
 
-_order = kept("orders of functions", 96)(_Order)
-_space = kept("spaces", 96)(Space)
+_order = bounded_cache("orders of functions", 96)(_Order)
+_space = bounded_cache("spaces", 96)(Space)
 
 
 def disk_space(

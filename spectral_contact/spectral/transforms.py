@@ -6,7 +6,7 @@ import numpy as np
 
 from spectral_contact.fields.series import Array, LogSeries
 from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import sampled_coefficients
 from spectral_contact.threads import cached_property
@@ -85,7 +85,7 @@ class Transforms:
         return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
 
 
-transforms = kept("Abel transforms", 12)(Transforms)
+transforms = bounded_cache("Abel transforms", 12)(Transforms)
 
 
 def _in_a_row(blocks: Array) -> Array:
