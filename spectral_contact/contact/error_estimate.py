@@ -37,8 +37,8 @@ from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import OffsetRadii, gap
-from spectral_contact.spectral.regularised import HARMLESS
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -335,9 +335,9 @@ class ZoneEstimate:
         """By how much more q/s rounds at the centre than elsewhere."""
         (alpha, beta, _, _), radii = self.system.parameters, self.system.radii
         share = beta / radii[0].value if radii else beta
-        if share < HARMLESS and len(radii) == int(self.system.pressure_known):
+        if share < UNCORRECTED_COMPLIANCE and len(radii) == int(self.system.pressure_known):
             # under still less compliance a disk loses less
-            return MOST_ROUNDS if share > HARMLESS**4 or not radii else CENTRE_ROUNDS
+            return MOST_ROUNDS if share > UNCORRECTED_COMPLIANCE**4 or not radii else CENTRE_ROUNDS
         return 1.0 if radii or (self.system.pressure_known and alpha > 0.0) else CENTRE_ROUNDS
 
     def _sheared(self) -> float:
@@ -429,7 +429,7 @@ def _stuck(system: ContactSystem, misfit: Sequence[Array]) -> list[Stuck]:
     for part, nodes, weights, missed in each:
         if part.state == 0:
             # as seen from outside what is smooth is gathered at the samples
-            weighted = nodes.gathered((pi * weights * missed)[:, None])[:, 0]
+            weighted = nodes.interpolate_transpose((pi * weights * missed)[:, None])[:, 0]
             parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
     return [Stuck(system.bounds[zone + 1], tuple(own)) for zone, own in parts.items()]
 

@@ -28,7 +28,7 @@ from spectral_contact.fields.series import (
     ZonalField,
 )
 from spectral_contact.spectral.blocks import across
-from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
+from spectral_contact.spectral.graded import FAR_EXPANSION, FAR_NODES, inverse_root_sums
 from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
 
@@ -138,7 +138,9 @@ def _from_stuck_at_samples(zone: Stuck, family: GradedMesh) -> Array:
     if family.sign > 0:
         return _from_stuck(zone, points)
     reach = -family.reach
-    fit = FAR_FIT @ _from_stuck(zone, OffsetRadii(family.boundary, reach * (1.0 + FAR_NODES) / 2.0))
+    fit = FAR_EXPANSION @ _from_stuck(
+        zone, OffsetRadii(family.boundary, reach * (1.0 + FAR_NODES) / 2.0)
+    )
     return np.asarray(chebyshev_sums(2.0 * points.offset / reach - 1.0, fit[:, None, None])[0])
 
 
@@ -148,7 +150,7 @@ def _from_stuck(zone: Stuck, points: OffsetRadii) -> Array:
     for sources, values in zone.parts:
         # s^2 - t^2 through the anchor they share or the gap between anchors
         distance = points.before(sources.anchor)
-        total += root_sums(-distance, -sources.offset, values)
+        total += inverse_root_sums(-distance, -sources.offset, values)
     return total
 
 

@@ -178,7 +178,7 @@ class _Density:
     def on_its_own(self, sign: int) -> Array:
         """Return its half-integral at its own sampling points, in unit extent."""
         own = transforms(self.panels)
-        return own.deeper(self.coefficients) if sign < 0 else own.outer(self.coefficients)
+        return own.abel_right(self.coefficients) if sign < 0 else own.abel_left(self.coefficients)
 
 
 def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:

@@ -16,9 +16,9 @@ from spectral_contact.precise.disk import MOST_SWEEPS, Disk
 from spectral_contact.precise.fixed import FixedRule, Ints
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
-from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.tuning import TAIL_TERMS
 
 
 class CoupledDisk:

@@ -59,7 +59,7 @@ class Annulus:
         each, found = [f.expand(v) for f, v in zip(self.families, values, strict=True)], []
         for k, family in enumerate(self.families):
             own, away = transforms(family.panels), (k == 0) == (side > 0)
-            seen = own.outer(each[k]) if away else own.deeper(each[k])
+            seen = own.abel_left(each[k]) if away else own.abel_right(each[k])
             found.append(np.sqrt(family.reach) * seen)
             if away:  # one half sees the other, too
                 found[k] += across(each[1 - k], self.families[1 - k], family, side)

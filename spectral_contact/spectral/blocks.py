@@ -19,22 +19,21 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from spectral_contact.spectral.abel import (
-    beyond,
-    deeper,
-    deeper_tail,
-    fall,
-    far_blocks,
-    far_fall,
+    abel_exterior,
+    abel_left,
+    abel_regular,
+    abel_right,
+    abel_right_far_blocks,
+    abel_right_near_blocks,
+    abel_right_tail,
+    exterior_with_decrement,
+    left_increment,
     moments_on,
-    near_blocks,
-    outer,
-    plain,
-    rise,
+    opposite_end_decrement,
 )
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.graded import (
     FAR_NODES,
-    SAMPLES,
     GradedNodes,
     PlainNodes,
     clustered_rule,
@@ -46,6 +45,7 @@ from spectral_contact.spectral.graded import (
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.tuning import SAMPLES
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -177,12 +177,12 @@ def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
     if way == "toward" and isinstance(nodes, GradedNodes):
         return _vanishing(half_integrals(panels, degrees, nodes.degrees))
     if way == "toward":
-        return _vanishing(deeper(d, *form, panels.power)[:, functions])
+        return _vanishing(abel_right(d, *form, panels.power)[:, functions])
     if way == "beyond":
-        return _vanishing(outer(d, *form, panels.power, functions))
+        return _vanishing(abel_left(d, *form, panels.power, functions))
     whole = _own(panels, degrees, used, "beyond").dense(whole=True)
-    at = beyond(np.zeros(1), *form)[0, functions]
-    return Block(at, rise(whole, functions, d, *form), whole, False)
+    at = abel_exterior(np.zeros(1), *form)[0, functions]
+    return Block(at, left_increment(whole, functions, d, *form), whole, False)
 
 
 @bounded_cache("half-integrals in strips", 128)
@@ -194,9 +194,9 @@ def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripM
     """
     terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
     columns, nodes = panels.functions(degrees), graded_nodes(panels, used)
-    tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
+    tail = abel_right_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
     root, last = nodes.d[:, None] ** (0.5 + panels.power), len(columns) - tail.shape[1]
-    rows = [0, *accumulate(map(len, nodes.start[:-1])), len(nodes.d)]
+    rows = [0, *accumulate(map(len, nodes.from_start[:-1])), len(nodes.d)]
     seen, found = [0, *accumulate(n + 1 for n in degrees)], []
     # of few functions the zeros are not worth it
     count = min(max(len(columns) // _WORTH, 1), _STRIPS)
@@ -204,7 +204,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripM
         first, begin = rows[low], seen[low]
         values = np.zeros((rows[high] - first, len(columns) - begin))
         for j in range(low, high):
-            start = nodes.start[j]
+            start = nodes.from_start[j]
             own = slice(rows[j], rows[j] + len(start))
             highest = highest_degree(len(start)) if used == degrees else panels.degree
             blocks = _deeper(len(start), min(highest, panels.degree), form)
@@ -233,14 +233,14 @@ def _deeper(count: int, highest: int, form: Form) -> Array:
 def _near(count: int, highest: int, width: float, power: float) -> Array:
     """Return those of that panel and of the next, of any number of panels."""
     start, _ = clustered_rule(count, width)
-    return near_blocks(start[::-1], start, 2, width, highest, power)
+    return abel_right_near_blocks(start[::-1], start, 2, width, highest, power)
 
 
 @bounded_cache("half-integrals far off", 24)
 def _far_samples(form: Form) -> Array:
     """Return those of the panels beyond, which are smooth, at the samples of a panel."""
     g, _ = gauss_rule(SAMPLES)
-    return far_blocks(form[1] * (1.0 - g) / 2.0, *form)
+    return abel_right_far_blocks(form[1] * (1.0 - g) / 2.0, *form)
 
 
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
@@ -357,9 +357,9 @@ def _facing(
     form = source.panels.panels, source.panels.width
     e = target.reach / source.reach * nodes.samples
     if not differences:
-        return _vanishing(beyond(e, *form, degrees))._replace(sampled=True)
-    whole, falls = fall(e, form[1], degrees)
-    at = beyond(np.zeros(1), *form, degrees)[0]
+        return _vanishing(abel_exterior(e, *form, degrees))._replace(sampled=True)
+    whole, falls = exterior_with_decrement(e, form[1], degrees)
+    at = abel_exterior(np.zeros(1), *form, degrees)[0]
     return Block(at, -falls, whole, True)
 
 
@@ -381,14 +381,18 @@ def _halves(
     at_end = 2.0 - reach * (1.0 + _DEEP_NODES) / 2.0
     root, whole = np.sqrt(at_end), np.sqrt(at_end - d[:, None])
     near, first = d > reach, np.empty((len(d), count))
-    first[near] = deeper(2.0 - d[near], *form)[:, :count]
-    first[~near] = plain(d[~near] - 2.0, *form)[:, 0, :count]  # clear of the singularity there
+    first[near] = abel_right(2.0 - d[near], *form)[:, :count]
+    first[~near] = abel_regular(d[~near] - 2.0, *form)[
+        :, 0, :count
+    ]  # clear of the singularity there
     seen = np.hstack([first, 1.0 / whole])
     if edge:
         return Block(np.zeros(gathered.shape[1]), seen, seen, False, gathered=gathered)
-    at = deeper(np.array([2.0]), *form)[0, :count]
+    at = abel_right(np.array([2.0]), *form)[0, :count]
     first, near = first - at, d <= _NEAR
-    first[near] = -far_fall(-d[near], panels.width, (panels.degree,), panels.power)[:, :count]
+    first[near] = -opposite_end_decrement(-d[near], panels.width, (panels.degree,), panels.power)[
+        :, :count
+    ]
     more = np.hstack([first, d[:, None] / (whole * root * (whole + root))])
     return Block(np.hstack([at, 1.0 / root]) @ gathered, more, seen, False, gathered=gathered)
 
@@ -417,7 +421,7 @@ def _apart(
     if gathered is not None:
         at = at @ gathered
     if not near:
-        table = nodes.from_places
+        table = nodes.from_far_nodes
         more, whole = table @ more, table @ whole
     more = nodes.samples[:, None] * more
     return Block(at, more, whole, True, float(np.sqrt(source.reach)), gathered)

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.cache import bounded_cache
-from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.tuning import EXTRA
 
 Array = NDArray[np.float64]
 

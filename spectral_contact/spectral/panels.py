@@ -10,15 +10,19 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache, cleared_too
 from spectral_contact.spectral.jacobi import (
-    EXTRA,
-    ROOT_TERMS,
-    TAIL_EXTRA,
-    TAIL_TERMS,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_projection_matrix,
     legendre_values,
     tail_values,
+)
+from spectral_contact.spectral.tuning import (
+    EXTRA,
+    LEAST_SAMPLING_POINTS,
+    ROOT_TERMS,
+    SAMPLING_EXTRA,
+    TAIL_EXTRA,
+    TAIL_TERMS,
 )
 
 Array = NDArray[np.float64]
@@ -120,7 +124,7 @@ class LogPanels:
 
         Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
         """
-        return max(self.degree + 5, 18)
+        return max(self.degree + SAMPLING_EXTRA, LEAST_SAMPLING_POINTS)
 
     def sampling(self, points: int | None = None) -> Array:
         """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`."""

@@ -15,13 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
-
-#: Above this compliance the normal equations lose no more than 30 eps, and need no correction; of
-#: q/s at the centre they lose some thousand eps at 1e-3 ... 0.02.
-HARMLESS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +184,7 @@ class Regularised:
         """
         space, index = self.space, self.space.index
         misfit, coefficients = target, np.zeros(space.size)
-        rounds = 2 if correct and self.compliance < HARMLESS else 1
+        rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
         for correction in range(rounds):
             if isinstance(misfit, float):
                 residual = misfit * space.constant_moments

@@ -44,13 +44,13 @@ class Seen:
             sums[one.sampled] = sums[one.sampled] + one.sums(values[k], whole=whole)
         direct, sampled = sums
         return np.asarray(
-            direct if isinstance(sampled, float) else direct + self.nodes.spread(sampled)
+            direct if isinstance(sampled, float) else direct + self.nodes.interpolate(sampled)
         )
 
     def tested(self, weighted: Array) -> Iterable[tuple[int, Array]]:
         """Yield, part by part, the sums of weighted values at the nodes times its integrals."""
         smooth = any(one.sampled for one in self.blocks.values())
-        gathered = self.nodes.gathered(weighted) if smooth else weighted
+        gathered = self.nodes.interpolate_transpose(weighted) if smooth else weighted
         for k, one in self.blocks.items():
             yield k, one.tested(gathered if one.sampled else weighted)
 
@@ -96,7 +96,7 @@ class Seen:
             on_nodes = (w * direct).T @ direct_other
         parts = [[on_nodes]]
         if sampled.shape[1] + sampled_other.shape[1]:  # what is smooth is summed over the samples
-            spread, gathered = self.nodes.spread, self.nodes.gathered
+            spread, gathered = self.nodes.interpolate, self.nodes.interpolate_transpose
             beside = gathered(w * direct).T @ sampled_other
             below = beside.T if alike else sampled.T @ gathered(w * direct_other)
             parts = [[on_nodes, beside], [below, gathered(w * spread(sampled)).T @ sampled_other]]

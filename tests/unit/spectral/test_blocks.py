@@ -35,7 +35,7 @@ def at_nodes(seen, nodes):
     identity = seen.onto(np.eye(len(seen.at)))
     whole, more = seen.whole @ identity, seen.more @ identity
     if seen.sampled:
-        whole, more = nodes.spread(whole), nodes.spread(more)
+        whole, more = nodes.interpolate(whole), nodes.interpolate(more)
     return whole, seen.scale * seen.at, more
 
 
