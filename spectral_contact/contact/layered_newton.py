@@ -307,7 +307,7 @@ class LayeredNewton:
         Under a load it is that of the same approach.
         """
         setting, sampling, own = self.setting, self.sampling, self.functions
-        lost = own.index[own.kept :]
+        lost = own.index[own.unknowns_two_less :]
 
         def cut(coefficients: Array) -> Array:
             coefficients = coefficients.copy()
@@ -317,7 +317,7 @@ class LayeredNewton:
         slope = setting.slope(sampling.values(fields.overclosure))
         w = cut(fields.overclosure)
         pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
-        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.kept))
+        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.unknowns_two_less))
         moved = 0.0
         if setting.approach is None:
             moved = self._to_edge(w, step)

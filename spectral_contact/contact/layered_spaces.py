@@ -102,7 +102,7 @@ class PanelForm:
         [(panels, _)] = self._used
         functions = self.space
         last = np.zeros_like(pressure)
-        last[functions.index[functions.kept_but_one :]] = 1.0
+        last[functions.index[functions.unknowns_one_less :]] = 1.0
         whole, moved, lesser = (
             NormalContact(thin, 0.0, PressureField(None, series_of(panels, one)), panels, one)
             for one in (pressure, change.coefficients, last * pressure)

@@ -27,7 +27,7 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.blocks import across
+from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.graded import FAR_EXPANSION, FAR_NODES, inverse_root_sums
 from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
@@ -110,7 +110,7 @@ def slip_displacement(
                     inner_zone.annulus.families, inner_zone.weighted_misfit, strict=True
                 )
                 for one, values in halves_inside:
-                    total += across(one.expand(values), one, family, -1)
+                    total += abel_integral_on(family, one, one.expand(values), -1)
             points = family.sampling()
             values = q - total / (pi * np.sqrt(points.z))
             halves.append(sampled_series(family.panels, values))

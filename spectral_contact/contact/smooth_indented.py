@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import PANEL_WIDTH, ROUNDING, TINY
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.blocks import across
+from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
@@ -200,7 +200,9 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
         clear = k + 1
         if family.sign > 0:  # the other half of an annulus
             values = values[: len(distances)]
-            values += across(densities[k + 1].coefficients, pieces[k + 1].family, family, 1)
+            values += abel_integral_on(
+                family, pieces[k + 1].family, densities[k + 1].coefficients, 1
+            )
             clear = k + 2
         points = family.points(distances)
         for outer in pieces[clear:]:

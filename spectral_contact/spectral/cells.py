@@ -91,8 +91,8 @@ class CellSpace(NodalSpace):
         degree = np.arange(self.size) - np.repeat(np.cumsum(terms) - terms, terms)
         left = np.repeat(terms, terms) - 1 - degree
         self.index = np.argsort(-np.minimum(left, 2), kind="stable")
-        self.kept = int((left > 1).sum())
-        self.kept_but_one = self.kept + len(terms)
+        self.unknowns_two_less = int((left > 1).sum())
+        self.unknowns_one_less = self.unknowns_two_less + len(terms)
         self.panel = cell[self.index]
         self._mass: Array = (np.repeat(cells.lengths, terms) / (4 * degree + 2))[self.index]
         # nodes are clustered at the outer end of every cell
@@ -156,7 +156,7 @@ class CellSpace(NodalSpace):
         """Mass matrix ``int phi psi s ds``."""
         return np.diag(self._mass)
 
-    def tested(self, weighted: Array) -> Array:
+    def project(self, weighted: Array) -> Array:
         """Return the sums of the half-integrals times weighted values at the nodes."""
         return np.asarray(weighted @ self._matrix)
 

@@ -46,9 +46,9 @@ def test_matrices_are_those_of_the_half_integrals(breaks, pointed):
 
 def test_coarser_spaces_come_first_and_masses_are_of_their_parts():
     space, _ = space_of((0.4,), False)
-    assert space.kept < space.kept_but_one < space.unknowns
+    assert space.unknowns_two_less < space.unknowns_one_less < space.unknowns
     # two degrees of every panel are shed, and of every tail one function
-    assert space.unknowns - space.kept_but_one == 3 * (len(DEGREES) + 1)
+    assert space.unknowns - space.unknowns_one_less == 3 * (len(DEGREES) + 1)
     extents = np.bincount(space.panel, minlength=space.panels)
     assert extents.sum() == space.unknowns
     # the constants of all panels and tails add up to 1, whose mass is the half of the disk

@@ -4,7 +4,7 @@ from numpy.testing import assert_allclose
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.abel import abel_left, abel_right
-from spectral_contact.spectral.blocks import across
+from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import transforms
@@ -32,9 +32,9 @@ def test_across_is_the_integral_past_the_first_panel(count, other, end):
     half = gap(start, end) / 2.0
     outside, inside = GradedMesh(end, -1, half, panels), GradedMesh(start, 1, half, points)
     matrix = np.sqrt(half) * abel_right(2.0 - points.distances, count, 2.0, 8)
-    values = across(coefficients, outside, inside, 1)
+    values = abel_integral_on(inside, outside, coefficients, 1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
     # and the other way round
     outside, inside = GradedMesh(end, -1, half, points), GradedMesh(start, 1, half, panels)
-    values = across(coefficients, inside, outside, -1)
+    values = abel_integral_on(outside, inside, coefficients, -1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
