@@ -69,7 +69,7 @@ class PointSources(Blockwise):
 
     The sources are Gauss points on the panels. The matrix, a block for every panel, maps values of
     a kernel at the sources to ``1/2 int psi kernel dx``: a matrix with a kernel in every row is
-    multiplied by it from the right (`after`).
+    multiplied by it from the right (`left_times`).
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class Moments(Blockwise):
 
     def with_densities(self, densities: Array) -> Array:
         """Return moments, (densities, functions), with densities that are rows of values at `d`."""
-        return self.after(densities * self._weights)
+        return self.left_times(densities * self._weights)
 
 
 moments_on = bounded_cache("moments with densities", 128)(Moments)
@@ -402,7 +402,7 @@ def abel_exterior(e: Array, panels: int, width: float, degree: int | tuple[int, 
     sources = point_sources(width, (degree,) * panels if isinstance(degree, int) else degree)
     kernels = sources.d + e[:, None]
     np.divide(sources.d, np.sqrt(kernels, out=kernels), out=kernels)
-    return np.hstack([sources.after(kernels), abel_exterior_tail(e, np.exp(-panels * width))])
+    return np.hstack([sources.left_times(kernels), abel_exterior_tail(e, np.exp(-panels * width))])
 
 
 def abel_exterior_tail(e: Array, end: float) -> Array:
@@ -433,11 +433,11 @@ def exterior_with_decrement(
     kernels = sources.d + e[:, None]
     np.sqrt(kernels, out=kernels)
     work = sources.d / kernels
-    exterior = np.hstack([sources.after(work), abel_exterior_tail(e, end)])
+    exterior = np.hstack([sources.left_times(work), abel_exterior_tail(e, end)])
     kernels *= np.add(root_at_boundary, kernels, out=work)
     np.divide(e[:, None], kernels, out=kernels)
     kernels *= root_at_boundary
-    decrement = np.hstack([sources.after(kernels), exterior_decrement_tail(e, end)])
+    decrement = np.hstack([sources.left_times(kernels), exterior_decrement_tail(e, end)])
     return exterior, decrement
 
 
@@ -474,7 +474,7 @@ def opposite_end_decrement(
     root_at_boundary = np.sqrt(2.0 - sources.d)
     root = np.sqrt(2.0 - sources.d + e[:, None])
     kernels = e[:, None] / (root_at_boundary * root * (root_at_boundary + root))
-    return sources.after(sources.d ** (1.0 + power) * kernels)
+    return sources.left_times(sources.d ** (1.0 + power) * kernels)
 
 
 def left_increment(

@@ -258,7 +258,7 @@ class ContactFields:
         if self.pressure_known:
             return np.asarray(self.known_slip[k] @ values[: self.pressure_terms])
         friction = part.state * self.parameters.friction
-        return friction * self._over_radius[k].of(values[self.pressure_places[k]])
+        return friction * self._over_radius[k].times(values[self.pressure_places[k]])
 
     def add_pressure(self, rows: Array, columns: Array, k: int) -> None:
         """Add to rows that act on vectors what acts on the coefficients of p on a part."""
@@ -276,7 +276,7 @@ class ContactFields:
             rows[:, : self.pressure_terms] += columns @ self.known_slip[k]
         else:
             friction = part.state * self.parameters.friction
-            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].after(columns)
+            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].left_times(columns)
 
     def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
         """Return p on all parts, and ``q/s`` on those that stick, of one vector."""

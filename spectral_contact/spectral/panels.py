@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import bounded_cache, cleared_too
+from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
     legendre_expansion_matrix,
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 #: The estimate sheds two degrees and must keep one.
 LEAST_DEGREE = 2
 
-cleared_too(
+clear_with_caches(
     gauss_rule.cache_clear,
     legendre_expansion_matrix.cache_clear,
     legendre_projection_matrix.cache_clear,
