@@ -51,10 +51,10 @@ from spectral_contact.contact.tuning import (
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.panels import Resolution
-from spectral_contact.spectral.parts import Points, gap
-from spectral_contact.spectral.regularised import HARMLESS
+from spectral_contact.spectral.panels import DiscreteSpace
+from spectral_contact.spectral.parts import OffsetRadii, gap
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class FieldErrors(NamedTuple):
 
 
 def _field_errors(
-    spaces: list[Resolution], system: ContactSystem, values: Array, change: Array
+    spaces: list[DiscreteSpace], system: ContactSystem, values: Array, change: Array
 ) -> FieldErrors:
     """Return the errors of the fields, from the change of the top two degrees."""
     alpha, beta, _, _ = system.parameters
@@ -235,7 +235,7 @@ class ZoneEstimate:
     ----------
     iterate : Iterate
         Boundaries, fields and Jacobian.
-    spaces : list of Resolution
+    spaces : list of DiscreteSpace
         Spaces of all parts.
     pointwise : bool
         Whether the tolerance bounds the fields, else approach and shear.
@@ -258,7 +258,7 @@ class ZoneEstimate:
         If the solution is not finite.
     """
 
-    def __init__(self, iterate: Iterate, spaces: list[Resolution], *, pointwise: bool) -> None:
+    def __init__(self, iterate: Iterate, spaces: list[DiscreteSpace], *, pointwise: bool) -> None:
         solution = iterate.fields
         if not np.isfinite(solution.values).all():
             raise NoBoundariesError("the system has no solution that is finite")
@@ -390,23 +390,23 @@ class ZoneEstimate:
     def _traction_rounding_factor(self) -> float:
         """The factor by which q/s at the centre rounds more than TRACTION_ROUNDING.
 
-        ==================================================  ======================
-        case                                                factor
-        ==================================================  ======================
+        =====================================================  ======================
+        case                                                   factor
+        =====================================================  ======================
         full stick, coupled, or one disk under a known
         pressure, with b = beta (over the stick radius)
-        - below HARMLESS                                    RIGID_ROUNDING_FACTOR
-        - one disk, below HARMLESS**4                       CENTRE_ROUNDING_FACTOR
-        other full stick, coupled or on a smooth surface    CENTRE_ROUNDING_FACTOR
-        others                                              1
-        ==================================================  ======================
+        - below UNCORRECTED_COMPLIANCE                         RIGID_ROUNDING_FACTOR
+        - one disk, below UNCORRECTED_COMPLIANCE**4            CENTRE_ROUNDING_FACTOR
+        other full stick, coupled or on a smooth surface       CENTRE_ROUNDING_FACTOR
+        others                                                 1
+        =====================================================  ======================
         """
         alpha, beta, _, _ = self.system.parameters
         radii = self.system.radii
         relative_beta = beta / radii[0].value if radii else beta
         boundaries = 1 if self.system.pressure_known else 0
-        if len(radii) == boundaries and relative_beta < HARMLESS:
-            if radii and relative_beta <= HARMLESS**4:
+        if len(radii) == boundaries and relative_beta < UNCORRECTED_COMPLIANCE:
+            if radii and relative_beta <= UNCORRECTED_COMPLIANCE**4:
                 return CENTRE_ROUNDING_FACTOR
             return RIGID_ROUNDING_FACTOR
         if radii or (self.system.pressure_known and alpha > 0.0):
@@ -522,14 +522,14 @@ def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]
 
 def _stuck(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones, from E at the nodes."""
-    parts: dict[int, list[tuple[Points, Array]]] = {}
+    parts: dict[int, list[tuple[OffsetRadii, Array]]] = {}
     # E is given up to the outermost part that sticks
     operators = system.operators
     inputs = zip(system.parts, operators.nodes, operators.shear_weights, residual, strict=False)
     for part, nodes, weights, values in inputs:
         if part.state == 0:
             # far from the nodes their sum is one over the fewer sampling points
-            weighted = nodes.gathered((pi * weights * values)[:, None])[:, 0]
+            weighted = nodes.interpolate_transpose((pi * weights * values)[:, None])[:, 0]
             parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
     return [StickZone(system.bounds[zone + 1], tuple(pieces)) for zone, pieces in parts.items()]
 

@@ -29,7 +29,7 @@ from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.spectral.spaces import Space, disk_space
 
@@ -99,7 +99,7 @@ class _IndentationProblem(PartedProblem):
         depths = [layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends]
         super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
-    def attempt(self, resolution: Resolution) -> SpaceSolution[Indentation]:
+    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
         """Solve in a space."""
         used = self.used(resolution)
         space = disk_space(self.parts, used)
@@ -123,7 +123,7 @@ class _IndentationProblem(PartedProblem):
         return self._contact(space, used, self._solve(space, used[-1][0]))
 
     def _contact(
-        self, space: Space, used: tuple[Resolution, ...], solved: _TwoPressures
+        self, space: Space, used: tuple[DiscreteSpace, ...], solved: _TwoPressures
     ) -> Indentation:
         """Return the contact without its errors."""
         a, weights = self.radius, space.weights
@@ -145,7 +145,7 @@ class _IndentationProblem(PartedProblem):
         return float(self.profile._transform(np.asarray(self.radius))) / (2.0 * self.radius)
 
     def _judged(
-        self, space: Space, used: tuple[Resolution, ...], solved: _TwoPressures
+        self, space: Space, used: tuple[DiscreteSpace, ...], solved: _TwoPressures
     ) -> SpaceSolution[Indentation]:
         """Return the contact with its errors."""
         a, found = self.radius, self._contact(space, used, solved)

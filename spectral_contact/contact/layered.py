@@ -23,7 +23,7 @@ from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields.series import central_value
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layered_spaces import Form
@@ -54,14 +54,14 @@ class Layered(ABC):
         self.last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
-    def _form(self, resolution: Resolution) -> Form:
+    def _form(self, resolution: DiscreteSpace) -> Form:
         """Return the space."""
 
-    def attempt(self, resolution: Resolution) -> SpaceSolution[Indentation]:
+    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
         """Solve in a space."""
         return self._judged(*self._solved(resolution))
 
-    def _solved(self, resolution: Resolution) -> tuple[LayeredNewton, LayeredFields]:
+    def _solved(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
         """Return the solution in a space, after the last one there was."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)

@@ -31,7 +31,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE
 from spectral_contact.layers.base import Layer
 from spectral_contact.profiles import Flat, Profile
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 Contact = Refinement[Indentation]
 
@@ -68,22 +68,22 @@ class LayeredProblem(Layered, PartedProblem):
         Layered.__init__(self, setting, pointwise=pointwise)
         PartedProblem.__init__(self, setting.parts, setting.depths, tolerance, pointwise=pointwise)
 
-    def _first(self, part: int, depth: float) -> Resolution:
+    def _first(self, part: int, depth: float) -> DiscreteSpace:
         space = super()._first(part, depth)
         if not self.setting.smooth[part]:
             if self.pointwise or self.parts.ends[part][0] is not EDGE:
                 return space
             depth += log(_MISSED) - 2.0 * log(self.tolerance)
             more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)
-            return Resolution(space.panels, space.degrees + (space.degrees[-1],) * more)
+            return DiscreteSpace(space.panels, space.degrees + (space.degrees[-1],) * more)
         # the estimate sees the square of the distance at which the tail begins; integrals are
         # refined by degrees, which do not lower it
         spare = 2.0 if self.pointwise else 4.0
         depth += -log(self.tolerance) / 2.0 + spare
         count = min(int(depth / space.panels.width) + 1, len(space.degrees))
-        return Resolution(space.panels, space.degrees[:count])
+        return DiscreteSpace(space.panels, space.degrees[:count])
 
-    def _form(self, resolution: Resolution) -> PanelForm:
+    def _form(self, resolution: DiscreteSpace) -> PanelForm:
         return PanelForm(self.parts, self.used(resolution))
 
 
@@ -117,7 +117,7 @@ class BentProblem(LayeredProblem):
         super().__init__(setting, tolerance, pointwise=pointwise)
         self.last, self._final = last, final
 
-    def _solved(self, resolution: Resolution) -> tuple[LayeredNewton, LayeredFields]:
+    def _solved(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
         """Return the solution with parts that end at its bends, and leave these in the setting.
 
         A kink that is misplaced by d is an error of the overclosure of about d**2, so that bends
@@ -160,14 +160,14 @@ class CellProblem(Layered):
         super().__init__(setting, pointwise=pointwise)
         self._degree = ceil(_DEGREES * -log(tolerance if pointwise else sqrt(tolerance))) + 2
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the first space to try."""
         assert self.setting.cells is not None
         count = len(self.setting.cells.lengths)
         # the refinement counts degrees on panels, which cells have none of
-        return Resolution(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
+        return DiscreteSpace(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
 
-    def _form(self, resolution: Resolution) -> Form:
+    def _form(self, resolution: DiscreteSpace) -> Form:
         assert self.setting.cells is not None
         return CellForm(self.setting.cells, resolution.degrees)
 

@@ -15,7 +15,7 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles.base import Profile
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.parts import Parts
+from spectral_contact.spectral.parts import DiskPartition
 from spectral_contact.spectral.regularised import Change
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class LayeredSetting:
         Where the approach is to be such that it is carried; else it is as given.
     centre : float or None
         Where it is to be such that this is the overclosure at the centre.
-    parts : Parts
+    parts : DiskPartition
         How panels cut the disk, if there are no cells.
     drives : bool
         Whether the pressure, under a flat punch, has to drive a traction.
@@ -78,7 +78,7 @@ class LayeredSetting:
     layer: Layer
     radius: float
     approach: float | None
-    parts: Parts
+    parts: DiskPartition
     depths: tuple[float, ...]
     smooth: tuple[bool, ...]
     load: float | None = None
@@ -318,7 +318,7 @@ class LayeredNewton:
         slope = setting.slope(sampling.values(fields.overclosure))
         w = cut(fields.overclosure)
         pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
-        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.kept))
+        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.unknowns_two_less))
         moved = 0.0
         if setting.approach is None:
             moved = self._to_edge(w, step)
@@ -330,7 +330,7 @@ class LayeredNewton:
 
     def last_degrees(self, coefficients: Array) -> Array:
         """Return what the last two degrees of every panel have of a function."""
-        lost = self.functions.index[self.functions.kept :]
+        lost = self.functions.index[self.functions.unknowns_two_less :]
         last = np.zeros_like(coefficients)
         last[lost] = coefficients[lost]
         return last

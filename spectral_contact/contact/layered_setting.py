@@ -23,7 +23,7 @@ from spectral_contact.layers.base import Layer
 from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.shapes import Flat
 from spectral_contact.spectral.cells import DiskCells
-from spectral_contact.spectral.parts import Parts
+from spectral_contact.spectral.parts import DiskPartition
 
 Array = NDArray[np.float64]
 
@@ -107,10 +107,10 @@ def setting_at_approach(
     )
 
 
-def _with_smooth_breaks(parts: Parts, radii: list[Radius]) -> Parts:
+def _with_smooth_breaks(parts: DiskPartition, radii: list[Radius]) -> DiskPartition:
     """Return the parts cut at radii, too, at which the profile is smooth."""
     breaks = sorted([*parts.breaks, *radii], key=lambda radius: radius.value)
-    return Parts(tuple(breaks), parts.pointed, tuple(radii))
+    return DiskPartition(tuple(breaks), parts.pointed, tuple(radii))
 
 
 def _cells(pivot: Radius, width: float) -> DiskCells:

@@ -24,8 +24,8 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.fields.series import EDGE, PressureField, Radius, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
-from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.pointwise import Sampling
 from spectral_contact.spectral.regularised import Change, NodalSpace
 from spectral_contact.spectral.spaces import disk_space
@@ -48,7 +48,7 @@ class PartSamples(NamedTuple):
     samples : slice
         Which they are, of all.
     sign : int
-        +1 if the part lies above its boundary, -1 if below, as in `Parts`.
+        +1 if the part lies above its boundary, -1 if below, as in `DiskPartition`.
     distances : ndarray
         Their distances in ``s**2`` to the boundary, falling.
     widths : ndarray
@@ -66,7 +66,7 @@ class PanelForm:
 
     Parameters
     ----------
-    parts : Parts
+    parts : DiskPartition
     used : tuple of (LogPanels, tuple of int)
         Panels of every part, and the degrees on them.
 
@@ -82,12 +82,12 @@ class PanelForm:
         How many panels are of the piece at the centre.
     """
 
-    def __init__(self, parts: Parts, used: tuple[Resolution, ...]) -> None:
+    def __init__(self, parts: DiskPartition, used: tuple[DiscreteSpace, ...]) -> None:
         self._parts, self._used = parts, used
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
-        points = [Family(*end, panels).sampling() for end, (panels, _) in ends]
+        points = [GradedMesh(*end, panels).sampling() for end, (panels, _) in ends]
         self.z: Array = np.concatenate([part.z for part in points])
         self.tail_extent = parts.ends[-1][2] * used[-1][0].end
         self.central = len(used[0][1])
@@ -96,7 +96,7 @@ class PanelForm:
     def y(self) -> Array:
         """``1 - s**2`` at the sampling points."""
         ends = zip(self._parts.ends, self._used, strict=True)
-        return np.concatenate([Family(*end, panels).sampling().y for end, (panels, _) in ends])
+        return np.concatenate([GradedMesh(*end, panels).sampling().y for end, (panels, _) in ends])
 
     def part_samples(self) -> list[PartSamples]:
         """Return where the sampling points of every part are."""
@@ -166,7 +166,7 @@ class PanelForm:
         """
         functions = self.space
         last = np.zeros_like(pressure)
-        last[functions.index[functions.kept_but_one :]] = 1.0
+        last[functions.index[functions.unknowns_one_less :]] = 1.0
         driving: tuple[Array, ...] = (pressure, change.coefficients, last * pressure)
         panels = self._used[0][0]
         if len(self._used) > 1:
@@ -191,7 +191,7 @@ class PanelForm:
 
     def _to_edge(self, panels: LogPanels, coefficients: Array) -> Array:
         """Return a function on panels of one part, through its values there."""
-        family = Family(EDGE, -1, 1.0, panels)
+        family = GradedMesh(EDGE, -1, 1.0, panels)
         return family.expand(self.field(coefficients).at(family.sampling().y))
 
     def at_edge(self, coefficients: Array) -> float:

@@ -22,7 +22,7 @@ from spectral_contact.contact.tuning import (
 )
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 
@@ -46,13 +46,13 @@ class _NormalProblem:
         has_weight = compliance < SMALL_COMPLIANCE and self.pointwise
         self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if has_weight else None
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         layer = max(-log(self.compliance), 0.0)
         # the error of the approach is the square of that of the pressure
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
         return starting_resolution(layer, tolerance)
 
-    def attempt(self, resolution: Resolution) -> SpaceSolution[NormalContact]:
+    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[NormalContact]:
         panels = resolution.panels
         compliance = self.compliance
         weight = self.weight

@@ -26,8 +26,8 @@ from spectral_contact.fields.series import (
     ZonalField,
 )
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.parts import Parts
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
+from spectral_contact.spectral.parts import DiskPartition
 from spectral_contact.spectral.regularised import Change
 from spectral_contact.spectral.transforms import series_of
 
@@ -104,7 +104,7 @@ class PartedProblem:
 
     Parameters
     ----------
-    parts : Parts
+    parts : DiskPartition
     depths : sequence of float
         ``x`` of the deepest feature at the end of every part.
     tolerance : float
@@ -114,7 +114,7 @@ class PartedProblem:
     """
 
     def __init__(
-        self, parts: Parts, depths: Sequence[float], tolerance: float, *, pointwise: bool
+        self, parts: DiskPartition, depths: Sequence[float], tolerance: float, *, pointwise: bool
     ) -> None:
         # integrals superconverge: their errors are the squares of the pressure's
         self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
@@ -122,7 +122,7 @@ class PartedProblem:
         self.spaces = [self._first(k, depth) for k, depth in enumerate(depths)]
         self.counts = [len(one.degrees) for one in self.spaces]
 
-    def _first(self, part: int, depth: float) -> Resolution:
+    def _first(self, part: int, depth: float) -> DiscreteSpace:
         """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
         # square roots of the distance in s**2 at a tip
         rate = 0.5 if self.parts.ends[part][0] is CENTRE else 1.0
@@ -134,27 +134,27 @@ class PartedProblem:
             # width
             least = [2.0 + (digits + depth / 2.0) / _BY_DEGREE] * 2
         degrees[:2] = [max(one, ceil(other)) for one, other in zip(degrees, least, strict=False)]
-        return Resolution(space.panels, tuple(degrees))
+        return DiscreteSpace(space.panels, tuple(degrees))
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the first space to try."""
         space = concatenate_spaces(self.spaces)
         capacity = 4 * ceil((max(space.degrees) + 1) / 4)
-        return Resolution(replace(space.panels, degree=capacity), space.degrees)
+        return DiscreteSpace(replace(space.panels, degree=capacity), space.degrees)
 
-    def used(self, resolution: Resolution) -> tuple[Resolution, ...]:
+    def used(self, resolution: DiscreteSpace) -> tuple[DiscreteSpace, ...]:
         """Return the panels of every part, and the degrees on them."""
         degrees, used = resolution.degrees, []
         for count in self.counts:
-            used.append(Resolution(replace(resolution.panels, panels=count), degrees[:count]))
+            used.append(DiscreteSpace(replace(resolution.panels, panels=count), degrees[:count]))
             degrees = degrees[count:]
         return tuple(used)
 
 
-def profile_parts(profile: Profile, radius: float) -> Parts:
+def profile_parts(profile: Profile, radius: float) -> DiskPartition:
     """Return how a profile cuts a contact of this radius."""
     breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in profile.breaks if b < radius)
-    return Parts(breaks, profile.pointed)
+    return DiskPartition(breaks, profile.pointed)
 
 
 def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
@@ -163,7 +163,7 @@ def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
 
 
 def pointwise_errors(
-    parts: Parts, used: tuple[Resolution, ...], whole: Array, change: Change, mean: float
+    parts: DiskPartition, used: tuple[DiscreteSpace, ...], whole: Array, change: Change, mean: float
 ) -> tuple[Array, Array]:
     """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
 
@@ -189,21 +189,21 @@ def pointwise_errors(
     return np.concatenate(errors), np.concatenate(rates)
 
 
-def series_on_parts(used: tuple[Resolution, ...], coefficients: Array) -> list[LogSeries]:
+def series_on_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> list[LogSeries]:
     """Return the function on every part."""
     return [
         series_of(p, c) for (p, _), c in zip(used, split_parts(used, coefficients), strict=True)
     ]
 
 
-def field_of(parts: Parts, series: Sequence[LogSeries]) -> PressureField | ZonalField:
+def field_of(parts: DiskPartition, series: Sequence[LogSeries]) -> PressureField | ZonalField:
     """Return the pressure with these series on the parts."""
     if len(parts.ends) == 1:
         return PressureField(None, series[0])
     return ZonalField.on_parts((CENTRE, *parts.breaks, EDGE), series, pointed=parts.pointed)
 
 
-def split_parts(used: tuple[Resolution, ...], coefficients: Array) -> list[Array]:
+def split_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> list[Array]:
     """Return the coefficients of every part."""
     return np.split(coefficients, np.cumsum([panels.size for panels, _ in used])[:-1])
 

@@ -21,7 +21,7 @@ from spectral_contact.contact.tuning import (
 )
 from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
-from spectral_contact.spectral.panels import LEAST_DEGREE, Resolution
+from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace
 
 T = TypeVar("T")
 
@@ -56,10 +56,10 @@ class SpaceSolution(Generic[T]):
 class Problem(Protocol[T]):
     """A problem that `refine` can solve."""
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the first space to try."""
 
-    def attempt(self, resolution: Resolution) -> SpaceSolution[T]:
+    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[T]:
         """Solve in a space."""
 
 
@@ -71,7 +71,7 @@ class Refinement(Generic[T]):
     ----------
     best : SpaceSolution
         The one with the least error.
-    resolution : Resolution
+    resolution : DiscreteSpace
         Its space.
     ending : Ending
         Why the refinement ended.
@@ -80,7 +80,7 @@ class Refinement(Generic[T]):
     """
 
     best: SpaceSolution[T]
-    resolution: Resolution
+    resolution: DiscreteSpace
     ending: Ending
     history: tuple[RefinementStep, ...]
 
@@ -122,12 +122,12 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         return Refinement(best, best_space, ending, tuple(history))
 
 
-def _size(resolution: Resolution) -> int:
+def _size(resolution: DiscreteSpace) -> int:
     """Return the number of coefficients on the panels, without those of tails."""
     return sum(resolution.degrees) + len(resolution.degrees)
 
 
-def within_budget(resolution: Resolution, max_unknowns: int) -> Resolution:
+def within_budget(resolution: DiscreteSpace, max_unknowns: int) -> DiscreteSpace:
     """Return a space with its highest degrees lowered until it has no more unknowns than these.
 
     If even the lowest degrees have more, it is the space of the lowest degrees.
@@ -139,8 +139,8 @@ def within_budget(resolution: Resolution, max_unknowns: int) -> Resolution:
 
 
 def _finer(
-    resolution: Resolution, solution: SpaceSolution[T], tolerance: float, stalled: int
-) -> Resolution:
+    resolution: DiscreteSpace, solution: SpaceSolution[T], tolerance: float, stalled: int
+) -> DiscreteSpace:
     """Return the next space: ``n`` more degrees with ``indicator * rate**n <= aim`` on each panel.
 
     Where the last space did not lower the error every panel takes two more: errors of panels above
@@ -154,4 +154,4 @@ def _finer(
     panels = resolution.panels
     if highest > panels.degree:
         panels = replace(panels, degree=min(highest + 4, MAX_DEGREE))
-    return Resolution(panels, tuple(degrees.tolist()))
+    return DiscreteSpace(panels, tuple(degrees.tolist()))

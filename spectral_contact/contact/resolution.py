@@ -1,8 +1,8 @@
 """First spaces and error estimates that all contact problems share.
 
 A field is expanded on panels that are graded to an end: with d the distance to it in units of the
-extent, panels have equal widths in the depth ``x = -ln d``. A *space* (`Resolution`) is such a mesh
-with a degree on every panel. With the coefficients of a panel falling by a factor ``rate`` per
+extent, panels have equal widths in the depth ``x = -ln d``. A *space* (`DiscreteSpace`) is such a
+mesh with a degree on every panel. With the coefficients of a panel falling by a factor ``rate`` per
 degree, what its top two degrees contribute (the *change*) is about ``rate**-2`` times its error,
 so the estimate of the error is
 
@@ -34,8 +34,8 @@ from spectral_contact.contact.tuning import (
     SLIP_DEGREES,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
-from spectral_contact.spectral.cache import kept
-from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
+from spectral_contact.spectral.cache import bounded_cache
+from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
 
 #: The smallest normal double: added to, or put in place of, a divisor that may be zero.
 TINY = float(np.finfo(float).tiny)
@@ -83,7 +83,7 @@ class NormalContact:
     rate: float = 0.0
 
 
-def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> Resolution:
+def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> DiscreteSpace:
     """Return the first space for a solution that settles like ``exp(-rate x)`` past a layer.
 
     Parameters
@@ -99,8 +99,8 @@ def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) ->
     return _first_space(PANEL_WIDTH, ceil(2.0 * layer) / 2.0, -log(tolerance), rate)
 
 
-@kept("first spaces", 128)
-def _first_space(width: float, layer: float, digits: float, rate: float) -> Resolution:
+@bounded_cache("first spaces", 128)
+def _first_space(width: float, layer: float, digits: float, rate: float) -> DiscreteSpace:
     # a multiple of four panels: few distinct meshes, whose operators are cached
     panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
     top: Array = np.full(panels, LEAST_DEGREE + ceil(NORMAL_DEGREES * digits))
@@ -113,7 +113,7 @@ def _first_space(width: float, layer: float, digits: float, rate: float) -> Reso
     degrees = np.ceil(np.minimum(top * unsettled + 2.0, top)).astype(int)
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
-    return Resolution(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
+    return DiscreteSpace(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
 
 
 def bend_weight(panels: int, bend: float) -> Array:
@@ -131,14 +131,14 @@ def slip_degree(tolerance: float) -> int:
     return 4 * ceil((4 - SLIP_DEGREES * log(tolerance)) / 4)
 
 
-def concatenate_spaces(spaces: Sequence[Resolution]) -> Resolution:
+def concatenate_spaces(spaces: Sequence[DiscreteSpace]) -> DiscreteSpace:
     """Return the spaces of all parts, one after the other, as one space for `refine`."""
     capacity = max(space.panels.degree for space in spaces)
     degrees = tuple(degree for space in spaces for degree in space.degrees)
-    return Resolution(replace(spaces[0].panels, degree=capacity), degrees)
+    return DiscreteSpace(replace(spaces[0].panels, degree=capacity), degrees)
 
 
-def decay_rates(resolution: Resolution, coefficients: Array) -> Array:
+def decay_rates(resolution: DiscreteSpace, coefficients: Array) -> Array:
     """Return the factor by which coefficients fall with one degree, for every panel."""
     return table_rates(resolution.degrees, resolution.panels.table(coefficients))
 
@@ -163,7 +163,7 @@ def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     return np.asarray(np.minimum(np.maximum(rate, MIN_DECAY_RATE), MAX_DECAY_RATE))
 
 
-@kept("last coefficients", 128)
+@bounded_cache("last coefficients", 128)
 def _last_indices(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
     """Return the flat indices of the last four coefficients of every row, and the least rates.
 

@@ -6,9 +6,9 @@ With the residual of full stick ``E = kappa R - G``, which slip leaves, the disp
 
 zero in stick by the tangential equation (docs/theory.md). It is computed for kappa = 1: friction is
 ``f / kappa`` and displacements are ``u / kappa``. Each slip zone is an annulus with two halves,
-whose panels are graded toward its boundaries: a `Family` is the panels of one half, and `Points`
-are radii given by offsets from an anchor in ``y = 1 - s**2`` (`rest` of a `Radius`), so that radii
-next to a boundary keep their digits; z is ``s**2``.
+whose panels are graded toward its boundaries: a `GradedMesh` is the panels of one half, and
+`OffsetRadii` are radii given by offsets from an anchor in ``y = 1 - s**2`` (`rest` of a `Radius`),
+so that radii next to a boundary keep their digits; z is ``s**2``.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.blocks import across
-from spectral_contact.spectral.graded import FAR_FIT, FAR_NODES, root_sums
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.blocks import abel_integral_on
+from spectral_contact.spectral.graded import FAR_EXPANSION, FAR_NODES, inverse_root_sums
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
@@ -58,12 +58,12 @@ class StickZone(NamedTuple):
     ----------
     outer : Radius
         Its outer boundary.
-    parts : tuple of (Points, ndarray)
+    parts : tuple of (OffsetRadii, ndarray)
         Quadrature of ``t^2 E dt`` over its parts: radii t, and ``t^2 E`` there times the weights.
     """
 
     outer: Radius
-    parts: tuple[tuple[Points, Array], ...]
+    parts: tuple[tuple[OffsetRadii, Array], ...]
 
 
 class SlipZone(NamedTuple):
@@ -151,7 +151,7 @@ def slip_displacement(
                 for inner_family, values in zip(
                     inner_zone.annulus.families, inner_zone.weighted_residual, strict=True
                 ):
-                    total += across(inner_family.expand(values), inner_family, family, -1)
+                    total += abel_integral_on(family, inner_family, inner_family.expand(values), -1)
             values_here = layer_displacement - total / (pi * np.sqrt(family.sampling().z))
             halves.append(sampled_series(family.panels, values_here))
             residual_error = family.truncated(half_residual, 0.5) / DISPLACEMENT_SMOOTHING
@@ -168,7 +168,7 @@ def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZon
     return [zone for zone in stick_zones if zone.outer.rest >= radius.rest]
 
 
-def _integral_at_samples(zone: StickZone, family: Family) -> Array:
+def _integral_at_samples(zone: StickZone, family: GradedMesh) -> Array:
     """Integrate ``t^2 E dt / sqrt(s^2 - t^2)`` over a stick zone, at samples s of half a slip zone.
 
     The zone lies inside. The outer half is farther from it than it is wide, so that a polynomial in
@@ -178,20 +178,20 @@ def _integral_at_samples(zone: StickZone, family: Family) -> Array:
     if family.sign > 0:
         return _integral_at(zone, points)
     reach = -family.reach
-    nodes = Points(family.boundary, reach * (1.0 + FAR_NODES) / 2.0)
-    coefficients = FAR_FIT @ _integral_at(zone, nodes)
+    nodes = OffsetRadii(family.boundary, reach * (1.0 + FAR_NODES) / 2.0)
+    coefficients = FAR_EXPANSION @ _integral_at(zone, nodes)
     return np.asarray(
         chebyshev_sums(2.0 * points.offset / reach - 1.0, coefficients[:, None, None])[0]
     )
 
 
-def _integral_at(zone: StickZone, points: Points) -> Array:
+def _integral_at(zone: StickZone, points: OffsetRadii) -> Array:
     """Integrate ``t^2 E dt / sqrt(s^2 - t^2)`` over a stick zone that lies inside all points s."""
     total = np.zeros(len(points.offset))
     for sources, values in zone.parts:
         # s^2 - t^2 without cancellation: the gap between the anchors, and the offsets from them
         distance = points.before(sources.anchor)
-        total += root_sums(-distance, -sources.offset, values)
+        total += inverse_root_sums(-distance, -sources.offset, values)
     return total
 
 
@@ -200,7 +200,7 @@ def largest_displacement(stick_zones: list[StickZone], inner: Radius, outer: Rad
 
     The points are graded toward the inner boundary, where it is largest.
     """
-    points = Points(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, EPSILON_DEPTH, 41)))
+    points = OffsetRadii(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, EPSILON_DEPTH, 41)))
     total = np.zeros(len(points.offset))
     for zone in _zones_inside(stick_zones, inner):
         total += _integral_at(zone, points)

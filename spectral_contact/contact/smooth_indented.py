@@ -19,11 +19,11 @@ from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import PANEL_WIDTH, ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.profiles.base import Profile
-from spectral_contact.spectral.blocks import across
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.blocks import abel_integral_on
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Parts, Points, gap
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
@@ -75,7 +75,7 @@ class KnownContact:
 
 
 def smooth_contact(
-    profile: Profile, radius: float, parts: Parts, *, pointwise: bool
+    profile: Profile, radius: float, parts: DiskPartition, *, pointwise: bool
 ) -> KnownContact:
     """Return a contact of a given radius.
 
@@ -83,7 +83,7 @@ def smooth_contact(
     ----------
     profile : Profile
     radius : float
-    parts : Parts
+    parts : DiskPartition
         Graded to the profile's breaks.
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.
@@ -103,8 +103,8 @@ class _KnownPart:
 
     Attributes
     ----------
-    family : Family
-    points : Points
+    family : GradedMesh
+    points : OffsetRadii
     weights, t : ndarray
         Weights of ``dt^2``, and radii.
     """
@@ -120,18 +120,18 @@ class _KnownPart:
         self._profile, self._radius, self._inner = profile, radius, inner
         boundary, sign, extent = end
         count = _TO_TIP if boundary is CENTRE else _PANELS
-        self.family = Family(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
+        self.family = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
         rule = _rule(self.family.panels, centred := first and sign < 0)
         self.points, self.weights = self.family.points(rule.d), extent * rule.weights
         # a disk's own points know how far they are from its centre
         self.t: Array = np.sqrt(extent * rule.rest if centred else self.points.z)
 
-    def _past(self, points: Points) -> Array:
+    def _past(self, points: OffsetRadii) -> Array:
         """Return ``t^2 - b^2`` for the break b before this part, 0 if there is none."""
         inside = self._inner is CENTRE
         return np.zeros(len(points.offset)) if inside else -points.before(self._inner)
 
-    def _rates(self, t: Array, points: Points) -> Array:
+    def _rates(self, t: Array, points: OffsetRadii) -> Array:
         return self._profile._rate(self._radius * t, self._radius**2 * self._past(points))
 
     def half_integral(self) -> Array:
@@ -154,7 +154,7 @@ class _KnownPart:
         lost = last * np.sqrt(family.reach * series.ends[:-1])
         return _Density(panels, family.expand(values), lost)
 
-    def seen_from(self, target: Points) -> Array:
+    def seen_from(self, target: OffsetRadii) -> Array:
         """Return half of ``int H'(t)/t dt^2 / sqrt(t^2 - s^2)`` at points that are clear of it."""
         apart = gap(target.anchor, self.points.anchor) - target.offset
         kernel = apart[:, None] + self.points.offset
@@ -179,7 +179,7 @@ class _Density:
     def on_its_own(self, sign: int) -> Array:
         """Return its half-integral at its own sampling points, in unit extent."""
         own = transforms(self.panels)
-        return own.deeper(self.coefficients) if sign < 0 else own.outer(self.coefficients)
+        return own.abel_right(self.coefficients) if sign < 0 else own.abel_left(self.coefficients)
 
 
 def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
@@ -201,7 +201,9 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
         clear = k + 1
         if family.sign > 0:  # the other half of an annulus
             values = values[: len(distances)]
-            values += across(densities[k + 1].coefficients, pieces[k + 1].family, family, 1)
+            values += abel_integral_on(
+                family, pieces[k + 1].family, densities[k + 1].coefficients, 1
+            )
             clear = k + 2
         points = family.points(distances)
         for outer in pieces[clear:]:
@@ -240,7 +242,7 @@ def _to_the_break(series: LogSeries) -> tuple[LogSeries, float]:
     return replace(series, logarithm=slope), 0.0
 
 
-@kept("plain rules", 8)
+@bounded_cache("plain rules", 8)
 def _rule(panels: LogPanels, centred: bool) -> _PlainRule:
     """Return a rule on these panels and the tail (cached).
 

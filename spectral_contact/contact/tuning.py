@@ -30,8 +30,9 @@ TRACTION_ROUNDING = 60.0 * ROUNDING
 #: validation/honesty/honesty.py --coupled.
 CENTRE_ROUNDING_FACTOR = 1.8
 #: TRACTION_ROUNDING is multiplied by this where the tangential compliance is too small to
-#: regularise the traction (beta over the stick radius below `spectral.regularised.HARMLESS`). 43
-#: scenes against 20 digits have errors of 4.7e-13 at most: validation/honesty/honesty.py.
+#: regularise the traction (beta over the stick radius below UNCORRECTED_COMPLIANCE of
+#: `spectral.tuning`). 43 scenes against 20 digits have errors of 4.7e-13 at most:
+#: validation/honesty/honesty.py.
 RIGID_ROUNDING_FACTOR = 4.2
 #: Approach and shear of full stick: rounding that adds to their estimates. Not measured by itself;
 #: validation/honesty/honesty.py would show an estimate that is too small.

@@ -56,7 +56,7 @@ from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
 
@@ -104,7 +104,7 @@ class FreeBoundaryProblem:
 
     # systems
 
-    def spaces(self, tolerance: float, logits: Array) -> list[Resolution]:
+    def spaces(self, tolerance: float, logits: Array) -> list[DiscreteSpace]:
         """Return the first spaces for a tolerance, with these boundaries."""
         alpha, beta, _, _ = self.parameters
         radii = tuple(map(Radius.from_logit, logits.tolist()))
@@ -121,13 +121,13 @@ class FreeBoundaryProblem:
         return edge_power(self.parameters, self.states)
 
     def system(
-        self, spaces: Sequence[Resolution], logits: Array, *, changes: bool = False
+        self, spaces: Sequence[DiscreteSpace], logits: Array, *, changes: bool = False
     ) -> ContactSystem:
         """Return the equations with given boundaries.
 
         Parameters
         ----------
-        spaces : sequence of Resolution
+        spaces : sequence of DiscreteSpace
         logits : ndarray
         changes : bool
             Whether the contributions of the top degrees of a known pressure are columns of it, too,
@@ -157,7 +157,7 @@ class FreeBoundaryProblem:
             truncated=changes and self._known is not None,
         )
 
-    def _newton(self, spaces: Sequence[Resolution], *, changes: bool = False) -> FreeBoundary:
+    def _newton(self, spaces: Sequence[DiscreteSpace], *, changes: bool = False) -> FreeBoundary:
         """Return Newton's method in these spaces."""
         return FreeBoundary(
             lambda logits: self.system(spaces, logits, changes=changes), relative_size
@@ -208,7 +208,7 @@ class FreeBoundaryProblem:
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def _jacobian(
-        self, spaces: Sequence[Resolution], logits: Array, tolerance: float = JACOBIAN_FIELD_TOL
+        self, spaces: Sequence[DiscreteSpace], logits: Array, tolerance: float = JACOBIAN_FIELD_TOL
     ) -> Array:
         """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
         factors = factored(self.system(spaces, logits))
@@ -226,7 +226,7 @@ class FreeBoundaryProblem:
 
     # the interface of `refine`
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the first space: those of all parts, concatenated."""
         self._layout = self.initial_layout()
         logits = np.array(self._layout.logits)
@@ -246,11 +246,11 @@ class FreeBoundaryProblem:
         self._panel_counts = [space.panels.panels for space in spaces]
         return concatenate_spaces(spaces)
 
-    def split(self, resolution: Resolution) -> list[Resolution]:
+    def split(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:
         """Return the spaces of all parts, from one that concatenates them as `start` does."""
         return split_spaces(resolution, self._panel_counts, self._edge_power)
 
-    def attempt(self, resolution: Resolution) -> SpaceSolution[ZoneSolution]:
+    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space, from the boundaries of the last one."""
         spaces = self.split(resolution)
         layout = self.initial_layout()
@@ -273,7 +273,9 @@ class FreeBoundaryProblem:
         self._layout = self._layout_of(iterate.logits, iterate.jacobian)
         return self.estimate(iterate, spaces)
 
-    def estimate(self, iterate: Iterate, spaces: list[Resolution]) -> SpaceSolution[ZoneSolution]:
+    def estimate(
+        self, iterate: Iterate, spaces: list[DiscreteSpace]
+    ) -> SpaceSolution[ZoneSolution]:
         """Return a solution with the estimates of its errors."""
         solution = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).attempt()
         if self._known and not self.pointwise:
@@ -289,7 +291,7 @@ def min_zone_width(logits: Array) -> float:
 class _GivenRadius(FreeBoundaryProblem):
     """Contact with a stick disk of a given radius, whose friction is unknown, for `refine`."""
 
-    def attempt(self, resolution: Resolution) -> SpaceSolution[ZoneSolution]:
+    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space.
 
         The boundary residual ``r(f) = r(0) - f (r(0) - r(1))`` is linear in the friction, so that

@@ -55,8 +55,8 @@ from spectral_contact.contact.tuning import (
     ZONE_DEGREES,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.cache import kept
-from spectral_contact.spectral.panels import LEAST_DEGREE, LogPanels, Resolution
+from spectral_contact.spectral.cache import bounded_cache
+from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
@@ -117,11 +117,11 @@ def rounding_depth(end: Radius, extent: float) -> float:
     return -log(_EPS * min(end.square, end.rest) / extent)
 
 
-def without_rounding(space: Resolution, end: Radius, extent: float) -> Resolution:
+def without_rounding(space: DiscreteSpace, end: Radius, extent: float) -> DiscreteSpace:
     """Return a space toward a boundary without panels far deeper than the rounding of it."""
     most = ceil((EXTRA_BOUNDARY_DEPTH + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
-    return Resolution(replace(space.panels, panels=len(degrees)), degrees)
+    return DiscreteSpace(replace(space.panels, panels=len(degrees)), degrees)
 
 
 def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
@@ -138,12 +138,14 @@ def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     return atan(2.0 * kappa * friction) / pi - 0.5 if states[-1] > 0 else -0.5
 
 
-def split_spaces(resolution: Resolution, counts: Sequence[int], power: float) -> list[Resolution]:
+def split_spaces(
+    resolution: DiscreteSpace, counts: Sequence[int], power: float
+) -> list[DiscreteSpace]:
     """Return the spaces of all parts from what `concatenate_spaces` made of them.
 
     Parameters
     ----------
-    resolution : Resolution
+    resolution : DiscreteSpace
     counts : sequence of int
         Numbers of panels of the parts.
     power : float
@@ -159,7 +161,7 @@ def split_spaces(resolution: Resolution, counts: Sequence[int], power: float) ->
             power=power if end == bounds[-1] else 0.0,
             root_tail=resolution.panels.root_tail and first == 0,
         )
-        spaces.append(Resolution(panels, resolution.degrees[first:end]))
+        spaces.append(DiscreteSpace(panels, resolution.degrees[first:end]))
     return spaces
 
 
@@ -173,7 +175,7 @@ def first_spaces(
     states: tuple[int, ...],
     tolerance: float,
     power: float = -0.5,
-) -> list[Resolution]:
+) -> list[DiscreteSpace]:
     """Return the first spaces on the disk, and toward both ends of every zone around it.
 
     Parameters
@@ -220,7 +222,7 @@ def first_spaces(
 
 def known_pressure_spaces(
     alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
-) -> list[Resolution]:
+) -> list[DiscreteSpace]:
     """Return first spaces under a known pressure, which has the same degree on all panels in slip.
 
     Parameters are those of `first_spaces`.
@@ -237,7 +239,7 @@ def known_pressure_spaces(
     )
     degree = slip_degree(slip_tol)
     return [
-        Resolution(replace(space.panels, degree=degree), (degree,) * space.panels.panels)
+        DiscreteSpace(replace(space.panels, degree=degree), (degree,) * space.panels.panels)
         if states[(part + 1) // 2]
         else space
         for part, space in enumerate(spaces)
@@ -342,7 +344,7 @@ def _rigid_rim(alpha: float, rim: Radius) -> _End:
 # a space from a row of the table
 
 
-def _space(end: _End, tolerance: float) -> Resolution:
+def _space(end: _End, tolerance: float) -> DiscreteSpace:
     """Return the first space toward an end."""
     # depths are rounded up, so that scenes that are much alike have the same space
     settling_depth = ceil(2.0 * end.settling_depth) / 2.0
@@ -359,7 +361,7 @@ def _space(end: _End, tolerance: float) -> Resolution:
     )
 
 
-@kept("first spaces on zones", 128)
+@bounded_cache("first spaces on zones", 128)
 def _graded_space(
     width: float,
     digits: float,
@@ -369,7 +371,7 @@ def _graded_space(
     start_degrees: float,
     power: float,
     spare_degrees: float,
-) -> Resolution:
+) -> DiscreteSpace:
     """Return a space whose degrees are ``1 + spare + digits * slope`` (cached).
 
     The slope is ZONE_DEGREES times the share of the digits that have not settled at the depth of a
@@ -389,4 +391,4 @@ def _graded_space(
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
-    return Resolution(mesh, tuple(degrees.tolist()))
+    return DiscreteSpace(mesh, tuple(degrees.tolist()))

@@ -16,9 +16,9 @@ from spectral_contact.precise.disk import MOST_SWEEPS, Disk
 from spectral_contact.precise.fixed import FixedRule, Ints
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
-from spectral_contact.spectral.jacobi import TAIL_TERMS
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.tuning import TAIL_TERMS
 
 
 class CoupledDisk:
@@ -58,7 +58,9 @@ class CoupledDisk:
         f, mesh, disks = self.fixed, self.normal.mesh, (self.normal, self.tangential)
         given = [float(f.numbers(v)) for v in (alpha, beta, kappa)]
         parameters = Parameters(given[0], given[1], given[2], inf)
-        system = ContactSystem((), (0,), [Resolution(self.normal.panels, mesh.degrees)], parameters)
+        system = ContactSystem(
+            (), (0,), [DiscreteSpace(self.normal.panels, mesh.degrees)], parameters
+        )
         factors, used = factored(system), self.normal.panels.functions(mesh.degrees)
         weights = f.over(self.normal.weights, f.of(f.mp.pi))
         measures = weights, f.times(weights, self.normal.rest)

@@ -16,9 +16,9 @@ import numpy as np
 
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.precise.fixed import Fixed, FixedRule, Ints, root_rule
-from spectral_contact.spectral.jacobi import TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.tuning import TAIL_TERMS
 
 _LN10 = log(10.0)
 #: Sweeps after which refinement has stalled.

@@ -8,7 +8,7 @@ import numpy as np
 
 from spectral_contact.precise.disk import Disk, FarField, PreciseSeries
 from spectral_contact.precise.fixed import Fixed, Ints
-from spectral_contact.spectral.jacobi import TAIL_TERMS
+from spectral_contact.spectral.tuning import TAIL_TERMS
 from spectral_contact.threads import cached_property
 
 

@@ -31,7 +31,7 @@ from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import Panel
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 #: Width of the panels towards the ends of a part, and by how much a term gains there, which the
@@ -175,7 +175,7 @@ class GrownFields:
             for boundary, sign in ((low, 1), (high, -1)):
                 reach = gap(low, high) / 2.0
                 panels = self.history.panels(boundary, reach, self._count)
-                family = Family(boundary, sign, reach, panels)
+                family = GradedMesh(boundary, sign, reach, panels)
                 series = self._series(values, family, power)
                 if boundary is CENTRE and power == 0 and self.history.growth.log_beginning:
                     series = _logarithmic(series)
@@ -187,7 +187,9 @@ class GrownFields:
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
         return GrownField(ZonalField(tuple(pieces)), lost, largest)
 
-    def _series(self, values: Callable[[Array], Array], family: Family, power: int) -> LogSeries:
+    def _series(
+        self, values: Callable[[Array], Array], family: GradedMesh, power: int
+    ) -> LogSeries:
         """Return a field over ``s**power`` on a half of a part."""
         points = family.points(family.panels.distances)
         near_edge = points.y < 0.5
@@ -220,7 +222,7 @@ def _logarithmic(series: LogSeries) -> LogSeries:
     return replace(series, tail=np.array([last.sum()]), logarithm=slope)
 
 
-def _largest_radii(family: Family) -> Array:
+def _largest_radii(family: GradedMesh) -> Array:
     d = np.exp(-_WIDTH * np.arange(family.panels.panels))
     squares = family.boundary.square + family.reach * (d if family.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))

@@ -8,15 +8,15 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii
 from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.spectral.spaces import Space, unit_space
 
 __all__ = [
     "Annulus",
-    "Family",
+    "GradedMesh",
     "LogPanels",
-    "Points",
+    "OffsetRadii",
     "Regularised",
     "Space",
     "cache_sizes",

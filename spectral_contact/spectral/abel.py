@@ -1,18 +1,32 @@
 r"""Abel (half-order) integrals of Legendre panels in the logarithm of a distance.
 
-Let ``d = exp(-x)`` be the distance to a boundary (an edge or the end of a zone), and let ``x`` run
-over panels ``[j h, (j+1) h]`` with Legendre polynomials ``psi`` on each, closed by a tail
-``d <= exp(-P h)`` with Legendre polynomials in ``d``. Three integrals serve every operator:
+Let ``d = exp(-x)`` be the distance to a boundary (the edge or the end of a zone), in units of the
+extent of a part. In ``x`` there are panels ``[j h, (j+1) h]`` of width h, and on each the functions
+psi are Legendre polynomials in ``x``, times ``d**power`` where there is an endpoint weight. The
+*tail* ``d <= exp(-P h)`` closes the P panels; its functions are Legendre polynomials in ``d``.
+Sources lie at the distance d', points at the distance d before the boundary or e past it:
 
-==========  =====================================================================
-``deeper``  ``1/2 * int_{d' < d} psi dd' / sqrt(d - d')``   (sources nearer the boundary)
-``outer``   ``1/2 * int_{d' > d} psi dd' / sqrt(d' - d)``   (sources farther from it)
-``beyond``  ``1/2 * int psi dd' / sqrt(d' + e)``            (points past the boundary)
-==========  =====================================================================
+==================  =================================================================
+`abel_right`        ``1/2 int_{d' < d} psi dd' / sqrt(d - d')``   (sources at larger ``x``)
+`abel_left`         ``1/2 int_{d' > d} psi dd' / sqrt(d' - d)``   (sources at smaller ``x``)
+`abel_exterior`     ``1/2 int psi dd' / sqrt(d' + e)``            (points past the boundary)
+`abel_regular`      ``1/2 int psi dd' / sqrt(abs(d' + e))``       (points clear of all sources)
+==================  =================================================================
+
+Next to the boundary what counts are differences to the value there, which these give without
+cancellation:
+
+========================  ===========================================================
+`left_increment`          ``abel_left(d) - abel_left(0)``
+`exterior_with_decrement` ``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)``
+`opposite_end_decrement`  the same for a kernel ``1 / sqrt(2 + e - d')``: points as far from the
+                          boundary as the two halves of an annulus are wide
+========================  ===========================================================
 
 In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
-alone. The square-root singularity is removed by ``u = theta**2``; all else is analytic, and the
-rules below are converged to rounding (docs/theory).
+alone. ``u = theta**2`` removes the square-root singularity, where u is the distance in ``x``
+between source and point; all else is analytic, and the rules below are converged to rounding
+(docs/theory).
 """
 
 from __future__ import annotations
@@ -24,102 +38,125 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields.legendre import legendre_sums_between
 from spectral_contact.spectral.blockwise import Blockwise
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
-    EXTRA,
-    TAIL_EXTRA,
-    TAIL_TERMS,
     gauss_rule,
     legendre_projection_matrix,
     legendre_values,
     power_rule,
     tail_values,
 )
+from spectral_contact.spectral.tuning import (
+    EXTRA,
+    SAME_PLACE,
+    TAIL_EXTRA,
+    TAIL_TERMS,
+    WEIGHTED_TAIL_EXTRA,
+)
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
-Places: TypeAlias = NDArray[np.int_] | None
+#: Indices of the functions that have a column; all have one if there are none.
+Functions: TypeAlias = NDArray[np.int_] | None
 
-#: Places in ``x`` that are the same to the rounding of an ``x`` of 50.
-_SAME = 2e-14
+#: A distance of 0 is replaced by the smallest normal number before its logarithm is taken.
 _TINY = float(np.finfo(float).tiny)
 
 
-class Charges(Blockwise):
-    """Functions on panels as charges at points, for what is seen of them beyond a boundary.
+class PointSources(Blockwise):
+    """Point sources that stand for functions on panels where the kernel is smooth.
 
-    A function is a column, and has the values `of` it at the points; rows are kernels there, and
-    `after` them are the integrals over ``1/2 dx`` with functions.
+    The sources are Gauss points on the panels. The matrix, a block for every panel, maps values of
+    a kernel at the sources to ``1/2 int psi kernel dx``: a matrix with a kernel in every row is
+    multiplied by it from the right (`left_times`).
+
+    Parameters
+    ----------
+    width : float
+        Width of the panels in ``x``.
+    degrees : tuple of int
+        Highest Legendre degree on every panel.
     """
 
     def __init__(self, width: float, degrees: tuple[int, ...]) -> None:
         super().__init__([width / 4 * legendre_projection_matrix(n + EXTRA, n) for n in degrees])
-        middles = [j + (1.0 + gauss_rule(n + EXTRA)[0]) / 2.0 for j, n in enumerate(degrees)]
-        #: distances of the points
-        self.d: Array = np.exp(-width * np.concatenate(middles))
+        in_panels = [j + (1.0 + gauss_rule(n + EXTRA)[0]) / 2.0 for j, n in enumerate(degrees)]
+        #: distances of the sources from the boundary
+        self.d: Array = np.exp(-width * np.concatenate(in_panels))
 
 
-charges_on = kept("charges on panels", 128)(Charges)
+point_sources = bounded_cache("point sources", 128)(PointSources)
 
 
 class Moments(Blockwise):
-    """``1/2 int_0^1 psi density dy`` of functions on panels and the tail, over densities at points.
+    """Moments ``1/2 int_0^1 psi density dd`` of functions on panels and tail, for any densities.
 
-    Psi has the endpoint weight.
+    The functions psi include the endpoint weight. The densities are given at the points `d`.
     """
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
-        charges, tail = charges_on(panels.width, degrees), panels.tail_rule()
-        super().__init__([*charges.blocks(), (0.5 * tail.weights)[:, None] * tail.basis])
-        #: distances of the points
-        self.d: Array = np.concatenate([charges.d, tail.points])
-        own = charges.d ** (1.0 + panels.power)
-        self._weights = np.concatenate([own, tail.points**panels.power])
+        sources = point_sources(panels.width, degrees)
+        tail = panels.tail_rule()
+        super().__init__([*sources.blocks(), (0.5 * tail.weights)[:, None] * tail.basis])
+        #: distances of the points from the boundary
+        self.d: Array = np.concatenate([sources.d, tail.points])
+        # on the panels dd = d dx
+        panel_weights = sources.d ** (1.0 + panels.power)
+        self._weights = np.concatenate([panel_weights, tail.points**panels.power])
 
     def with_densities(self, densities: Array) -> Array:
-        """Return them with densities at the points, as rows."""
-        return self.after(densities * self._weights)
+        """Return moments, (densities, functions), with densities that are rows of values at `d`."""
+        return self.left_times(densities * self._weights)
 
 
-moments_on = kept("moments with densities", 128)(Moments)
+moments_on = bounded_cache("moments with densities", 128)(Moments)
 
 
-def _smooth(u: Array) -> Array:
-    """Return sqrt(u / (1 - exp(-u))), analytic at u = 0."""
+def _kernel_factor(u: Array) -> Array:
+    """Return ``sqrt(u / (1 - exp(-u)))``: the Abel kernel in ``x`` without its ``1/sqrt(u)``.
+
+    It is analytic at u = 0.
+    """
     safe = np.where(u > 0.0, u, 1.0)
     return np.where(u > 0.0, np.sqrt(safe / -np.expm1(-safe)), 1.0)
 
 
-def _panel(values: Array, local: Array, degree: int) -> Array:
-    """Contract quadrature `values` (n, q) with the Legendre polynomials at `local` (n, q)."""
+def _legendre_sums(values: Array, local: Array, degree: int) -> Array:
+    """Return sums of values (n, q) times Legendre polynomials at `local` in [-1, 1], (n, q)."""
     return np.asarray((values[:, None, :] @ legendre_values(local, degree))[:, 0, :])
 
 
-def _root_rule(lower: Array, upper: Array, g: Array, w: Array) -> tuple[Array, ...]:
+def _root_rule(lower: Array, upper: Array, nodes: Array, weights: Array) -> tuple[Array, ...]:
     """Return ``u``, ``u - lower``, ``upper - u`` and weights of ``int . du / (2 sqrt(u))``.
 
-    The rule ``g, w`` is applied in ``sqrt(u)``. The distances keep their digits.
+    A Gauss rule on [-1, 1], given by its nodes and weights, is applied in ``sqrt(u)`` between the
+    limits `lower` and `upper`. All distances keep their digits.
     """
-    a, b = np.sqrt(lower)[:, None], np.sqrt(upper)[:, None]
-    span = (upper - lower)[:, None] / np.where(a + b > 0.0, a + b, 1.0)
-    step = span * (1.0 + g) / 2.0
-    root = a + step
-    return root**2, step * (root + a), span * (1.0 - g) / 2.0 * (root + b), w * span / 2.0
+    low_root = np.sqrt(lower)[:, None]
+    high_root = np.sqrt(upper)[:, None]
+    both = low_root + high_root
+    span = (upper - lower)[:, None] / np.where(both > 0.0, both, 1.0)
+    step = span * (1.0 + nodes) / 2.0
+    root = low_root + step
+    to_upper = span * (1.0 - nodes) / 2.0 * (root + high_root)
+    return root**2, step * (root + low_root), to_upper, weights * span / 2.0
 
 
-def deeper_blocks(
+def abel_right_blocks(
     to_end: Array, panels: int, width: float, degree: int, power: float = 0.0
 ) -> Array:
-    """Return blocks of the `deeper` integral for points inside one panel.
+    """Return blocks of the `abel_right` integral for points inside one panel.
 
     Parameters
     ----------
     to_end : ndarray, shape (n,)
-        Distance in ``x`` from each point to the deep end of its own panel, in [0, width].
+        Distance in ``x`` from each point to the end of its panel next to the boundary, in
+        [0, width].
     panels : int
-        Number of blocks: block k takes the panel k places deeper than the point's own.
+        Number of blocks: block k integrates over the panel k places nearer the boundary than the
+        panel of the points.
     width : float
         Panel width in ``x``.
     degree : int
@@ -132,38 +169,43 @@ def deeper_blocks(
     ndarray, shape (n, panels, degree + 1)
         To be multiplied by ``d**(1/2 + power)`` of the point.
     """
-    near = near_blocks(to_end, width - to_end, panels, width, degree, power)
-    return np.concatenate([near, far_blocks(to_end, panels, width, degree, power)], axis=1)
+    near_panels = abel_right_near_blocks(to_end, width - to_end, panels, width, degree, power)
+    far_panels = abel_right_far_blocks(to_end, panels, width, degree, power)
+    return np.concatenate([near_panels, far_panels], axis=1)
 
 
-def near_blocks(
+def abel_right_near_blocks(
     to_end: Array, from_start: Array, panels: int, width: float, degree: int, power: float = 0.0
 ) -> Array:
-    """Return the blocks of the panel of the points and of the next: ``u = theta**2``.
+    """Return the blocks of the panel of the points and of the next, where the kernel is singular.
 
-    Parameters are those of `deeper_blocks`, and the distance from the shallow end.
+    Parameters are those of `abel_right_blocks`, and the distance in ``x`` from the other end of
+    the panel to the points.
     """
     g, w = gauss_rule(degree + EXTRA)
     blocks = np.empty((len(to_end), min(panels, 2), degree + 1))
-    lower, upper = np.zeros(len(to_end)), to_end
+    lower = np.zeros(len(to_end))
+    upper = to_end
     for k in range(blocks.shape[1]):
         u, start, end, weights = _root_rule(lower, upper, g, w)
         if k == 0:
             start += from_start[:, None]
-        values = np.exp(-(1.0 + power) * u) * _smooth(u) * weights
+        values = np.exp(-(1.0 + power) * u) * _kernel_factor(u) * weights
         blocks[:, k] = legendre_sums_between(values, 2.0 * start / width, 2.0 * end / width, degree)
         lower, upper = upper, upper + width
     return blocks
 
 
-def far_blocks(to_end: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return the blocks of panels two places deeper and more, which are smooth.
+def abel_right_far_blocks(
+    to_end: Array, panels: int, width: float, degree: int, power: float = 0.0
+) -> Array:
+    """Return the blocks of panels two places nearer the boundary and more: the kernel is smooth.
 
-    Parameters are those of `deeper_blocks`.
+    Parameters are those of `abel_right_blocks`.
     """
     g, _ = gauss_rule(degree + EXTRA)
     start = to_end[:, None] + width * np.arange(1, max(panels - 1, 1))
-    # far enough for 1 - exp(-u) to lose nothing, and exp(-u) is a product
+    # u is so large that 1 - exp(-u) loses no digits, and exp(-u) is a product of two factors
     step = width * (1.0 + g) / 2.0
     values = np.exp(-start)[:, :, None] * np.exp(-step)
     np.sqrt(np.subtract(1.0, values, out=values), out=values)
@@ -172,26 +214,26 @@ def far_blocks(to_end: Array, panels: int, width: float, degree: int, power: flo
     return np.asarray(values @ legendre_projection_matrix(len(g), degree))
 
 
-def outer_blocks(
+def abel_left_blocks(
     from_start: Array, panels: int, width: float, degree: int, power: float = 0.0
 ) -> Array:
-    """Return blocks of the `outer` integral for points inside one panel.
+    """Return blocks of the `abel_left` integral for points inside one panel.
 
     Parameters
     ----------
     from_start : ndarray, shape (n,)
-        Distance in ``x`` from the shallow end of its own panel to each point; may exceed the
-        width for points in the tail.
+        Distance in ``x`` from the end of the panel that is far from the boundary to each point; it
+        exceeds the width for points in the tail, which count to the last panel.
     panels : int
-        Number of blocks: block k takes the panel k places shallower than the point's own.
+        Number of blocks: block k integrates over the panel k places farther from the boundary than
+        the panel of the points.
     width, degree, power
-        As of `deeper_blocks`.
+        As of `abel_right_blocks`.
 
     Returns
     -------
     ndarray, shape (n, panels, degree + 1)
-        To be multiplied by ``exp(-(1/2 + power) x_j)`` of the shallow end ``x_j`` of the source
-        panel.
+        To be multiplied by ``exp(-(1/2 + power) x_j)`` of the start ``x_j`` of the source panel.
     """
     g, w = gauss_rule(degree + EXTRA)
     blocks = np.empty((len(from_start), panels, degree + 1))
@@ -199,14 +241,15 @@ def outer_blocks(
     upper = from_start
     for k in range(min(panels, 2)):
         u, end, offset, weights = _root_rule(lower, upper, g, w)
-        if k == 0:  # the panel ends before the point in the tail, or beyond it
+        if k == 0:  # the end of the panel lies nearer the boundary than the points
             end += np.maximum(width - from_start, 0.0)[:, None]
-        values = np.exp(-(0.5 + power) * offset) * _smooth(u) * weights
+        values = np.exp(-(0.5 + power) * offset) * _kernel_factor(u) * weights
         ends = 2.0 * offset / width, 2.0 * end / width
         blocks[:, k] = legendre_sums_between(values, *ends, degree)
         lower, upper = upper, upper + width
-    if panels > 2:  # as of `far_blocks`
-        offset, start = width * (1.0 + g) / 2.0, from_start[:, None] + width * np.arange(2, panels)
+    if panels > 2:  # smooth kernels, as in `abel_right_far_blocks`
+        offset = width * (1.0 + g) / 2.0
+        start = from_start[:, None] + width * np.arange(2, panels)
         values = np.exp(-start)[:, :, None] * np.exp(offset)
         np.sqrt(np.subtract(1.0, values, out=values), out=values)
         np.divide((width / 4) * np.exp(-(0.5 + power) * offset), values, out=values)
@@ -214,10 +257,13 @@ def outer_blocks(
     return blocks
 
 
-def deeper_tail(
+def abel_right_tail(
     d: Array, end: float, terms: int = TAIL_TERMS, power: float = 0.0, root: bool = False
 ) -> Array:
-    """Return the `deeper` integral of ``d**power`` times the tail polynomials, (n, terms)."""
+    """Return the `abel_right` integral of ``d**power`` times the tail polynomials, (n, terms).
+
+    The tail ends at the distance `end`; `root` says that it is polynomial in ``sqrt(d)``.
+    """
     rise = 1.0 + 2.0 * power
     nodes, weights = power_rule(terms + TAIL_EXTRA, rise)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
@@ -227,187 +273,229 @@ def deeper_tail(
     return np.asarray((values[:, None, :] @ tail_values(source, end, terms, root))[:, 0, :])
 
 
-def _outer_tail(d: Array, end: float, power: float) -> Array:
-    """Return the `outer` integral of ``d**power`` times the tail polynomials, (n, TAIL_TERMS)."""
+def _abel_left_tail(d: Array, end: float, power: float) -> Array:
+    """Return the `abel_left` integral of ``d**power`` times the tail polynomials, (n, terms)."""
     if power != 0.0:  # d' = d cosh(phi)**2: with the power -1/2 the integral has a logarithm
-        g, w = gauss_rule(TAIL_TERMS + 24)
+        g, w = gauss_rule(TAIL_TERMS + WEIGHTED_TAIL_EXTRA)
         phi = np.arccosh(np.sqrt(np.maximum(end / d, 1.0)))[:, None]
         root = np.sqrt(d)[:, None] * np.cosh(phi * (1.0 + g) / 2.0)
-        source, values = np.minimum(root**2, end), w * phi / 2.0 * root ** (1.0 + 2.0 * power)
+        source = np.minimum(root**2, end)
+        values = w * phi / 2.0 * root ** (1.0 + 2.0 * power)
     else:
         g, w = gauss_rule(TAIL_TERMS + 1)
         span = np.sqrt(np.maximum(end - d, 0.0))[:, None]
-        source, values = d[:, None] + (span * (1.0 + g) / 2.0) ** 2, w * span / 2.0
-    return _panel(values, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
+        source = d[:, None] + (span * (1.0 + g) / 2.0) ** 2
+        values = w * span / 2.0
+    return _legendre_sums(values, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
-def _alike(found: list[tuple[Array, Array]], places: Array) -> Array | None:
-    """Return the blocks of a panel with its points at the same places, if there are any."""
-    for own, blocks in found:
-        if len(own) == len(places) and float(np.abs(own - places).max()) < _SAME:
+def _computed_blocks(computed: list[tuple[Array, Array]], local: Array) -> Array | None:
+    """Return blocks that were computed for points at the same places in another panel, if any.
+
+    `computed` has the places in their panel of points, and the blocks for them.
+    """
+    for known_places, blocks in computed:
+        same_count = len(known_places) == len(local)
+        if same_count and float(np.abs(known_places - local).max()) < SAME_PLACE:
             return blocks
     return None
 
 
-def deeper(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return the matrix of the `deeper` integral at arbitrary distances.
+def abel_right(d: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return the matrix of the `abel_right` integral at arbitrary distances.
 
     Parameters
     ----------
     d : ndarray, shape (n,)
         Positive distances; above 1 is allowed (points past the first panel).
     panels, width, degree, power
-        The panels, as in `deeper_blocks`.
+        The panels, as in `abel_right_blocks`.
 
     Returns
     -------
     ndarray, shape (n, panels * (degree + 1) + TAIL_TERMS)
     """
     x = -np.log(d)
-    own = np.minimum(np.floor(x / width).astype(int), panels)
+    panel_of_point = np.minimum(np.floor(x / width).astype(int), panels)
     matrix = np.zeros((len(d), panels, degree + 1))
-    clear = np.flatnonzero(own < -1)
+    clear = np.flatnonzero(panel_of_point < -1)
     if len(clear):
-        matrix[clear] = plain(-d[clear], panels, width, degree, power)
-    found: list[tuple[Array, Array]] = []
-    for i in np.unique(own[(own < panels) & (own >= -1)]):
-        rows = np.flatnonzero(own == i)
+        matrix[clear] = abel_regular(-d[clear], panels, width, degree, power)
+    computed: list[tuple[Array, Array]] = []
+    for i in np.unique(panel_of_point[(panel_of_point < panels) & (panel_of_point >= -1)]):
+        rows = np.flatnonzero(panel_of_point == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
-        known = _alike(found, to_end)
-        if known is None:
-            known = deeper_blocks(to_end, panels - i, width, degree, power)
-            found.append((to_end, known))
-        blocks = known[:, : panels - i]
+        blocks = _computed_blocks(computed, to_end)
+        if blocks is None:
+            blocks = abel_right_blocks(to_end, panels - i, width, degree, power)
+            computed.append((to_end, blocks))
+        on_panels = blocks[:, : panels - i]
         root = np.sqrt(d[rows]) * (d[rows] ** power if power else 1.0)
-        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) :] * root[:, None, None]
-    tail = deeper_tail(d, np.exp(-panels * width), power=power)
+        matrix[rows, max(i, 0) :] = on_panels[:, max(-i, 0) :] * root[:, None, None]
+    tail = abel_right_tail(d, np.exp(-panels * width), power=power)
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
 
-def outer(
-    d: Array, panels: int, width: float, degree: int, power: float = 0.0, functions: Places = None
+def abel_left(
+    d: Array,
+    panels: int,
+    width: float,
+    degree: int,
+    power: float = 0.0,
+    functions: Functions = None,
 ) -> Array:
-    """Return the matrix of the `outer` integral at arbitrary distances in [0, 1].
+    """Return the matrix of the `abel_left` integral at arbitrary distances in [0, 1].
 
-    Shapes are those of `deeper`, or columns are those of some functions and of the tail; `power` is
-    the endpoint weight, with which d must be positive.
+    Parameters and shapes are those of `abel_right`. With a `power` d must be positive. If
+    `functions` are given, indices that end with the tail's, only these have columns.
     """
-    end, terms = np.exp(-panels * width), degree + 1
+    end = np.exp(-panels * width)
+    terms = degree + 1
     x = -np.log(np.maximum(d, _TINY))
-    own = np.clip(np.floor(x / width).astype(int), 0, panels + 1)
-    inner = np.arange(panels * terms) if functions is None else functions[:-TAIL_TERMS]
-    panel = inner // terms
-    # a panel is as far from that of a point as it is higher up
-    places, scale = inner - 2 * terms * panel, np.exp(-(0.5 + power) * width * panel)
-    matrix = np.zeros((len(d), len(inner) + TAIL_TERMS))
-    matrix[:, len(inner) :] = _outer_tail(d, end, power)
-    # far below the panels the plain rule keeps the distance itself
-    clear = own > panels
-    far_off = plain(-d[clear], panels, width, degree, power)
-    matrix[clear, : len(inner)] = far_off.reshape(-1, panels * terms)[:, inner]
-    found: list[tuple[Array, Array]] = []
-    number = np.bincount(own, minlength=1)[: panels + 1]
-    for place in np.flatnonzero(number).tolist():
-        rows, i = np.flatnonzero(own == place), min(place, panels - 1)
+    panel_of_point = np.clip(np.floor(x / width).astype(int), 0, panels + 1)
+    on_panels = np.arange(panels * terms) if functions is None else functions[:-TAIL_TERMS]
+    panel = on_panels // terms
+    # block k of a point in panel i belongs to panel i - k
+    reversed_columns = on_panels - 2 * terms * panel
+    scale = np.exp(-(0.5 + power) * width * panel)
+    matrix = np.zeros((len(d), len(on_panels) + TAIL_TERMS))
+    matrix[:, len(on_panels) :] = _abel_left_tail(d, end, power)
+    # for points deep in the tail the regular rule keeps the digits of the distance to the panels
+    clear = panel_of_point > panels
+    regular = abel_regular(-d[clear], panels, width, degree, power)
+    matrix[clear, : len(on_panels)] = regular.reshape(-1, panels * terms)[:, on_panels]
+    computed: list[tuple[Array, Array]] = []
+    points_in_panel = np.bincount(panel_of_point, minlength=1)[: panels + 1]
+    for occupied in np.flatnonzero(points_in_panel).tolist():
+        rows = np.flatnonzero(panel_of_point == occupied)
+        i = min(occupied, panels - 1)
         offset = np.maximum(x[rows] - i * width, 0.0)
-        known = _alike(found, offset)
-        if known is None:
-            most = min(int(np.flatnonzero(number == len(rows))[-1]) + 1, panels)
-            known = outer_blocks(offset, most, width, degree, power).reshape(len(rows), -1)
-            found.append((offset, known))
+        blocks = _computed_blocks(computed, offset)
+        if blocks is None:
+            # as many as the last panel with as many points may use
+            last_alike = int(np.flatnonzero(points_in_panel == len(rows))[-1])
+            count = min(last_alike + 1, panels)
+            blocks = abel_left_blocks(offset, count, width, degree, power).reshape(len(rows), -1)
+            computed.append((offset, blocks))
         last = np.searchsorted(panel, i, "right")
-        matrix[rows, :last] = known.take(i * terms + places[:last], axis=1) * scale[:last]
+        columns = i * terms + reversed_columns[:last]
+        matrix[rows, :last] = blocks.take(columns, axis=1) * scale[:last]
     return matrix
 
 
-def plain(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` on the panels, e clear of ``-d'``."""
-    source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
+def abel_regular(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` for points clear of the panels.
+
+    Negative e are distances before the boundary. The shape is (n, panels, degree + 1); the tail is
+    not included.
+    """
+    source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
     if power != 0.0:
         values *= source**power
     return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
 
 
-def beyond(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
-    """Return the matrix of `beyond` at distances `e` >= 0; degrees may be those of each panel."""
-    charges = charges_on(width, (degree,) * panels if isinstance(degree, int) else degree)
-    kernels = charges.d + e[:, None]
-    np.divide(charges.d, np.sqrt(kernels, out=kernels), out=kernels)
-    return np.hstack([charges.after(kernels), beyond_tail(e, np.exp(-panels * width))])
+def abel_exterior(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
+    """Return the matrix of the `abel_exterior` integral at distances `e` >= 0 past the boundary.
+
+    The degree is the same on all panels, or there is one for each panel.
+    """
+    sources = point_sources(width, (degree,) * panels if isinstance(degree, int) else degree)
+    kernels = sources.d + e[:, None]
+    np.divide(sources.d, np.sqrt(kernels, out=kernels), out=kernels)
+    return np.hstack([sources.left_times(kernels), abel_exterior_tail(e, np.exp(-panels * width))])
 
 
-def beyond_tail(e: Array, end: float) -> Array:
-    """Return the `beyond` integral of the tail polynomials, (n, TAIL_TERMS)."""
+def abel_exterior_tail(e: Array, end: float) -> Array:
+    """Return the `abel_exterior` integral of the tail polynomials, (n, TAIL_TERMS)."""
     g, w = gauss_rule(TAIL_TERMS + 1)
-    a, b = np.sqrt(e)[:, None], np.sqrt(e + end)[:, None]
-    span = end / (a + b)
+    low_root = np.sqrt(e)[:, None]
+    high_root = np.sqrt(e + end)[:, None]
+    # the variable sqrt(d' + e) removes the square root of the kernel
+    span = end / (low_root + high_root)
     step = span * (1.0 + g) / 2.0
-    source = step * (2.0 * a + step)
-    return np.asarray(_panel(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
+    source = step * (2.0 * low_root + step)
+    return np.asarray(_legendre_sums(w * span / 2.0, 2.0 * source / end - 1.0, TAIL_TERMS - 1))
 
 
-def fall(e: Array, width: float, degrees: tuple[int, ...]) -> tuple[Array, Array]:
-    """Return `beyond`, and by how much it is less than at the boundary, where nothing cancels.
+def exterior_with_decrement(
+    e: Array, width: float, degrees: tuple[int, ...]
+) -> tuple[Array, Array]:
+    """Return the matrix `abel_exterior` at e, and ``abel_exterior(0) - abel_exterior(e)``.
 
+    In the decrement nothing cancels: its kernel is
+    ``1/sqrt(d') - 1/sqrt(d' + e) = e / (sqrt(d') sqrt(d' + e) (sqrt(d') + sqrt(d' + e)))``.
     Only functions up to the highest degree of each panel have columns.
     """
-    end, charges = np.exp(-len(degrees) * width), charges_on(width, degrees)
-    near, far = np.sqrt(charges.d), charges.d + e[:, None]
-    np.sqrt(far, out=far)
-    work = charges.d / far
-    plain = np.hstack([charges.after(work), beyond_tail(e, end)])
-    far *= np.add(near, far, out=work)
-    np.divide(e[:, None], far, out=far)
-    far *= near
-    return plain, np.hstack([charges.after(far), fall_of_tail(e, end)])
+    end = np.exp(-len(degrees) * width)
+    sources = point_sources(width, degrees)
+    root_at_boundary = np.sqrt(sources.d)
+    # one array, of sqrt(d' + e), becomes the kernel of the decrement; `work` is overwritten
+    kernels = sources.d + e[:, None]
+    np.sqrt(kernels, out=kernels)
+    work = sources.d / kernels
+    exterior = np.hstack([sources.left_times(work), abel_exterior_tail(e, end)])
+    kernels *= np.add(root_at_boundary, kernels, out=work)
+    np.divide(e[:, None], kernels, out=kernels)
+    kernels *= root_at_boundary
+    decrement = np.hstack([sources.left_times(kernels), exterior_decrement_tail(e, end)])
+    return exterior, decrement
 
 
-def fall_of_tail(e: Array, end: float) -> Array:
-    """Return by how much `beyond_tail` is less than at the boundary, (n, TAIL_TERMS)."""
-    tail = beyond_tail(np.zeros(1), end) - beyond_tail(e, end)
-    # d' = e sinh(phi)**2: below half its end this is right to rounding, the difference to 5e-15 at
-    # 1e-3 of it
+def exterior_decrement_tail(e: Array, end: float) -> Array:
+    """Return ``abel_exterior_tail(0, end) - abel_exterior_tail(e, end)``, (n, TAIL_TERMS)."""
+    tail = abel_exterior_tail(np.zeros(1), end) - abel_exterior_tail(e, end)
+    # closed forms with d' = e sinh(phi)**2: for e < end/2 these are right to rounding, where the
+    # difference above is right to 5e-15 at e = 1e-3 end
     small = (e > 0.0) & (e < 0.5 * end)
     ratio = e[small] / end
     grown = np.exp(np.arcsinh(np.sqrt(end / e[small])))
-    one, two, three, five = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
-    # of the powers of d'/end
-    zeroth = -two
-    first = ratio * (one / 4 + two / 2 - three / 12)
-    highest = (grown**3 - 1.0) / 48 - one / 4
-    second = ratio**2 * (highest - 3 * two / 8 + three / 12 - five / 80)
+    # exp(n phi) - 1 at the end of the tail
+    plus_1, minus_1, minus_3, minus_5 = (grown ** float(n) - 1.0 for n in (1, -1, -3, -5))
+    # decrements of the powers 0, 1 and 2 of d'/end
+    zeroth = -minus_1
+    first = ratio * (plus_1 / 4 + minus_1 / 2 - minus_3 / 12)
+    highest = (grown**3 - 1.0) / 48 - plus_1 / 4
+    second = ratio**2 * (highest - 3 * minus_1 / 8 + minus_3 / 12 - minus_5 / 80)
     legendre = [zeroth, 2 * first - zeroth, 6 * (second - first) + zeroth]
     tail[small] = np.sqrt(e[small])[:, None] * np.column_stack(legendre)
     return np.asarray(tail)
 
 
-def far_fall(e: Array, width: float, degrees: tuple[int, ...], power: float = 0.0) -> Array:
+def opposite_end_decrement(
+    e: Array, width: float, degrees: tuple[int, ...], power: float = 0.0
+) -> Array:
     """Return ``1/2 int d'**power psi (1/sqrt(2 - d') - 1/sqrt(2 + e - d')) dd'`` for ``e > -1``.
 
-    It is how this integral falls past the distance 2, of the functions on the panels.
+    The two halves of an annulus have unit extent, so that their boundaries are 2 apart. This is
+    the decrement of the integral of one half from the boundary of the other to e past it, for the
+    functions on the panels.
     """
-    charges = charges_on(width, degrees)
-    near, far = np.sqrt(2.0 - charges.d), np.sqrt(2.0 - charges.d + e[:, None])
-    return charges.after(charges.d ** (1.0 + power) * (e[:, None] / (near * far * (near + far))))
+    sources = point_sources(width, degrees)
+    root_at_boundary = np.sqrt(2.0 - sources.d)
+    root = np.sqrt(2.0 - sources.d + e[:, None])
+    kernels = e[:, None] / (root_at_boundary * root * (root_at_boundary + root))
+    return sources.left_times(sources.d ** (1.0 + power) * kernels)
 
 
-def at_boundary(panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return ``1/2 int d**(power - 1/2) psi dd``, the `outer` integral at the boundary itself.
+def abel_left_at_boundary(panels: int, width: float, degree: int, power: float = 0.0) -> Array:
+    """Return ``1/2 int d**(power - 1/2) psi dd``, the `abel_left` integral at the boundary itself.
 
     Of all functions, with ``power > -1/2``.
     """
     if power == 0.0:
-        return np.asarray(beyond(np.zeros(1), panels, width, degree)[0])
-    charges, end = charges_on(width, (degree,) * panels), float(np.exp(-panels * width))
+        return np.asarray(abel_exterior(np.zeros(1), panels, width, degree)[0])
+    sources = point_sources(width, (degree,) * panels)
+    end = float(np.exp(-panels * width))
     nodes, weights = power_rule(TAIL_TERMS, power - 0.5)
     tail = end ** (0.5 + power) / 2.0 * weights @ legendre_values(2.0 * nodes - 1.0, TAIL_TERMS - 1)
-    return np.append(charges.after(charges.d[None] ** (0.5 + power))[0], tail)
+    return np.append(sources.left_times(sources.d[None] ** (0.5 + power))[0], tail)
 
 
-def rise(
+def left_increment(
     whole: Array,
-    at: Array,
+    boundary_value: Array,
     functions: NDArray[np.int_],
     d: Array,
     panels: int,
@@ -415,24 +503,28 @@ def rise(
     degree: int,
     power: float = 0.0,
 ) -> Array:
-    """Return by how much `outer` is more at distances `d` in [0, 1] than at the boundary itself.
+    """Return ``abel_left(d) - abel_left(0)`` at distances `d` in [0, 1].
 
-    Of these functions, of which it is `whole`, and `at` the boundary. What is far from the boundary
-    contributes a difference that is taken as such, what is as near as the point is as small as its
-    distance.
+    `whole` is the matrix `abel_left` at d of these functions, and `boundary_value` the one at the
+    boundary. On panels at least two places farther from the boundary than a point, the difference
+    of the kernels is integrated; on nearer panels both integrals are as small as the distance, and
+    their difference is right.
     """
-    matrix = whole - at
-    source = charges_on(width, (degree,) * panels).d.reshape(panels, -1)
+    increment = whole - boundary_value
+    source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
-    own = np.minimum(np.floor(x / width).astype(int), panels + 1)
-    for i in np.unique(own[own >= 2]):
-        rows, near = np.flatnonzero(own == i), source[: min(i - 1, panels)]
-        e = d[rows, None, None]
-        roots = np.sqrt(near - e), np.sqrt(near)
-        values = (width / 4) * near * (e / (roots[0] * roots[1] * (roots[0] + roots[1])))
+    panel_of_point = np.minimum(np.floor(x / width).astype(int), panels + 1)
+    for i in np.unique(panel_of_point[panel_of_point >= 2]):
+        rows = np.flatnonzero(panel_of_point == i)
+        far_sources = source[: min(i - 1, panels)]
+        shift = d[rows, None, None]
+        root = np.sqrt(far_sources - shift)
+        root_at_boundary = np.sqrt(far_sources)
+        kernels = shift / (root * root_at_boundary * (root + root_at_boundary))
+        values = (width / 4) * far_sources * kernels
         if power:
-            values *= near**power
+            values *= far_sources**power
         blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
-        last = np.searchsorted(functions, len(near) * (degree + 1))
-        matrix[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
-    return np.asarray(matrix)
+        last = np.searchsorted(functions, len(far_sources) * (degree + 1))
+        increment[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
+    return np.asarray(increment)

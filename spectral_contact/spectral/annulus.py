@@ -1,4 +1,4 @@
-"""Functions on an annulus: two families of logarithmic panels, one to each end."""
+"""Functions on an annulus: in two halves, each with a mesh that is graded to its end."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from spectral_contact.fields.series import Array, Radius
-from spectral_contact.spectral.blocks import across
+from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
 
 @dataclass(frozen=True)
 class Annulus:
-    """An annulus with a family of panels to each end.
+    """An annulus with panels graded to either end; its halves meet at the middle in ``s**2``.
 
     Attributes
     ----------
     inner, outer : Radius
+        The ends of the annulus.
     toward_inner, toward_outer : LogPanels
-        Panels of the two halves.
+        Panels of the two halves, graded to the inner and to the outer end.
     """
 
     inner: Radius
@@ -32,18 +33,18 @@ class Annulus:
     toward_outer: LogPanels
 
     @cached_property
-    def families(self) -> tuple[Family, Family]:
+    def families(self) -> tuple[GradedMesh, GradedMesh]:
         """The two halves: above the inner end, below the outer end."""
         half = gap(self.inner, self.outer) / 2.0
         return (
-            Family(self.inner, 1, half, self.toward_inner),
-            Family(self.outer, -1, half, self.toward_outer),
+            GradedMesh(self.inner, 1, half, self.toward_inner),
+            GradedMesh(self.outer, -1, half, self.toward_outer),
         )
 
     @cached_property
     def y(self) -> Array:
         """``1 - s**2`` at the sampling points of both halves."""
-        return np.concatenate([one.sampling().y for one in self.families])
+        return np.concatenate([family.sampling().y for family in self.families])
 
     def halves(self, values: Array) -> list[Array]:
         """Return values (..., points) at the sampling points of either half."""
@@ -51,16 +52,38 @@ class Annulus:
         return [values[..., :inner], values[..., inner:]]
 
     def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
-        """Return integrals of functions at their own sampling points, on either half.
+        """Return Abel integrals of a function on the annulus at its own sampling points.
 
-        The half-integral, over what lies outside of the points (+1), or the inner integral (-1), of
-        values (..., points). In scaled distances the transforms depend on the panels alone.
+        Parameters
+        ----------
+        values : sequence of ndarray, shape (..., points)
+            Values of the function at the sampling points of either half.
+        side : int
+            +1 for the half-integral, over radii outside of the point, -1 for the inner integral.
+
+        Returns
+        -------
+        list of ndarray, shape (..., points)
+            On either half. In scaled distances what a half adds to itself depends on its panels
+            alone.
         """
-        each, found = [f.expand(v) for f, v in zip(self.families, values, strict=True)], []
+        coefficients = [
+            family.expand(half) for family, half in zip(self.families, values, strict=True)
+        ]
+        integrals = []
         for k, family in enumerate(self.families):
-            own, away = transforms(family.panels), (k == 0) == (side > 0)
-            seen = own.outer(each[k]) if away else own.deeper(each[k])
-            found.append(np.sqrt(family.reach) * seen)
-            if away:  # one half sees the other, too
-                found[k] += across(each[1 - k], self.families[1 - k], family, side)
-        return found
+            own_panels = transforms(family.panels)
+            # whether the integral runs away from the end of this half, over the other half, too
+            away = (k == 0) == (side > 0)
+            if away:
+                unit = own_panels.abel_left(coefficients[k])
+            else:
+                unit = own_panels.abel_right(coefficients[k])
+            integral = np.sqrt(family.reach) * unit
+            if away:
+                other = 1 - k
+                integral += abel_integral_on(
+                    family, self.families[other], coefficients[other], side
+                )
+            integrals.append(integral)
+        return integrals

@@ -1,11 +1,24 @@
 r"""Abel integrals of the functions on one part of the contact at the Galerkin nodes of another.
 
-Next to a boundary between zones what counts are small differences of large integrals. So each is
-given as its value at the boundary that the nodes are graded to, and by how much it is more at the
-nodes: in that nothing cancels. What a part contributes to its own nodes, or one half of an annulus
-to those of the other, depends on panels and degrees alone and is kept, in unit extent. What lies
-apart is smooth, and known at few samples; farther off than its own extent it is gathered at 24
-places.
+A part is a mesh that is graded to a boundary (`GradedMesh`): the *source* is the part with the
+functions, the *target* the one with the nodes. On its side +1 (outside) of a node t the integral is
+the half-integral ``1/2 int_{z > t^2} f dz / sqrt(z - t^2)``, on the side -1 (inside) it is
+``1/2 int_{z < t^2} f dz / sqrt(t^2 - z)``, where ``z = s**2``.
+
+Next to a boundary between zones small differences of large integrals decide. So each integral is
+given as its value at the boundary that the nodes are graded to, and its increment from there to the
+nodes, in which nothing cancels; its values at the nodes are given, too. There are four cases:
+
+==========================  =================================================================
+`_self_block`               the source is the target
+`_adjacent_block`           the two parts have a boundary in common and lie on its two sides
+`_opposite_half_block`      the two halves of an annulus, which meet at their far ends
+`_separated_block`          all other parts
+==========================  =================================================================
+
+The first and the third depend on panels and degrees alone and are cached, for parts of unit extent.
+Integrals over separated parts are smooth, and given at the samples of the nodes (`GradedNodes`); if
+the source is farther off than its own extent, `FAR_POINTS` values of the kernel represent it.
 """
 
 from __future__ import annotations
@@ -19,23 +32,22 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from spectral_contact.spectral.abel import (
-    at_boundary,
-    beyond,
-    deeper,
-    deeper_tail,
-    fall,
-    far_blocks,
-    far_fall,
+    abel_exterior,
+    abel_left,
+    abel_left_at_boundary,
+    abel_regular,
+    abel_right,
+    abel_right_far_blocks,
+    abel_right_near_blocks,
+    abel_right_tail,
+    exterior_with_decrement,
+    left_increment,
     moments_on,
-    near_blocks,
-    outer,
-    plain,
-    rise,
+    opposite_end_decrement,
 )
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.graded import (
     FAR_NODES,
-    SAMPLES,
     GradedNodes,
     PlainNodes,
     clustered_rule,
@@ -46,397 +58,506 @@ from spectral_contact.spectral.graded import (
 )
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.tuning import (
+    FAR_DISTANCE,
+    FUNCTIONS_PER_STRIP,
+    INCREMENT_REACH,
+    MAX_STRIPS,
+    OPPOSITE_POINTS,
+    SAMPLES,
+)
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
-Used: TypeAlias = tuple[int, ...] | LogPanels
+#: What the points of a part are for: the degrees of Galerkin nodes, or panels with sampling points.
+Placement: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | PlainNodes
 #: Number of panels, width, degree, power.
 Form: TypeAlias = tuple[int, float, int, float]
-#: Half-integrals at consecutive nodes: rows and columns, and what is there.
+#: Part of a matrix: slices of consecutive rows and of columns, and the entries there.
 Strip: TypeAlias = tuple[tuple[slice, slice], Array]
 
-#: Distances, in units of a part's extent, up to which a difference is taken as such.
-_NEAR = 0.5
-#: How far off, of its extent, a part is that few places stand for; rounding may take a little.
-_FAR = 1.0 - float(np.sqrt(np.finfo(float).eps))
-#: Those places, as distances from its boundary.
-_PLACES: Array = (1.0 + FAR_NODES) / 2.0
-#: Places, in [-1, 1], that stand for all panels but the first as seen from seven times their extent
-#: or farther: the error is 27**-12.
-_DEEP_NODES, _DEEP_FIT = chebyshev_interpolation(12)
-#: Strips of half-integrals, which have few of their zeros, and how many functions one is worth.
-_STRIPS, _WORTH = 8, 24
+#: `FAR_NODES` as distances from the boundary of a part, in its extents.
+_FAR_DISTANCES: Array = (1.0 + FAR_NODES) / 2.0
+#: Chebyshev points in [-1, 1] that represent all panels but the first of one half of an annulus for
+#: the nodes on the other half, and the matrix from values there to Chebyshev coefficients. Those
+#: panels reach to exp(-2) of the half, and the nodes are at least seven times that away.
+_OPPOSITE_NODES, _OPPOSITE_EXPANSION = chebyshev_interpolation(OPPOSITE_POINTS)
 
 
 class Block(NamedTuple):
-    """Integrals of the functions of a part at the nodes of another.
+    """Integrals of the functions of a source at the nodes of a target.
 
     Attributes
     ----------
-    at : ndarray, shape (functions,)
-        At the boundary of the nodes; zero for the edge, but see `_has_no_end`.
-    more : ndarray or StripMatrix, shape (nodes or samples, functions)
-        By how much it is more at the nodes.
-    whole : ndarray or StripMatrix, shape (nodes or samples, functions)
-        The sum, which may be far less than either.
+    boundary_value : ndarray, shape (columns,)
+        Integrals at the boundary of the target; zero if that is the edge, but see
+        `_without_boundary_value`.
+    increment : ndarray or StripMatrix, shape (nodes or samples, columns)
+        Integrals at the nodes less those at the boundary.
+    value : ndarray or StripMatrix, shape (nodes or samples, columns)
+        Integrals at the nodes. They may be far smaller than the two summands.
     sampled : bool
-        Whether it is given at the samples of the nodes.
+        Whether the rows are those of the samples of the target, else they are those of its nodes.
     scale : float
-        All three are to be multiplied by it.
-    gathered : ndarray, shape (places, functions), optional
-        What the functions have at few places, to which the columns of the last two belong then.
+        Factor of all three.
+    reduction : ndarray, shape (columns of `increment` and `value`, functions), optional
+        The matrix from coefficients to what `increment` and `value` are applied to, where few
+        values of the kernel represent the source. `boundary_value` includes it.
     """
 
-    at: Array
-    more: Array | StripMatrix
-    whole: Array | StripMatrix
+    boundary_value: Array
+    increment: Array | StripMatrix
+    value: Array | StripMatrix
     sampled: bool
     scale: float = 1.0
-    gathered: Array | None = None
+    reduction: Array | None = None
 
-    def of(self, columns: NDArray[np.int_]) -> Block:
-        """Return that of some functions."""
-        at = self.at[columns]
-        if self.gathered is not None:
-            return self._replace(at=at, gathered=self.gathered[:, columns])
-        whole = self.dense(whole=True)[:, columns]
-        more = whole if self.more is self.whole else self.dense(whole=False)[:, columns]
-        return self._replace(at=at, more=more, whole=whole)
+    def of(self, functions: NDArray[np.int_]) -> Block:
+        """Return the block of some of the functions, given by their indices."""
+        boundary_value = self.boundary_value[functions]
+        if self.reduction is not None:
+            reduction = self.reduction[:, functions]
+            return self._replace(boundary_value=boundary_value, reduction=reduction)
+        value = self.dense_value()[:, functions]
+        increment = value
+        if self.increment is not self.value:
+            increment = self.dense_increment()[:, functions]
+        return self._replace(boundary_value=boundary_value, increment=increment, value=value)
 
-    def onto(self, values: Array) -> Array:
-        """Return coefficients, as columns, times the scale and in the columns of the integrals."""
-        values = self.scale * values
-        return values if self.gathered is None else self.gathered @ values
+    def reduce(self, coefficients: Array) -> Array:
+        """Return what `increment` and `value` are applied to: scaled and reduced coefficients."""
+        scaled = self.scale * coefficients
+        return scaled if self.reduction is None else self.reduction @ scaled
 
-    def back(self, sums: Array) -> Array:
-        """Return the transpose of `onto`."""
-        sums = self.scale * sums
-        return sums if self.gathered is None else self.gathered.T @ sums
+    def reduce_transpose(self, sums: Array) -> Array:
+        """Apply the transpose of `reduce`."""
+        scaled = self.scale * sums
+        return scaled if self.reduction is None else self.reduction.T @ scaled
 
-    def sums(self, values: Array, *, whole: bool = True) -> Array:
-        """Return the integrals of coefficients, as columns, or by how much these are more."""
-        return np.asarray((self.whole if whole else self.more) @ self.onto(values))
+    def apply(self, coefficients: Array) -> Array:
+        """Return the integrals, at nodes or samples, of functions given as columns."""
+        return np.asarray(self.value @ self.reduce(coefficients))
 
-    def tested(self, weighted: Array) -> Array:
-        """Return the sums of weighted values, as columns, times whole integrals."""
-        if isinstance(self.whole, StripMatrix):
-            return self.back(self.whole.tested(weighted))
-        return self.back(self.whole.T @ weighted)
+    def apply_increment(self, coefficients: Array) -> Array:
+        """Return the increments, at nodes or samples, of functions given as columns."""
+        return np.asarray(self.increment @ self.reduce(coefficients))
 
-    def dense(self, *, whole: bool) -> Array:
-        """Return the whole integrals, or by how much they are more, as an array."""
-        matrix = self.whole if whole else self.more
+    def project(self, weighted: Array) -> Array:
+        """Return sums over nodes or samples of weighted values, as columns, times integrals."""
+        if isinstance(self.value, StripMatrix):
+            return self.reduce_transpose(self.value.apply_transpose(weighted))
+        return self.reduce_transpose(self.value.T @ weighted)
+
+    def dense_value(self) -> Array:
+        """Return `value` as an array."""
+        return self.value.dense if isinstance(self.value, StripMatrix) else self.value
+
+    def dense_increment(self) -> Array:
+        """Return `increment` as an array."""
+        matrix = self.increment
         return matrix.dense if isinstance(matrix, StripMatrix) else matrix
 
 
 class StripMatrix:
-    """A matrix in strips that have few of its zeros.
+    """A matrix in strips of consecutive rows, each from its first nonzero column to the last one.
 
     Parameters
     ----------
     shape : tuple of int
     strips : list of (tuple of slice, ndarray)
-        Rows that follow each other and columns from some on, and what is there.
+        For every strip its rows and columns, and the entries there.
     """
 
     def __init__(self, shape: tuple[int, int], strips: list[Strip]) -> None:
-        self.shape, self.strips = shape, strips
+        self.shape = shape
+        self.strips = strips
 
     def __matmul__(self, values: Array) -> Array:
-        return np.concatenate([one @ values[own] for (_, own), one in self.strips])
+        return np.concatenate([entries @ values[columns] for (_, columns), entries in self.strips])
 
-    def tested(self, weighted: Array) -> Array:
+    def apply_transpose(self, weighted: Array) -> Array:
         """Return the transpose times weighted values, as columns."""
         sums = np.zeros((self.shape[1], weighted.shape[1]))
-        for (rows, own), one in self.strips:
-            sums[own] += one.T @ weighted[rows]
+        for (rows, columns), entries in self.strips:
+            sums[columns] += entries.T @ weighted[rows]
         return sums
 
     @cached_property
     def dense(self) -> Array:
         """The matrix with its zeros."""
-        whole = np.zeros(self.shape)
-        for place, values in self.strips:
-            whole[place] = values
-        return whole
+        matrix = np.zeros(self.shape)
+        for place, entries in self.strips:
+            matrix[place] = entries
+        return matrix
 
 
-# slip inside has 5 parts in some ten spaces, and 15 more tell of other radii; bytes bound the whole
-@kept("own integrals", 256)
-def _own(panels: LogPanels, degrees: Degrees, used: Used, way: str) -> Block:
-    """Return the integrals of the functions of a part, of unit extent, at its own nodes (cached).
+# slip inside has 5 parts in some ten spaces, and other radii have 15 more; bytes bound all caches
+@bounded_cache("self blocks", 256)
+def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direction: str) -> Block:
+    """Return the integrals of the functions of a part at its own nodes, for unit extent (cached).
 
-    Of what lies `toward` the boundary, which vanishes there, or `beyond` the nodes, where the
-    boundary is the edge or `away` from it.
+    Parameters
+    ----------
+    panels, degrees
+        The functions.
+    placement
+        See `block`.
+    direction : str
+        Where the part of the source lies that counts: "toward" the boundary from the node, or on
+        the far side of the node, "away" from the boundary. "edge" is the latter for a boundary that
+        is the edge, at which integrals are not needed.
     """
-    form, functions = (panels.panels, panels.width, panels.degree), panels.functions(degrees)
-    nodes = points_of(panels, used)
+    form = (panels.panels, panels.width, panels.degree)
+    functions = panels.functions(degrees)
+    nodes = points_of(panels, placement)
     d = nodes.d
-    if way == "toward" and isinstance(nodes, GradedNodes):
-        return _vanishing(half_integrals(panels, degrees, nodes.degrees))
-    if way == "toward":
-        return _vanishing(deeper(d, *form, panels.power)[:, functions])
-    if way == "beyond":
-        return _vanishing(outer(d, *form, panels.power, functions))
-    whole = _own(panels, degrees, used, "beyond").dense(whole=True)
-    at = at_boundary(*form, panels.power)[functions]
-    return Block(at, rise(whole, at, functions, d, *form, panels.power), whole, False)
+    if direction == "toward" and isinstance(nodes, GradedNodes):
+        return _zero_at_boundary(half_integrals(panels, degrees, nodes.degrees))
+    if direction == "toward":
+        return _zero_at_boundary(abel_right(d, *form, panels.power)[:, functions])
+    if direction == "edge":
+        return _zero_at_boundary(abel_left(d, *form, panels.power, functions))
+    value = _self_block(panels, degrees, placement, "edge").dense_value()
+    boundary_value = abel_left_at_boundary(*form, panels.power)[functions]
+    increment = left_increment(value, boundary_value, functions, d, *form, panels.power)
+    return Block(boundary_value, increment, value, sampled=False)
 
 
-@kept("half-integrals in strips", 128)
-def half_integrals(panels: LogPanels, degrees: Degrees, used: Degrees) -> StripMatrix:
-    """Return half-integrals of functions at the Galerkin nodes for some degrees (cached).
+@bounded_cache("half-integrals in strips", 128)
+def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -> StripMatrix:
+    """Return half-integrals of functions at the Galerkin nodes of their own part (cached).
 
-    Nodes see functions on their own panel and deeper ones; those of the tail are with the last. Of
-    panels with as many nodes the blocks depend on how much deeper the functions are alone.
+    A node has integrals of functions on its own panel and on panels nearer the boundary; a node on
+    the tail has those of the tail alone, and is in the last strip. For panels with as many nodes
+    the blocks depend on the difference of the panel numbers alone.
     """
-    terms, form = panels.degree + 1, (panels.panels, panels.width, panels.degree, panels.power)
-    columns, nodes = panels.functions(degrees), graded_nodes(panels, used)
-    tail = deeper_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
-    root, last = nodes.d[:, None] ** (0.5 + panels.power), len(columns) - tail.shape[1]
-    rows = [0, *accumulate(map(len, nodes.start[:-1])), len(nodes.d)]
-    seen, found = [0, *accumulate(n + 1 for n in degrees)], []
-    # of few functions the zeros are not worth it
-    count = min(max(len(columns) // _WORTH, 1), _STRIPS)
-    for low, high in pairwise(sorted({len(degrees) * k // count for k in range(count + 1)})):
-        first, begin = rows[low], seen[low]
-        values = np.zeros((rows[high] - first, len(columns) - begin))
+    terms = panels.degree + 1
+    form = (panels.panels, panels.width, panels.degree, panels.power)
+    functions = panels.functions(degrees)
+    nodes = graded_nodes(panels, node_degrees)
+    tail = abel_right_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
+    root = nodes.d[:, None] ** (0.5 + panels.power)
+    tail_column = len(functions) - tail.shape[1]
+    # first row and first column of every panel
+    row_of = [0, *accumulate(map(len, nodes.from_start[:-1])), len(nodes.d)]
+    column_of = [0, *accumulate(n + 1 for n in degrees)]
+    strips = []
+    count = min(max(len(functions) // FUNCTIONS_PER_STRIP, 1), MAX_STRIPS)
+    cuts = sorted({len(degrees) * k // count for k in range(count + 1)})
+    for low, high in pairwise(cuts):
+        first_row = row_of[low]
+        first_column = column_of[low]
+        entries = np.zeros((row_of[high] - first_row, len(functions) - first_column))
         for j in range(low, high):
-            start = nodes.start[j]
-            own = slice(rows[j], rows[j] + len(start))
-            highest = highest_degree(len(start)) if used == degrees else panels.degree
-            blocks = _deeper(len(start), min(highest, panels.degree), form)
-            each = blocks.take(columns[seen[j] : last] - j * terms, axis=1)
-            here = values[own.start - first : own.stop - first, seen[j] - begin : last - begin]
-            np.multiply(each, root[own], out=here)
-        values[:, last - begin :] = tail[first : rows[high]]
-        found.append(((slice(first, rows[high]), slice(begin, len(columns))), values))
-    return StripMatrix((len(nodes.d), len(columns)), found)
+            node_count = len(nodes.from_start[j])
+            rows = slice(row_of[j], row_of[j] + node_count)
+            highest = panels.degree
+            if node_degrees == degrees:
+                highest = min(highest_degree(node_count), panels.degree)
+            blocks = _panel_half_integrals(node_count, highest, form)
+            unscaled = blocks.take(functions[column_of[j] : tail_column] - j * terms, axis=1)
+            on_panel = entries[
+                rows.start - first_row : rows.stop - first_row,
+                column_of[j] - first_column : tail_column - first_column,
+            ]
+            np.multiply(unscaled, root[rows], out=on_panel)
+        entries[:, tail_column - first_column :] = tail[first_row : row_of[high]]
+        place = (slice(first_row, row_of[high]), slice(first_column, len(functions)))
+        strips.append((place, entries))
+    return StripMatrix((len(nodes.d), len(functions)), strips)
 
 
-@kept("half-integrals", 72)
-def _deeper(count: int, highest: int, form: Form) -> Array:
-    """Return half-integrals at so many nodes of a panel, of it and deeper ones (cached).
+@bounded_cache("half-integrals", 72)
+def _panel_half_integrals(count: int, highest: int, form: Form) -> Array:
+    """Return half-integrals at the nodes of a panel, of the functions of it and of nearer panels.
 
-    On it and the next functions are of the highest degree that is wanted there.
+    There are `count` nodes. On their own panel and the next one only functions up to the degree
+    `highest` are used, and the others are left out (cached).
     """
     panels, width, degree, power = form
-    near, blocks = _near(count, highest, width, power), np.zeros((count, panels, degree + 1))
-    blocks[:, :2, : highest + 1] = near[:, :panels]
-    blocks[:, 2:] = np.tensordot(from_samples(count, width), _far_samples(form), 1)
+    blocks = np.zeros((count, panels, degree + 1))
+    near_panels = _near_half_integrals(count, highest, width, power)
+    blocks[:, :2, : highest + 1] = near_panels[:, :panels]
+    blocks[:, 2:] = np.tensordot(from_samples(count, width), _far_half_integrals(form), 1)
     return blocks.reshape(count, -1)
 
 
-@kept("half-integrals near by", 24)
-def _near(count: int, highest: int, width: float, power: float) -> Array:
-    """Return those of that panel and of the next, of any number of panels."""
-    start, _ = clustered_rule(count, width)
-    return near_blocks(start[::-1], start, 2, width, highest, power)
+@bounded_cache("half-integrals on two panels", 24)
+def _near_half_integrals(count: int, highest: int, width: float, power: float) -> Array:
+    """Return the blocks of the panel of the nodes and of the next one toward the boundary."""
+    from_start, _ = clustered_rule(count, width)
+    # the nodes are symmetric in their panel
+    to_end = from_start[::-1]
+    return abel_right_near_blocks(to_end, from_start, 2, width, highest, power)
 
 
-@kept("half-integrals far off", 24)
-def _far_samples(form: Form) -> Array:
-    """Return those of the panels beyond, which are smooth, at the samples of a panel."""
+@bounded_cache("half-integrals at samples", 24)
+def _far_half_integrals(form: Form) -> Array:
+    """Return the blocks of all further panels toward the boundary, at the samples of a panel."""
     g, _ = gauss_rule(SAMPLES)
-    return far_blocks(form[1] * (1.0 - g) / 2.0, *form)
+    return abel_right_far_blocks(form[1] * (1.0 - g) / 2.0, *form)
 
 
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return the Gram matrix of half-integrals on a disk, of unit extent and radius.
+    """Return the Gram matrix of half-integrals F on the unit disk, ``int F_i F_j dt / pi``.
 
-    With `shear` in the measure ``t**2 dt / pi`` instead of ``dt / pi``.
+    With `shear` the measure is ``t**2 dt / pi``.
     """
-    nodes, seen = graded_nodes(panels, degrees), half_integrals(panels, degrees, degrees)
+    nodes = graded_nodes(panels, degrees)
+    integrals = half_integrals(panels, degrees, degrees)
     t = np.sqrt(nodes.rest)
-    root = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    gram = np.zeros((seen.shape[1],) * 2)
-    for (rows, own), values in seen.strips:
-        part = root[rows] * values
-        # of a matrix and its own transpose NumPy computes one triangle, in half the time
-        gram[own, own] += part.T @ part
+    root_weights = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
+    gram = np.zeros((integrals.shape[1],) * 2)
+    for (rows, columns), entries in integrals.strips:
+        weighted = root_weights[rows] * entries
+        # NumPy computes one triangle of the product of a matrix and its own transpose
+        gram[columns, columns] += weighted.T @ weighted
     return gram
 
 
-kept_disk_gram = kept("disk Gram", 48)(disk_gram)
+#: `disk_gram`, cached.
+cached_disk_gram = bounded_cache("disk Gram", 48)(disk_gram)
 
 
-@kept("disk shears", 96)
+@bounded_cache("disk shears", 96)
 def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
-    nodes, seen = graded_nodes(panels, degrees), half_integrals(panels, degrees, degrees)
-    return np.asarray(np.pi * seen.tested(nodes.weights[:, None])[:, 0])
+    nodes = graded_nodes(panels, degrees)
+    integrals = half_integrals(panels, degrees, degrees)
+    return np.asarray(np.pi * integrals.apply_transpose(nodes.weights[:, None])[:, 0])
 
 
 def block(
-    source: Family,
+    source: GradedMesh,
     degrees: Degrees,
-    target: Family,
-    used: Used,
+    target: GradedMesh,
+    placement: Placement,
     side: int,
     *,
     differences: bool = True,
 ) -> Block | None:
-    """Return the integrals of a part at points of one, of what lies on one side of these.
+    """Return the integrals of functions on one part at points of another, over one side of these.
 
     They are ``1/2 int psi dz / sqrt(|z - t**2|)`` over ``z > t**2`` (outside, +1) or
     ``z < t**2`` (inside, -1).
 
     Parameters
     ----------
-    source, degrees : Family, tuple of int
-        Of the functions psi, and the highest ones on its panels.
-    target : Family
-        With the points: the same part or another one.
-    used : tuple of int or LogPanels
-        What the points are for: functions of these degrees (Galerkin nodes), or an expansion
-        (sampling points).
+    source, degrees : GradedMesh, tuple of int
+        The mesh of the functions psi, and their highest degrees on its panels.
+    target : GradedMesh
+        The mesh of the points t: the same part or another one.
+    placement : tuple of int or LogPanels
+        What the points are for: degrees of functions (the points are Galerkin nodes), or panels
+        that expand the integrals (the points are their sampling points).
     side : int
         +1 for outside, -1 for inside.
     differences : bool
-        Whether more is wanted than whole integrals.
+        Whether the increments are used: without them those of adjacent parts are not computed.
 
     Returns
     -------
     Block or None
         None if the functions lie on the other side of the points.
     """
-    nodes = points_of(target.panels, used)
+    nodes = points_of(target.panels, placement)
+    without_boundary_value = _without_boundary_value(target)
     if (source.boundary, source.sign) == (target.boundary, target.sign):
-        onward = "beyond" if _has_no_end(target) else "away"
-        way = onward if side == source.sign else "toward"
-        unit = _own(source.panels, degrees, used, way)
+        direction = "toward"
+        if side == source.sign:
+            direction = "edge" if without_boundary_value else "away"
+        unit = _self_block(source.panels, degrees, placement, direction)
     else:
-        apart = side * gap(target.boundary, source.boundary)
-        if apart < 0.0 or (apart == 0.0 and side != source.sign):
+        # from the boundary of the target to that of the source, positive on this side
+        distance = side * gap(target.boundary, source.boundary)
+        if distance < 0.0 or (distance == 0.0 and side != source.sign):
             return None
-        if apart == 0.0:
-            unit = _facing(source, degrees, target, nodes, differences)
-        elif (  # the other half of an annulus
+        if distance == 0.0:
+            unit = _adjacent_block(source, degrees, target, nodes, differences)
+        elif (
             target.sign == side == -source.sign
             and source.reach == target.reach
-            and round(apart / source.reach) == 2
+            and round(distance / source.reach) == 2
         ):
-            unit = _halves(source.panels, degrees, target.panels, used, _has_no_end(target))
+            unit = _opposite_half_block(
+                source.panels, degrees, target.panels, placement, without_boundary_value
+            )
         else:
-            unit = _apart(source, degrees, target, nodes, side, apart)
+            unit = _separated_block(source, degrees, target, nodes, side, distance)
+    # with dz = reach dd the integral scales like the square root of the extent
     scale = unit.scale * float(np.sqrt(source.reach))
-    if _has_no_end(target):
-        return unit._replace(at=np.zeros_like(unit.at), more=unit.whole, scale=scale)
+    if without_boundary_value:
+        nothing = np.zeros_like(unit.boundary_value)
+        return unit._replace(boundary_value=nothing, increment=unit.value, scale=scale)
     return unit._replace(scale=scale)
 
 
-def _has_no_end(target: Family) -> bool:
+def _without_boundary_value(target: GradedMesh) -> bool:
     """Return whether integrals are not taken as their value at the boundary and a difference to it.
 
     That is so at the edge. Only where the pressure there is a power of y above -1/2 the normal
-    misfit vanishes like ``sqrt(y)`` times it: the rounding of a value of order 1, which is no
+    residual vanishes like ``sqrt(y)`` times it: the rounding of a value of order 1, which is no
     difference, would be of its size then.
     """
     return target.boundary.from_edge == 0.0 and not -0.5 < target.panels.power < 0.0
 
 
-def across(coefficients: Array, half: Family, other: Family, side: int) -> Array:
-    """Return what a function on a part adds at the sampling points of another, on its `side`.
+def abel_integral_on(
+    target: GradedMesh, source: GradedMesh, coefficients: Array, side: int
+) -> Array:
+    """Return the Abel integral of functions on another part at the sampling points of a part.
 
-    To the half-integral (side +1) or the inner integral (-1) there, of functions (..., size).
+    It is the half-integral (side +1) or the inner integral (-1), (..., points), of functions given
+    by all coefficients of the source's panels, (..., size).
     """
-    degrees = (half.panels.degree,) * half.panels.panels
-    seen = block(half, degrees, other, other.panels, side)
-    assert seen is not None
-    return seen.sums(coefficients.T).T
+    degrees = (source.panels.degree,) * source.panels.panels
+    integrals = block(source, degrees, target, target.panels, side)
+    assert integrals is not None
+    return integrals.apply(coefficients.T).T
 
 
-def points_of(panels: LogPanels, used: Used) -> Nodes:
-    """Return the points of a part of unit extent; for `used` see `block`."""
-    if isinstance(used, LogPanels):
-        return PlainNodes(used.distances)
-    return graded_nodes(panels, used)
+def points_of(panels: LogPanels, placement: Placement) -> Nodes:
+    """Return the points of a part of unit extent; for `placement` see `block`."""
+    if isinstance(placement, LogPanels):
+        return PlainNodes(placement.distances)
+    return graded_nodes(panels, placement)
 
 
-def _vanishing(matrix: Array | StripMatrix) -> Block:
-    return Block(np.zeros(matrix.shape[1]), matrix, matrix, False)
+def _zero_at_boundary(value: Array | StripMatrix) -> Block:
+    """Return a block whose integrals vanish at the boundary, so that increments are values."""
+    return Block(np.zeros(value.shape[1]), value, value, sampled=False)
 
 
-def _facing(
-    source: Family, degrees: Degrees, target: Family, nodes: Nodes, differences: bool
+def _adjacent_block(
+    source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes, differences: bool
 ) -> Block:
-    """Return what is seen across the boundary that both parts have."""
-    form = source.panels.panels, source.panels.width
+    """Return the integrals over a part that lies on the other side of the target's boundary."""
+    count = source.panels.panels
+    width = source.panels.width
+    # distances past the boundary of the source, in its extents
     e = target.reach / source.reach * nodes.samples
     if not differences:
-        return _vanishing(beyond(e, *form, degrees))._replace(sampled=True)
-    whole, falls = fall(e, form[1], degrees)
-    at = beyond(np.zeros(1), *form, degrees)[0]
-    return Block(at, -falls, whole, True)
+        return _zero_at_boundary(abel_exterior(e, count, width, degrees))._replace(sampled=True)
+    value, decrement = exterior_with_decrement(e, width, degrees)
+    boundary_value = abel_exterior(np.zeros(1), count, width, degrees)[0]
+    return Block(boundary_value, -decrement, value, sampled=True)
 
 
-@kept("halves", 128)
-def _halves(
-    panels: LogPanels, degrees: Degrees, target: LogPanels, used: Used, edge: bool
+@bounded_cache("opposite half blocks", 128)
+def _opposite_half_block(
+    panels: LogPanels, degrees: Degrees, target: LogPanels, placement: Placement, at_edge: bool
 ) -> Block:
-    """Return what one half of an annulus contributes to the other, both of unit extent (cached).
+    """Return the integrals over one half of an annulus at the nodes of the other (cached).
 
-    Few places stand for all panels of it but the first, at whose far end the halves meet.
+    Both halves have unit extent, and the boundaries that they are graded to are 2 apart. The halves
+    meet at the far end of the first panel, so that its functions have columns of their own. All
+    further panels are represented by the kernel at few points.
     """
-    count, form = degrees[0] + 1, (1, panels.width, panels.degree, panels.power)
-    d = points_of(target, used).d
-    # as near as 1.5 a panel takes more points than a low degree has
-    on_all, reach = moments_on(panels, (panels.degree,) * panels.panels), np.exp(-panels.width)
-    fit = chebvander(2.0 * on_all.d / reach - 1.0, len(_DEEP_NODES) - 1)
-    rest = on_all.with_densities((fit @ _DEEP_FIT).T)[:, panels.functions(degrees)[count:]]
-    gathered = block_diag(np.eye(count), rest)
-    at_end = 2.0 - reach * (1.0 + _DEEP_NODES) / 2.0
-    root, whole = np.sqrt(at_end), np.sqrt(at_end - d[:, None])
-    near, first = d > reach, np.empty((len(d), count))
-    first[near] = deeper(2.0 - d[near], *form)[:, :count]
-    first[~near] = plain(d[~near] - 2.0, *form)[:, 0, :count]  # clear of the singularity there
-    seen = np.hstack([first, 1.0 / whole])
-    if edge:
-        return Block(np.zeros(gathered.shape[1]), seen, seen, False, gathered=gathered)
-    at = deeper(np.array([2.0]), *form)[0, :count]
-    first, near = first - at, d <= _NEAR
-    first[near] = -far_fall(-d[near], panels.width, (panels.degree,), panels.power)[:, :count]
-    more = np.hstack([first, d[:, None] / (whole * root * (whole + root))])
-    return Block(np.hstack([at, 1.0 / root]) @ gathered, more, seen, False, gathered=gathered)
+    first_count = degrees[0] + 1
+    first_panel = (1, panels.width, panels.degree, panels.power)
+    d = points_of(target, placement).d
+
+    # from values of the kernel at `_OPPOSITE_NODES` to integrals with the functions on all panels
+    # but the first: polynomials of degree 11 take more points than low degrees have
+    moments = moments_on(panels, (panels.degree,) * panels.panels)
+    reach = np.exp(-panels.width)
+    chebyshev = chebvander(2.0 * moments.d / reach - 1.0, len(_OPPOSITE_NODES) - 1)
+    integrals = moments.with_densities((chebyshev @ _OPPOSITE_EXPANSION).T)
+    others = integrals[:, panels.functions(degrees)[first_count:]]
+    reduction = block_diag(np.eye(first_count), others)
+
+    # the roots of the kernel from the boundary of the target, and from its nodes
+    from_boundary = 2.0 - reach * (1.0 + _OPPOSITE_NODES) / 2.0
+    root_at_boundary = np.sqrt(from_boundary)
+    root = np.sqrt(from_boundary - d[:, None])
+
+    # the nodes of the first panel of the target lie next to the first panel of the source
+    next_to = d > reach
+    on_first = np.empty((len(d), first_count))
+    on_first[next_to] = abel_right(2.0 - d[next_to], *first_panel)[:, :first_count]
+    on_first[~next_to] = abel_regular(d[~next_to] - 2.0, *first_panel)[:, 0, :first_count]
+    value = np.hstack([on_first, 1.0 / root])
+    if at_edge:
+        nothing = np.zeros(reduction.shape[1])
+        return Block(nothing, value, value, sampled=False, reduction=reduction)
+
+    first_at_boundary = abel_right(np.array([2.0]), *first_panel)[0, :first_count]
+    first_increment = on_first - first_at_boundary
+    small = d <= INCREMENT_REACH
+    first_increment[small] = -opposite_end_decrement(
+        -d[small], panels.width, (panels.degree,), panels.power
+    )[:, :first_count]
+    kernel_increment = d[:, None] / (root * root_at_boundary * (root + root_at_boundary))
+    increment = np.hstack([first_increment, kernel_increment])
+    boundary_value = np.hstack([first_at_boundary, 1.0 / root_at_boundary]) @ reduction
+    return Block(boundary_value, increment, value, sampled=False, reduction=reduction)
 
 
-def _apart(
-    source: Family, degrees: Degrees, target: Family, nodes: Nodes, side: int, apart: float
+def _separated_block(
+    source: GradedMesh,
+    degrees: Degrees,
+    target: GradedMesh,
+    nodes: Nodes,
+    side: int,
+    distance: float,
 ) -> Block:
-    """Return what a part contributes whose boundary is another one."""
-    outward, onward = side * source.sign * source.reach, side * target.sign * target.reach
-    between = apart + min(outward, 0.0) - max(onward, 0.0)
+    """Return the integrals over a part that has no point in common with the target, or one end.
+
+    `distance` is from the boundary of the target to that of the source, in ``s**2``. Points are
+    measured from the boundary of the target, positive on the given side of it.
+    """
+    source_extent = side * source.sign * source.reach
+    target_extent = side * target.sign * target.reach
+    clearance = distance + min(source_extent, 0.0) - max(target_extent, 0.0)
     panels = source.panels
-    moments = moments_on(panels, degrees) if between < _FAR * source.reach else None
-    places = _PLACES if moments is None else moments.d
-    at_end = apart + outward * places
-    near = between < _FAR * target.reach
-    d = nodes.samples if near else _PLACES
-    step = -onward * d[:, None]
-    root, whole = np.sqrt(at_end), np.sqrt(at_end + step)
-    # over the distance, which is smooth
-    more = onward / (whole * root * (whole + root))
-    kernels = np.vstack([1.0 / root[None], more, 1.0 / whole])
-    gathered = _gathered(panels, degrees) if moments is None else None
+
+    # a source that is far off is represented by few points
+    moments = None
+    source_points = _FAR_DISTANCES
+    if clearance < FAR_DISTANCE * source.reach:
+        moments = moments_on(panels, degrees)
+        source_points = moments.d
+    from_boundary = distance + source_extent * source_points
+
+    # and so are the nodes of a target that is far off
+    near_target = clearance < FAR_DISTANCE * target.reach
+    d = nodes.samples if near_target else _FAR_DISTANCES
+    step = -target_extent * d[:, None]
+    root_at_boundary = np.sqrt(from_boundary)
+    root = np.sqrt(from_boundary + step)
+    # the increment divided by d, which is a smooth function of d
+    quotient = target_extent / (root * root_at_boundary * (root + root_at_boundary))
+
+    # the three kernels in one array, as rows
+    kernels = np.vstack([1.0 / root_at_boundary[None], quotient, 1.0 / root])
+    reduction = _far_reduction(panels, degrees) if moments is None else None
     if moments is not None:
         kernels = moments.with_densities(kernels)
-    at, more, whole = kernels[0], kernels[1 : 1 + len(d)], kernels[1 + len(d) :]
-    if gathered is not None:
-        at = at @ gathered
-    if not near:
-        table = nodes.from_places
-        more, whole = table @ more, table @ whole
-    more = nodes.samples[:, None] * more
-    return Block(at, more, whole, True, float(np.sqrt(source.reach)), gathered)
+    boundary_value = kernels[0]
+    quotient = kernels[1 : 1 + len(d)]
+    value = kernels[1 + len(d) :]
+    if reduction is not None:
+        boundary_value = boundary_value @ reduction
+    if not near_target:
+        interpolation = nodes.from_far_nodes
+        quotient = interpolation @ quotient
+        value = interpolation @ value
+    increment = nodes.samples[:, None] * quotient
+    # the integrals are in units of the source's extent, the kernels are not
+    scale = float(np.sqrt(source.reach))
+    return Block(boundary_value, increment, value, True, scale, reduction)
 
 
-@kept("gathered parts", 128)
-def _gathered(panels: LogPanels, degrees: Degrees) -> Array:
-    """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at 24 places."""
+@bounded_cache("reductions of far parts", 128)
+def _far_reduction(panels: LogPanels, degrees: Degrees) -> Array:
+    """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at `FAR_NODES`.
+
+    Its shape is (far nodes, functions) (cached).
+    """
     # polynomials of degree 23 take more points than low degrees have
-    on_all = moments_on(panels, (panels.degree,) * panels.panels)
-    whole = on_all.with_densities(far_values(on_all.d).T)
-    return np.ascontiguousarray(whole[:, panels.functions(degrees)])
+    moments = moments_on(panels, (panels.degree,) * panels.panels)
+    integrals = moments.with_densities(far_values(moments.d).T)
+    return np.ascontiguousarray(integrals[:, panels.functions(degrees)])

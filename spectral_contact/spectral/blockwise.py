@@ -1,4 +1,4 @@
-"""Matrices of blocks along the diagonal."""
+"""Block-diagonal matrices, multiplied from either side without their zeros."""
 
 from __future__ import annotations
 
@@ -12,39 +12,52 @@ Array = NDArray[np.float64]
 
 
 class Blockwise:
-    """A matrix of blocks along its diagonal."""
+    """A matrix of blocks along its diagonal.
+
+    Parameters
+    ----------
+    blocks : sequence of ndarray
+        From the first row and column on; they need not be square.
+
+    Attributes
+    ----------
+    shape : tuple of int
+    """
 
     def __init__(self, blocks: Sequence[Array]) -> None:
-        #: blocks of one shape in a row, of which the products are taken at once
+        #: runs of neighbours of one shape, whose products are one batch: their rows, their columns
+        #: and the blocks, (number, height, width)
         self._runs: list[tuple[slice, slice, Array]] = []
-        row = column = 0
+        row = 0
+        column = 0
         for (height, width), run in groupby(blocks, np.shape):
-            alike = np.stack(list(run))
-            rows = slice(row, row + len(alike) * height)
-            columns = slice(column, column + len(alike) * width)
-            self._runs.append((rows, columns, alike))
-            row, column = rows.stop, columns.stop
-        self.shape = row, column
+            stacked = np.stack(list(run))
+            rows = slice(row, row + len(stacked) * height)
+            columns = slice(column, column + len(stacked) * width)
+            self._runs.append((rows, columns, stacked))
+            row = rows.stop
+            column = columns.stop
+        self.shape = (row, column)
 
     def blocks(self) -> list[Array]:
         """Return the blocks."""
-        return [one for *_, alike in self._runs for one in alike]
+        return [block for _, _, stacked in self._runs for block in stacked]
 
-    def of(self, columns: Array) -> Array:
-        """Return this matrix times another, or times a vector."""
-        result = np.empty((self.shape[0], *columns.shape[1:]))
-        for rows, own, alike in self._runs:
-            number, height, width = alike.shape
-            each = columns[own].reshape(number, width, -1)
-            np.matmul(alike, each, out=result[rows].reshape(number, height, -1))
+    def times(self, matrix: Array) -> Array:
+        """Return this matrix times another one, or times a vector."""
+        result = np.empty((self.shape[0], *matrix.shape[1:]))
+        for rows, columns, stacked in self._runs:
+            number, height, width = stacked.shape
+            factors = matrix[columns].reshape(number, width, -1)
+            np.matmul(stacked, factors, out=result[rows].reshape(number, height, -1))
         return result
 
-    def after(self, rows: Array) -> Array:
-        """Return the product of another matrix, in whose precision, with this one."""
-        result = np.empty((len(rows), self.shape[1]), rows.dtype)
-        for own, columns, alike in self._runs:
-            number, height, width = alike.shape
-            each = rows[:, own].reshape(-1, number, height).swapaxes(0, 1)
+    def left_times(self, matrix: Array) -> Array:
+        """Return another matrix times this one, in the precision of the other one."""
+        result = np.empty((len(matrix), self.shape[1]), matrix.dtype)
+        for rows, columns, stacked in self._runs:
+            number, height, width = stacked.shape
+            factors = matrix[:, rows].reshape(-1, number, height).swapaxes(0, 1)
             out = result[:, columns].reshape(-1, number, width).swapaxes(0, 1)
-            np.matmul(each, alike.astype(rows.dtype, copy=False), out=out)
+            np.matmul(factors, stacked.astype(matrix.dtype, copy=False), out=out)
         return result

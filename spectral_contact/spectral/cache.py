@@ -1,4 +1,7 @@
-"""Bounded, named, clearable and thread-safe caches of all but a few small tables."""
+"""Bounded, named, clearable and thread-safe caches.
+
+All tables of the library are in such caches, but for a few small ones.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +18,27 @@ from weakref import WeakSet
 
 import numpy as np
 
-#: What holds no arrays, and whose objects may.
-_PLAIN, _PACKAGE = {bool, float, int, str, type(None)}, __name__.partition(".")[0]
+from spectral_contact.spectral.tuning import COUNTED_SHARE, LARGE_BYTES, MAX_CACHE_BYTES
+
+#: Types whose values hold no arrays.
+_WITHOUT_ARRAYS = {bool, float, int, str, type(None)}
+#: Objects of classes of this package may hold arrays, in their attributes.
+_PACKAGE = __name__.partition(".")[0]
 
 K = TypeVar("K", bound=Hashable)
 V = TypeVar("V")
 P = ParamSpec("P")
 
-_ALL: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
-_OTHERS: list[Callable[[], None]] = []
+#: All caches that exist.
+_CACHES: WeakSet[BoundedCache] = WeakSet()  # type: ignore[type-arg]
+#: Functions that empty caches of another kind.
+_FURTHER_CLEARS: list[Callable[[], None]] = []
+#: The time of a use is its number.
 _CLOCK = count()
-#: Most bytes that all caches together keep; they are counted when entries of `_LARGE` or more were
-#: made that are one part in `_SHARE` of it: counting takes 3 ms.
-_MOST, _LARGE, _SHARE = 256 * 2**20, 2**20, 8
 
-# glibc gives arrays back to the system, to touch them anew, until one as large has been freed
-np.empty(_LARGE)
+# glibc gives arrays back to the system, and takes and zeroes their pages again, until one as large
+# has been freed
+np.empty(LARGE_BYTES)
 
 
 @dataclass(slots=True)
@@ -38,13 +46,13 @@ class _Entry(Generic[V]):
     """A value and the time of its last use."""
 
     value: V
-    used: int
+    last_use: int
 
 
 class BoundedCache(Generic[K, V]):
     """Least-recently-used cache with a name and a lock.
 
-    If all caches together grow too large, what has not been used for longest goes, of any of them.
+    If all caches together grow too large, they forget the entries that were not used for longest.
 
     Parameters
     ----------
@@ -54,40 +62,46 @@ class BoundedCache(Generic[K, V]):
         Most entries it keeps.
     """
 
-    _uncounted = 0
+    #: bytes of large entries of all caches since these were counted
+    _uncounted_bytes = 0
 
     def __init__(self, name: str, capacity: int) -> None:
         self.name = name
         self.capacity = capacity
         self._entries: dict[K, _Entry[V]] = {}
         self._lock = threading.RLock()
-        _ALL.add(self)
+        _CACHES.add(self)
 
-    def get(self, key: K, make: Callable[P, V], *own: P.args, **named: P.kwargs) -> V:
-        """Return the entry of `key`, made by `make` the first time; threads wait for it."""
+    def get(self, key: K, make: Callable[P, V], *args: P.args, **kwargs: P.kwargs) -> V:
+        """Return the entry of `key`; the first time ``make(*args, **kwargs)`` makes it.
+
+        Other threads wait for it.
+        """
         entry = self._entries.get(key)
         if entry is not None:  # most of the time, and then no lock is needed
-            entry.used = next(_CLOCK)
+            entry.last_use = next(_CLOCK)
             return entry.value
         with self._lock:
             entry = self._entries.get(key)
             if entry is not None:  # another thread was faster
                 return entry.value
-            value = make(*own, **named)
+            value = make(*args, **kwargs)
             self._entries[key] = _Entry(value, next(_CLOCK))
             if len(self._entries) > self.capacity:
-                del self._entries[min(self._entries, key=lambda one: self._entries[one].used)]
-        if (made := _bytes(value, set())) >= _LARGE:
-            BoundedCache._uncounted += made
-            if BoundedCache._uncounted >= _MOST // _SHARE:
-                BoundedCache._uncounted = 0
+                oldest = min(self._entries, key=lambda k: self._entries[k].last_use)
+                del self._entries[oldest]
+        made_bytes = _bytes(value, set())
+        if made_bytes >= LARGE_BYTES:
+            BoundedCache._uncounted_bytes += made_bytes
+            if BoundedCache._uncounted_bytes >= MAX_CACHE_BYTES // COUNTED_SHARE:
+                BoundedCache._uncounted_bytes = 0
                 _shrink()
         return value
 
     def entries(self) -> list[tuple[K, _Entry[V]]]:
-        """Return keys and entries; none while a thread works here.
+        """Return keys and entries, or none while another thread holds the lock.
 
-        To wait for it might be to wait for each other.
+        Two caches that wait for each other's locks would wait for ever.
         """
         if not self._lock.acquire(blocking=False):
             return []
@@ -97,7 +111,7 @@ class BoundedCache(Generic[K, V]):
             self._lock.release()
 
     def forget(self, key: K) -> None:
-        """Forget an entry, if no other thread works here."""
+        """Forget an entry, unless another thread holds the lock."""
         if self._lock.acquire(blocking=False):
             self._entries.pop(key, None)
             self._lock.release()
@@ -108,85 +122,96 @@ class BoundedCache(Generic[K, V]):
             self._entries.clear()
 
     def renew_lock(self) -> None:
-        """Forget who works here; for a process that was forked, where nobody else does."""
+        """Take a new lock: in a forked process no thread releases the old one."""
         self._lock = threading.RLock()
 
     def __len__(self) -> int:
         return len(self._entries)
 
 
-def _bytes(value: Any, seen: set[int]) -> int:
-    """Return the bytes of the arrays that a value holds, but for those seen before; add these."""
-    todo, total = [value], 0
-    while todo:
-        one = todo.pop()
-        kind = type(one)
-        if kind in _PLAIN or id(one) in seen:
+def _bytes(value: Any, counted: set[int]) -> int:
+    """Return the bytes of the arrays that a value holds.
+
+    Objects whose ids are in `counted` do not count again; those that count are added to it.
+    """
+    stack = [value]
+    total = 0
+    while stack:
+        item = stack.pop()
+        kind = type(item)
+        if kind in _WITHOUT_ARRAYS or id(item) in counted:
             continue
-        seen.add(id(one))
-        if isinstance(one, np.ndarray):
-            total += one.nbytes
-        elif isinstance(one, (list, tuple)):
-            todo += one
+        counted.add(id(item))
+        if isinstance(item, np.ndarray):
+            total += item.nbytes
+        elif isinstance(item, (list, tuple)):
+            stack += item
         elif kind.__module__.startswith(_PACKAGE) and kind is not BoundedCache:
             # entries of caches count by themselves
-            todo += [getattr(one, name, None) for name in getattr(one, "__slots__", ())]
-            todo += getattr(one, "__dict__", {}).values()
+            stack += [getattr(item, name, None) for name in getattr(item, "__slots__", ())]
+            stack += getattr(item, "__dict__", {}).values()
     return total
 
 
 def _shrink() -> None:
-    """Forget what has not been used for longest, beyond what all caches may hold."""
-    entries = [(cache, *own) for cache in list(_ALL) for own in cache.entries()]
-    seen: set[int] = set()
+    """Forget the entries that were not used for longest, until all caches hold few enough bytes."""
+    entries = [
+        (entry.last_use, cache, key, entry)
+        for cache in list(_CACHES)
+        for key, entry in cache.entries()
+    ]
+    counted: set[int] = set()
     total = 0
-    for cache, key, entry in sorted(entries, key=lambda one: -one[-1].used):
-        total += _bytes(entry.value, seen)
-        if total > _MOST:
+    for _, cache, key, entry in sorted(entries, key=lambda item: -item[0]):
+        total += _bytes(entry.value, counted)
+        if total > MAX_CACHE_BYTES:
             cache.forget(key)
 
 
-def cleared_too(*others: Callable[[], None]) -> None:
-    """Have other caches emptied with these."""
-    _OTHERS.extend(others)
+def clear_with_caches(*clears: Callable[[], None]) -> None:
+    """Have `clear_caches` call these functions, which empty caches of another kind."""
+    _FURTHER_CLEARS.extend(clears)
 
 
-def kept(name: str, capacity: int) -> Callable[[Callable[P, V]], Callable[P, V]]:
-    """Return a decorator of functions of hashable arguments, or classes: what they made is kept."""
+def bounded_cache(name: str, capacity: int) -> Callable[[Callable[P, V]], Callable[P, V]]:
+    """Return a decorator that keeps the results of a function in a `BoundedCache`.
 
-    def decorated(make: Callable[P, V]) -> Callable[P, V]:
+    The arguments of the function must be hashable. It may be a class, whose objects are kept.
+    """
+
+    def decorate(make: Callable[P, V]) -> Callable[P, V]:
         cache: BoundedCache[Any, V] = BoundedCache(name, capacity)
 
         @wraps(make, updated=())
-        def found(*own: P.args, **named: P.kwargs) -> V:
-            key = (own, *named.items()) if named else own
-            return cache.get(key, make, *own, **named)
+        def cached(*args: P.args, **kwargs: P.kwargs) -> V:
+            key = (args, *kwargs.items()) if kwargs else args
+            return cache.get(key, make, *args, **kwargs)
 
-        return found
+        return cached
 
-    return decorated
+    return decorate
 
 
 def cache_sizes() -> dict[str, int]:
     """Return the number of entries of every cache, summed by name."""
     sizes: dict[str, int] = {}
-    for cache in list(_ALL):
+    for cache in list(_CACHES):
         sizes[cache.name] = sizes.get(cache.name, 0) + len(cache)
     return sizes
 
 
 def clear_caches() -> None:
     """Empty every cache of the library and free its memory; the next solve assembles anew."""
-    for clear in [*_OTHERS, *(cache.clear for cache in list(_ALL))]:
+    for clear in [*_FURTHER_CLEARS, *(cache.clear for cache in list(_CACHES))]:
         clear()
-    # glibc would keep most of it, as what is in use lies between
+    # glibc would keep most of the memory, because arrays in use lie between
     if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
         libc.malloc_trim(0)
 
 
 def _renew_locks() -> None:
     """Let a forked process work, though a thread of its parent held locks."""
-    for cache in list(_ALL):
+    for cache in list(_CACHES):
         cache.renew_lock()
 
 

@@ -21,15 +21,14 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.regularised import NodalSpace
+from spectral_contact.spectral.tuning import CELL_EXTRA_NODES
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: Nodes beyond twice the degree, for the square roots of what lies farther out.
-_MORE = 16
 #: Width in ``x`` of a panel that holds nothing but its end: the series is its tail.
 _NO_PANEL = 1e-15
 
@@ -92,8 +91,8 @@ class CellSpace(NodalSpace):
         degree = np.arange(self.size) - np.repeat(np.cumsum(terms) - terms, terms)
         left = np.repeat(terms, terms) - 1 - degree
         self.index = np.argsort(-np.minimum(left, 2), kind="stable")
-        self.kept = int((left > 1).sum())
-        self.kept_but_one = self.kept + len(terms)
+        self.unknowns_two_less = int((left > 1).sum())
+        self.unknowns_one_less = self.unknowns_two_less + len(terms)
         self.panel = cell[self.index]
         self._mass: Array = (np.repeat(cells.lengths, terms) / (4 * degree + 2))[self.index]
         # nodes are clustered at the outer end of every cell
@@ -101,7 +100,7 @@ class CellSpace(NodalSpace):
         self._below: list[Array] = []
         t, y, weights = [], [], []
         for k, length in enumerate(lengths):
-            g, w = gauss_rule(2 * max(around[k], around[k + 1]) + _MORE)
+            g, w = gauss_rule(2 * max(around[k], around[k + 1]) + CELL_EXTRA_NODES)
             v, dv = (1.0 + g) / 2.0, w / 2.0
             if k == 0:  # and no square root at the centre
                 phi = pi / 2.0 * v
@@ -157,7 +156,7 @@ class CellSpace(NodalSpace):
         """Mass matrix ``int phi psi s ds``."""
         return np.diag(self._mass)
 
-    def tested(self, weighted: Array) -> Array:
+    def project(self, weighted: Array) -> Array:
         """Return the sums of the half-integrals times weighted values at the nodes."""
         return np.asarray(weighted @ self._matrix)
 
@@ -166,4 +165,4 @@ class CellSpace(NodalSpace):
         return np.asarray(self._matrix @ coefficients[self.index])
 
 
-cell_space = kept("cells", 16)(CellSpace)
+cell_space = bounded_cache("cells", 16)(CellSpace)

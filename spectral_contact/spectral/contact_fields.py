@@ -25,9 +25,9 @@ from spectral_contact.spectral.jacobi import (
     legendre_values,
 )
 from spectral_contact.spectral.moments import moments
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
@@ -49,7 +49,7 @@ class MeshPart(NamedTuple):
         0 for stick, +1 or -1 for slip with this sign of the traction.
     boundary : int
         Number of the boundary that the mesh is graded to; -1 for the edge of the contact.
-    family, shear : Family
+    family, shear : GradedMesh
         The mesh with the functions of p, and with those of u. They differ in the endpoint weight.
     degrees : tuple of int
         Highest degree of an unknown on every panel.
@@ -60,8 +60,8 @@ class MeshPart(NamedTuple):
     zone: int
     state: int
     boundary: int
-    family: Family
-    shear: Family
+    family: GradedMesh
+    shear: GradedMesh
     degrees: Degrees
     pressure_degrees: Degrees
     shear_degrees: Degrees
@@ -117,7 +117,7 @@ class ContactFields:
         Boundaries between zones, outward.
     states : tuple of int
         0 for stick, +1 or -1 for slip with this sign of the traction; the first is 0.
-    spaces : sequence of Resolution
+    spaces : sequence of DiscreteSpace
         Meshes and degrees: of the central disk, then toward the inner and the outer end of every
         zone around it.
     parameters : Parameters
@@ -145,7 +145,7 @@ class ContactFields:
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        spaces: Sequence[Resolution],
+        spaces: Sequence[DiscreteSpace],
         parameters: Parameters,
         pressures: Sequence[PressureField] = (),
         *,
@@ -160,11 +160,11 @@ class ContactFields:
         self._place_fields(pressures, truncated=truncated)
         self._assemble_loads()
 
-    def _cut(self, spaces: Sequence[Resolution]) -> list[MeshPart]:
+    def _cut(self, spaces: Sequence[DiscreteSpace]) -> list[MeshPart]:
         """Return the parts of the disk."""
         boundaries = len(self.radii)
         parts = []
-        ends = Parts(self.radii, pointed=False).ends
+        ends = DiskPartition(self.radii, pointed=False).ends
         for k, (end, (panels, degrees)) in enumerate(zip(ends, spaces, strict=True)):
             zone = (k + 1) // 2
             state = self.states[zone]
@@ -175,7 +175,7 @@ class ContactFields:
                 singular = self.parameters.beta == 0.0 and boundary < 0
                 power = -0.5 if singular else 0.0
             # a tail of roots is that of a traction at the rim of a disk
-            family = Family(*end, replace(panels, root_tail=False))
+            family = GradedMesh(*end, replace(panels, root_tail=False))
             shear = family
             if power != panels.power or panels.root_tail:
                 shear = family._replace(panels=replace(panels, power=power))
@@ -269,7 +269,7 @@ class ContactFields:
         if self.pressure_known:
             return np.asarray(self.known_slip[k] @ values[: self.pressure_terms])
         friction = part.state * self.parameters.friction
-        return friction * self._over_radius[k].of(values[self.pressure_places[k]])
+        return friction * self._over_radius[k].times(values[self.pressure_places[k]])
 
     def add_pressure(self, rows: Array, columns: Array, k: int) -> None:
         """Add to rows that act on vectors what acts on the coefficients of p on a part."""
@@ -287,7 +287,7 @@ class ContactFields:
             rows[:, : self.pressure_terms] += columns @ self.known_slip[k]
         else:
             friction = part.state * self.parameters.friction
-            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].after(columns)
+            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].left_times(columns)
 
     def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
         """Return p on all parts, and ``q/s`` on those that stick, of one vector."""
@@ -421,7 +421,7 @@ def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
     return tuple(min(n + _EXTRA_DEGREES, panels.degree) for n in degrees)
 
 
-def _over_radius(family: Family, degrees: Degrees) -> Blockwise:
+def _over_radius(family: GradedMesh, degrees: Degrees) -> Blockwise:
     """Return the map from the coefficients of p on a part to those of ``p/s``, panel by panel."""
     panels = family.panels
     points = panels.degree + 11

@@ -11,11 +11,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.blocks import kept_disk_gram
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.blocks import cached_disk_gram
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.moments import outer_moments
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ def _without_masses(system: ContactSystem) -> Array:
     if system.radii or system.pressure_known:
         return _assembled(system)
     [part] = system.parts
-    space = Resolution(part.family.panels, part.degrees)
+    space = DiscreteSpace(part.family.panels, part.degrees)
     matrix = _full_stick_matrix(space, system.parameters.beta == 0.0).copy()
     matrix[: system.pressure_terms, system.pressure_terms :] *= system.parameters.kappa
     matrix[system.pressure_terms :, : system.pressure_terms] *= system.parameters.kappa
@@ -64,10 +64,13 @@ def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     columns = rows if system.pressure_known else system.operators.outer_shear[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_shear:
-        gram = kept_disk_gram(part.shear.panels, part.degrees, shear=True)
+        gram = cached_disk_gram(part.shear.panels, part.degrees, shear=True)
         gram = part.family.boundary.value**3 * gram
     products = rows.products(
-        columns, system.operators.shear_tests[i], whole=system.operators.unweighted_shear, own=gram
+        columns,
+        system.operators.shear_tests[i],
+        other_values=system.operators.unweighted_shear,
+        node_sums=gram,
     )
     for k, j, product in products:
         system.add_shear(matrix[system.shear_places[k]], product, j)
@@ -78,10 +81,10 @@ def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     part, outer = system.parts[i], system.operators.outer_pressure[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_normal:
-        gram = kept_disk_gram(part.family.panels, part.degrees, shear=False)
+        gram = cached_disk_gram(part.family.panels, part.degrees, shear=False)
         gram = part.family.boundary.value * gram
     for k, j, product in outer.products(
-        outer, system.operators.normal_tests[i], whole=True, own=gram
+        outer, system.operators.normal_tests[i], other_values=True, node_sums=gram
     ):
         matrix[system.pressure_places[k], system.pressure_places[j]] += product
 
@@ -95,10 +98,10 @@ def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> Non
         system.add_shear(matrix[system.pressure_places[k]], coupling * product, j)
     # t I(t) is t/b times its value at the boundary, and an increment
     both = coupling * np.column_stack([weights * t, weights])
-    for k, sums in outer.tested(both):
+    for k, sums in outer.project(both):
         rows = matrix[system.pressure_places[k]]
         for j, one in inner.blocks.items():
-            system.add_shear(rows, one.scale * sums[:, :1] * one.at, j)
+            system.add_shear(rows, one.scale * sums[:, :1] * one.boundary_value, j)
         for j, pull in enumerate(system.pulls):
             system.add_shear(rows, -sums[:, 1:] * pull, j)
 
@@ -110,10 +113,10 @@ def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None
     for k, j, product in outer.products(inner, factor):
         matrix[system.shear_places[k], system.pressure_places[j]] -= product
     falls = factor * system.operators.from_boundary[i] / system.parts[i].family.boundary.value
-    for k, sums in outer.tested(falls[:, None]):
+    for k, sums in outer.project(falls[:, None]):
         for j, one in inner.blocks.items():
             rows = matrix[system.shear_places[k], system.pressure_places[j]]
-            rows += one.scale * sums * one.at
+            rows += one.scale * sums * one.boundary_value
 
 
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
@@ -147,8 +150,8 @@ def _moments_within(system: ContactSystem, k: int) -> Array:
     return np.asarray((0.5 * part.family.reach) ** 2 * whole[np.ix_(rows, columns)])
 
 
-@kept("full-stick matrices", 8)
-def _full_stick_matrix(space: Resolution, rigid: bool) -> Array:
+@bounded_cache("full-stick matrices", 8)
+def _full_stick_matrix(space: DiscreteSpace, rigid: bool) -> Array:
     """Return the matrix of coupled full stick without masses, for kappa = 1."""
     parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)
     return _assembled(ContactSystem((), (0,), [space], parameters))

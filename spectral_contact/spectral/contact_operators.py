@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.blocks import Block, block
 from spectral_contact.spectral.contact_fields import ContactFields, MeshPart
 from spectral_contact.spectral.graded import GradedNodes, graded_nodes
-from spectral_contact.spectral.parts import Family
-from spectral_contact.spectral.seen import Seen
+from spectral_contact.spectral.node_operators import NodeOperators
+from spectral_contact.spectral.parts import GradedMesh
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
@@ -41,11 +41,11 @@ class ContactOperators:
         Weights with which W and E are tested.
     unweighted_normal, unweighted_shear : bool
         Whether these are the weights of ``dt / pi`` and of ``t**2 dt / pi``.
-    outer_pressure, outer_shear : list of Seen
+    outer_pressure, outer_shear : list of NodeOperators
         Half-integrals of p and of u over what lies outside of the nodes.
-    inner_pressure, inner_shear : list of Seen
+    inner_pressure, inner_shear : list of NodeOperators
         The same over what lies inside.
-    outer_stick : list of Seen
+    outer_stick : list of NodeOperators
         Of the outer half-integrals of u those of the parts that stick.
     """
 
@@ -105,10 +105,10 @@ class ContactOperators:
     def _assemble(self) -> None:
         """Find the integrals of the fields of every part at the nodes of every other."""
         nodes = self.nodes
-        self.outer_pressure = [Seen(one, {}) for one in nodes]
-        self.outer_shear = [Seen(one, {}) for one in nodes]
-        self.inner_pressure = [Seen(one, {}) for one in nodes]
-        self.inner_shear = [Seen(one, {}) for one in nodes]
+        self.outer_pressure = [NodeOperators(one, {}) for one in nodes]
+        self.outer_shear = [NodeOperators(one, {}) for one in nodes]
+        self.inner_pressure = [NodeOperators(one, {}) for one in nodes]
+        self.inner_shear = [NodeOperators(one, {}) for one in nodes]
         for i in range(len(nodes)):
             for k in range(len(self._parts)):
                 if k >= i:
@@ -116,11 +116,13 @@ class ContactOperators:
                 if k <= i:
                     self._add_operators(i, k, -1, self.inner_pressure[i], self.inner_shear[i])
         self.outer_stick = [
-            Seen(one.nodes, {k: b for k, b in one.blocks.items() if self._parts[k].sticks})
+            NodeOperators(one.nodes, {k: b for k, b in one.blocks.items() if self._parts[k].sticks})
             for one in self.outer_shear
         ]
 
-    def _add_operators(self, i: int, k: int, side: int, pressure: Seen, shear: Seen) -> None:
+    def _add_operators(
+        self, i: int, k: int, side: int, pressure: NodeOperators, shear: NodeOperators
+    ) -> None:
         """Add the integrals of the fields of part k at the nodes of part i."""
         part, target = self._parts[k], self._parts[i]
         place = (target.family, target.degrees, side)
@@ -135,7 +137,7 @@ class ContactOperators:
             pressure.blocks[k] = self._pressure_block(part, place, of_shear)
 
     def _pressure_block(
-        self, part: MeshPart, place: tuple[Family, Degrees, int], of_shear: Block | None
+        self, part: MeshPart, place: tuple[GradedMesh, Degrees, int], of_shear: Block | None
     ) -> Block:
         """Return the integrals of p, which are those of u where the functions are the same."""
         if of_shear is not None and part.shear is part.family:

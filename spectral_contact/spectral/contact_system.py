@@ -45,10 +45,10 @@ from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.node_operators import NodeOperators
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Family
-from spectral_contact.spectral.seen import Seen
+from spectral_contact.spectral.parts import GradedMesh
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -86,7 +86,7 @@ class ContactSystem(ContactFields):
         self,
         radii: tuple[Radius, ...],
         states: tuple[int, ...],
-        spaces: Sequence[Resolution],
+        spaces: Sequence[DiscreteSpace],
         parameters: Parameters,
         pressures: Sequence[PressureField] = (),
         *,
@@ -106,10 +106,10 @@ class ContactSystem(ContactFields):
             j = slice(part.boundary, part.boundary + 1)
             factor = 2.0 * self.parameters.kappa / part.family.boundary.value
             for k, inner in self.operators.inner_pressure[i].blocks.items():
-                self.add_pressure(drive[j], factor * inner.scale * inner.at[None], k)
+                self.add_pressure(drive[j], factor * inner.scale * inner.boundary_value[None], k)
             shortfall[j] = drive[j]
             for k, outer in self.operators.outer_shear[i].blocks.items():
-                self.add_shear(shortfall[j], -outer.scale * outer.at[None], k)
+                self.add_shear(shortfall[j], -outer.scale * outer.boundary_value[None], k)
         return BoundaryRows(drive, shortfall)
 
     # residuals
@@ -146,14 +146,14 @@ class ContactSystem(ContactFields):
             t = self.operators.t[i][:, None]
             from_boundary = self.operators.from_boundary[i][:, None]
             outer, inner = self.operators.outer_pressure[i], self.operators.inner_shear[i]
-            swept = inner.at(u)
-            at_boundary = 2.0 * approach - outer.at(p)
+            swept = inner.boundary_values(u)
+            at_boundary = 2.0 * approach - outer.boundary_values(p)
             at_boundary += 2.0 * kappa * (pull - part.family.boundary.value * swept)
             # both sides take the same value to the last digit: a step there would act on the fields
             # like 1/sqrt(d)
             at_boundary = at_boundaries.setdefault(part.boundary, at_boundary)
-            swept_more = t * inner.more(u) + from_boundary * swept
-            residual.append(at_boundary - 2.0 * kappa * swept_more - outer.more(p))
+            swept_more = t * inner.increments(u) + from_boundary * swept
+            residual.append(at_boundary - 2.0 * kappa * swept_more - outer.increments(p))
         return residual
 
     def _shear_residual(self, values: Array, defects: Array) -> list[Array]:
@@ -177,12 +177,12 @@ class ContactSystem(ContactFields):
                 k: self.pressure_on(k, values) for k in self.operators.inner_pressure[i].blocks
             }
             drive = self._drive_increment(i, pressure)
-            return np.asarray(drive - self.operators.outer_shear[i].more(traction))
+            return np.asarray(drive - self.operators.outer_shear[i].increments(traction))
         known = self._known_increments[i] @ values[: self.pressure_terms]
         if not values[self.pressure_terms :].any():
             return np.asarray(known)
         traction = {k: self.shear_on(k, values) for k in self.operators.outer_stick[i].blocks}
-        return np.asarray(known - self.operators.outer_stick[i].more(traction))
+        return np.asarray(known - self.operators.outer_stick[i].increments(traction))
 
     @cached_property
     def _known_increments(self) -> list[Array]:
@@ -194,7 +194,9 @@ class ContactSystem(ContactFields):
             increment = self._drive_increment(i, pressure)
             slips = {k: one for k, one in outer.blocks.items() if not self.parts[k].sticks}
             if slips:
-                increment = increment - Seen(outer.nodes, slips).more(self.known_slip)
+                increment = increment - NodeOperators(outer.nodes, slips).increments(
+                    self.known_slip
+                )
             found.append(increment)
         return found
 
@@ -202,9 +204,11 @@ class ContactSystem(ContactFields):
         """Return ``kappa (R(t) - R(b))`` at the nodes of a part."""
         inner = self.operators.inner_pressure[i]
         boundary = self.parts[i].family.boundary.value
-        falls = self.operators.from_boundary[i][:, None] / boundary * inner.at(pressure)
+        falls = (
+            self.operators.from_boundary[i][:, None] / boundary * inner.boundary_values(pressure)
+        )
         factor = 2.0 * self.parameters.kappa / self.operators.t[i][:, None]
-        return np.asarray(factor * (inner.more(pressure) - falls))
+        return np.asarray(factor * (inner.increments(pressure) - falls))
 
     def residual(self, values: Array, approach: Array, defects: Array) -> Array:
         """Return the residual of the equations; parameters are those of `pointwise_residual`."""
@@ -218,11 +222,11 @@ class ContactSystem(ContactFields):
         projected = np.zeros((self.unknowns, residual.tangential[0].shape[1]))
         for i, values in enumerate(residual.tangential):
             weighted = self.operators.shear_tests[i][:, None] * values
-            for k, sums in self.operators.outer_stick[i].tested(weighted):
+            for k, sums in self.operators.outer_stick[i].project(weighted):
                 projected[self.shear_places[k]] += sums
         for i, values in enumerate(residual.normal):
             weighted = self.operators.normal_tests[i][:, None] * values
-            for k, sums in self.operators.outer_pressure[i].tested(weighted):
+            for k, sums in self.operators.outer_pressure[i].project(weighted):
                 projected[self.pressure_places[k]] += sums
         return projected
 
@@ -259,7 +263,7 @@ class ContactSystem(ContactFields):
         """Return E at the sampling points of both halves of an annulus, of vectors as columns."""
         return [self._residual_at_samples(values, half) for half in annulus.families]
 
-    def _residual_at_samples(self, values: Array, target: Family) -> Array:
+    def _residual_at_samples(self, values: Array, target: GradedMesh) -> Array:
         """Return E at the sampling points of a mesh."""
         inner = np.zeros((len(target.panels.distances), values.shape[1]))
         outer = np.zeros_like(inner)
@@ -267,9 +271,9 @@ class ContactSystem(ContactFields):
             place = (target, target.panels)
             inside = block(part.family, part.pressure_degrees, *place, -1, differences=False)
             if inside is not None:
-                inner += inside.sums(self.pressure_on(k, values))
+                inner += inside.apply(self.pressure_on(k, values))
             outside = block(part.shear, part.shear_degrees, *place, 1, differences=False)
             if outside is not None:
-                outer += outside.sums(self.shear_on(k, values))
+                outer += outside.apply(self.shear_on(k, values))
         t = np.sqrt(target.sampling().z)[:, None]
         return np.asarray(2.0 * self.parameters.kappa / t * inner - outer)

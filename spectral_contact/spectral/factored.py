@@ -1,7 +1,7 @@
-"""The matrix of a system and its factors: solutions are corrected with them.
+"""The factors of the matrix of a contact system, and solutions by them.
 
-Corrections take the residual from the half-integrals, so that the factors may be rough: those of
-boundaries close by serve.
+The columns of `Factored.first` are corrected once with the residual, which the half-integrals give
+without cancellation. So the factors may be rough: those for boundaries close by serve, too.
 """
 
 from __future__ import annotations
@@ -29,28 +29,42 @@ def factored(system: ContactSystem) -> Factored:
 
 
 class Factored:
-    """A system, factored.
+    """A system with the LU factors of its matrix.
 
-    In single precision it has subnormal numbers, since what is next to a boundary is tiny: on a
-    processor that is slow with these coupled partial slip takes 1.3 times as long, else 0.92.
+    Double precision throughout: in single precision entries next to a boundary are subnormal
+    numbers, and on a processor that is slow with these coupled partial slip takes 1.3 times as
+    long, on another 0.92 times (``python validation/cost/bench_coupled.py``).
+
+    Parameters
+    ----------
+    system : ContactSystem
+
+    Attributes
+    ----------
+    system : ContactSystem
+    scale : ndarray, shape (unknowns,)
+        What rows and columns are multiplied by for a unit diagonal.
     """
 
     def __init__(self, system: ContactSystem) -> None:
-        self.system, matrix = system, system_matrix(system)
+        self.system = system
+        matrix = system_matrix(system)
         self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
         matrix *= self.scale
         matrix *= self.scale[:, None]
-        # pivots are to be found among the equations of the pressure first, which are graded
-        driven = matrix[system.pressure_terms :]
-        small = 0.5 / max(float(np.abs(driven[:, : system.pressure_terms]).max(initial=0.0)), 0.5)
-        driven *= small
-        self._rows = self.scale.copy()
-        self._rows[system.pressure_terms :] *= small
+        # For columns of the pressure the pivots shall be found among the normal equations: the
+        # tangential ones are scaled to at most 1/2 there.
+        tangential_rows = matrix[system.pressure_terms :]
+        coupling = tangential_rows[:, : system.pressure_terms]
+        reduction = 0.5 / max(float(np.abs(coupling).max(initial=0.0)), 0.5)
+        tangential_rows *= reduction
+        self._row_scale = self.scale.copy()
+        self._row_scale[system.pressure_terms :] *= reduction
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
     def step(self, right: Array) -> Array:
-        """Return the solution as factored, of right-hand sides as columns."""
-        scaled = right * self._rows[:, None]
+        """Return the solutions by the factors, uncorrected, of right-hand sides as columns."""
+        scaled = right * self._row_scale[:, None]
         size = np.maximum(np.abs(scaled).max(axis=0), np.finfo(float).tiny)
         scaled /= size
         step = lu_solve(self._factor, scaled, overwrite_b=True, check_finite=False)
@@ -58,8 +72,12 @@ class Factored:
 
     @cached_property
     def first(self) -> Array:
-        """Solutions for unit approach, imbalances and changes of a given pressure, as columns."""
-        system, count = self.system, 1 + len(self.system.radii)
+        """Solutions for unit approach, unit defects and changes of a known pressure, as columns.
+
+        There is a defect for every boundary; changes are there if the pressure is known.
+        """
+        system = self.system
+        count = 1 + len(system.radii)
         changes = system.pressure_terms - 1 if system.pressure_known else 0
         values = np.zeros((system.unknowns, count + changes))
         if system.symmetric and not system.pressure_known:
@@ -69,83 +87,106 @@ class Factored:
         values[1 : 1 + changes, count:] = np.eye(changes)
         units = np.eye(count, values.shape[1])
         values += self.step(system.project(system.pointwise_residual(values, units[0], units[1:])))
-        if not system.symmetric:  # next to a narrow edge that sticks factors lose what is there
-            nothing = np.zeros(count - 1)
-            values[:, 1:] += self.step(system.residual(values[:, 1:], nothing, units[1:, 1:]))
+        if not system.symmetric:
+            # next to a narrow edge that sticks the factors lose digits of the responses to defects
+            no_approach = np.zeros(count - 1)
+            values[:, 1:] += self.step(system.residual(values[:, 1:], no_approach, units[1:, 1:]))
         return values
 
     @property
     def responses(self) -> Array:
-        """The solutions for a unit imbalance at every boundary, without approach, as columns."""
+        """The solutions for a unit defect at every boundary, without approach, as columns."""
         return self.first[:, 1 : 1 + len(self.system.radii)]
 
     def change(self, values: Array, system: ContactSystem) -> list[Array]:
-        """Return what the top two degrees of every panel, and the top one, contribute.
+        """Return a solution less the solutions in two coarser spaces.
 
-        They are the differences to the solution without them, at the same approach and imbalances.
-        A pressure that is given lacks its two changes with them. The system is that of the
-        solution: that of the factors or a like one.
+        The spaces lack the top two degrees of every panel, and the top one. Approach and defects
+        are the same; a pressure that is known loses its two changes with the degrees.
+
+        Parameters
+        ----------
+        values : ndarray, shape (unknowns,)
+            The solution.
+        system : ContactSystem
+            The system of the solution: that of the factors, or one with boundaries close by.
         """
-        first, count = system.top_degree_indices[0], len(values)
-        right = np.zeros((count, len(first)))
-        right[first, np.arange(len(first))] = 1.0 / self.scale[first]
+        top_degrees = system.top_degree_indices[0]
+        count = len(values)
+        right = np.zeros((count, len(top_degrees)))
+        right[top_degrees, np.arange(len(top_degrees))] = 1.0 / self.scale[top_degrees]
         response = self.step(right)
-        forced, changes = np.zeros((count, 2)), np.empty((count, 2))
-        for i, shed in enumerate(system.top_degree_indices):
-            columns, own = response[:, np.isin(first, shed)], self.scale[shed]
-            forces = np.linalg.solve(columns[shed] / own[:, None], values[shed] / own)
-            forced[shed, i] = forces / own
+        # right-hand sides at the missing unknowns that make these vanish
+        forced = np.zeros((count, 2))
+        changes = np.empty((count, 2))
+        for i, missing in enumerate(system.top_degree_indices):
+            columns = response[:, np.isin(top_degrees, missing)]
+            scale = self.scale[missing]
+            forces = np.linalg.solve(columns[missing] / scale[:, None], values[missing] / scale)
+            forced[missing, i] = forces / scale
             changes[:, i] = columns @ forces
-        nothing = np.zeros(2), np.zeros((len(system.radii), 2))
-        return [*(changes + self.step(system.residual(changes, *nothing) + forced)).T]
+        no_approach = np.zeros(2)
+        no_defects = np.zeros((len(system.radii), 2))
+        residual = system.residual(changes, no_approach, no_defects)
+        return [*(changes + self.step(residual + forced)).T]
 
 
 class Symmetric(Factored):
-    """A symmetric positive definite system by Cholesky, what coarser spaces lack last.
+    """A symmetric positive definite system with its Cholesky factor.
 
-    A pressure that is given stays as it is. Then a disk has the matrix of the unit disk, which is
-    kept, with ``beta / c``.
+    A known pressure is no unknown of the matrix. The functions that coarser spaces lack come last,
+    so that the leading parts of the factor are those of the coarser spaces. If one disk sticks
+    under a known pressure, its matrix is that of the unit disk, which is cached, with the
+    compliance ``beta / c`` and the factor ``c**5`` for the radius c.
     """
 
     def __init__(self, system: ContactSystem) -> None:
-        self.system, self._unit = system, 1.0
+        self.system = system
+        #: factor of the matrix beside the one that is factored
+        self._matrix_scale = 1.0
         known = system.pressure_terms if system.pressure_known else 0
         if system.pressure_known and len(system.stick_parts) == 1:
-            [field], radius = system.fields, system.parts[0].family.boundary.value
+            [field] = system.fields
+            radius = system.parts[0].family.boundary.value
             space = unit_space(field.panels, field.degrees, shear=True)
-            self._unit, self._kept = radius**5, (space.kept, space.kept_but_one)
+            self._matrix_scale = radius**5
+            self._coarse_unknowns = (space.unknowns_two_less, space.unknowns_one_less)
             self._order = known + space.place
             self._cholesky = space.factor(system.parameters.beta / radius).cholesky
             return
-        tops = np.concatenate(system.top_degree_indices)
-        lacking = np.bincount(tops, minlength=system.unknowns)[known:]
-        self._order = known + np.argsort(lacking, kind="stable")
-        self._kept = int((lacking < 1).sum()), int((lacking < 2).sum())
+        top_degrees = np.concatenate(system.top_degree_indices)
+        # in how many of the two coarser spaces an unknown is missing
+        missing = np.bincount(top_degrees, minlength=system.unknowns)[known:]
+        self._order = known + np.argsort(missing, kind="stable")
+        self._coarse_unknowns = (int((missing < 1).sum()), int((missing < 2).sum()))
         self._cholesky = Cholesky(system_matrix(system)[np.ix_(self._order, self._order)])
 
     def step(self, right: Array) -> Array:
-        """Return the solution as factored, of right-hand sides as columns."""
+        """Return the solutions by the factors, uncorrected, of right-hand sides as columns."""
         step = right.copy()
-        step[self._order] = self._cholesky.solve(right[self._order].T).T / self._unit
+        step[self._order] = self._cholesky.solve(right[self._order].T).T / self._matrix_scale
         return step
 
     def change(self, values: Array, system: ContactSystem) -> list[Array]:
-        """Return what the top two degrees of every panel, and the top one, contribute."""
+        """Return a solution less the solutions in two coarser spaces, as `Factored.change` does."""
         changes = np.zeros((len(values), 2))
-        for column, kept in zip(changes.T, self._kept, strict=True):
-            column[self._order] = -self._cholesky.shed(values[self._order], kept)
-        if system.pressure_known and system.pressure_terms > 1:  # the pressure lacks as much
+        for column, coarse_unknowns in zip(changes.T, self._coarse_unknowns, strict=True):
+            difference = self._cholesky.coarse_difference(values[self._order], coarse_unknowns)
+            column[self._order] = -difference
+        if system.pressure_known and system.pressure_terms > 1:
+            # the known pressure loses as many degrees
             changes += self.first[:, 1 + len(system.radii) :]
         return [*changes.T]
 
     def energies(self, values: Array) -> Array:
-        """Return the energies of what the top two degrees contribute, shape (2, panels + 1).
+        """Return the energies of a solution less the one without the top two degrees.
 
-        Those of p and of q/s, on every panel and the tail.
+        The first row is p, the second ``q/s``; columns are the panels and the tail of a contact
+        that is one part, (2, panels + 1).
         """
-        shed = self._cholesky.shed(values[self._order], self._kept[0])
+        difference = self._cholesky.coarse_difference(values[self._order], self._coarse_unknowns[0])
         energies = np.empty_like(values)
-        energies[self._order] = shed**2 * self._cholesky.diagonal
+        energies[self._order] = difference**2 * self._cholesky.diagonal
         [part] = self.system.parts
         terms = [*(n + 1 for n in part.degrees), part.family.panels.tail_terms]
         starts = np.cumsum([0, *terms[:-1]])

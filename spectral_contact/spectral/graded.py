@@ -1,7 +1,8 @@
 """Galerkin nodes that follow the degrees: as many on a panel as its own functions need.
 
-Degrees differ by a factor of ten between panels. What is smooth on a panel is sampled at fewer
-points still.
+Degrees differ by a factor of ten between panels. Functions that are smooth on the panels, as the
+integrals over parts farther off are, take fewer points still: the *samples*. They are interpolated
+from the samples to the nodes.
 """
 
 from __future__ import annotations
@@ -14,12 +15,19 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
-    TAIL_TERMS,
     chebyshev_interpolation,
     gauss_rule,
     legendre_interpolation_matrix,
+)
+from spectral_contact.spectral.tuning import (
+    FAR_POINTS,
+    KERNEL_ENTRIES,
+    NODE_STEP,
+    SAMPLES,
+    TAIL_NODES,
+    TAIL_TERMS,
 )
 from spectral_contact.threads import cached_property
 
@@ -28,20 +36,15 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Gauss points that represent on a panel what is analytic in ``x`` up to an imaginary part of pi,
-#: as functions of ``d + e`` are: the error is 6.4**-20 for panels of width 2.
-SAMPLES = 20
-#: Places, in [-1, 1], that stand for a function on an interval with a singularity as far off as it
-#: is wide: the error is 5.8**-24, which is rounding.
-FAR_NODES, FAR_FIT = chebyshev_interpolation(24)
-#: Nodes on the tail, as many as some panel has: what is there is seen from any distance.
-_TAIL_POINTS = 48
+#: Chebyshev points in [-1, 1] on an interval whose functions have their nearest singularity as far
+#: off as the interval is wide, and the matrix from values there to Chebyshev coefficients.
+FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(FAR_POINTS)
 
 
 class GradedNodes:
     """Galerkin nodes on panels of these degrees, then on the tail, clustered at both ends of each.
 
-    The far end of a part is like the centre of a disk.
+    The end of a part that is far from its boundary is treated like the centre of a disk.
 
     Parameters
     ----------
@@ -52,86 +55,112 @@ class GradedNodes:
     Attributes
     ----------
     d, rest : ndarray
-        Distances in (0, 1], and ``1 - d`` to full relative accuracy.
+        Distances of the nodes from the boundary in (0, 1], in extents of the part, and ``1 - d`` to
+        full relative accuracy.
     weights : ndarray
         Weights of ``int_0^1 . dd``.
-    start : list of ndarray
-        Distances in ``x`` to the shallow end of their panel, of the nodes of every panel.
+    from_start : list of ndarray
+        For every panel the distances in ``x`` of its nodes from the start of the panel, which is
+        the end far from the boundary.
+    tail : ndarray
+        Distances of the nodes on the tail.
     """
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
-        self.panels, self.degrees, h = panels, degrees, panels.width
-        # integrals of functions on both neighbours have square roots at the ends of a panel
-        around = [degrees[0] + 1, *degrees, TAIL_TERMS]  # at the centre the measure has one, too
+        self.panels = panels
+        self.degrees = degrees
+        h = panels.width
+        # the integrals of the functions of both neighbours have square roots at the ends of a
+        # panel; at the centre the measure dt has one, too, which counts like one degree more
+        around = [degrees[0] + 1, *degrees, TAIL_TERMS]
         counts = [_node_count(max(around[j : j + 3])) for j in range(panels.panels)]
         rules = [clustered_rule(count, h) for count in counts]
-        self.start: list[Array] = [start for start, _ in rules]
-        weights = np.concatenate([own for _, own in rules])
-        x = np.concatenate([np.minimum(j * h + a, (j + 1) * h) for j, a in enumerate(self.start)])
-        self.tail, on_tail = _tail_rule(panels)
+        self.from_start: list[Array] = [from_start for from_start, _ in rules]
+        weights = np.concatenate([panel_weights for _, panel_weights in rules])
+        x = np.concatenate(
+            [np.minimum(j * h + v, (j + 1) * h) for j, v in enumerate(self.from_start)]
+        )
+        self.tail, tail_weights = _tail_rule(panels)
         d = np.exp(-x)
         self.d: Array = np.concatenate([d, self.tail])
         self.rest: Array = np.concatenate([-np.expm1(-x), 1.0 - self.tail])
-        self.weights: Array = np.concatenate([d * weights, on_tail])
-        # the centre's panel is sampled at its nodes: what they share would not average
-        self._direct = counts[0]
+        self.weights: Array = np.concatenate([d * weights, tail_weights])
+        # The nodes of the first panel are samples themselves: errors of an interpolation there
+        # would be the same for all functions of the panel, and would not average out.
+        self._first_panel = counts[0]
 
     @cached_property
     def samples(self) -> Array:
-        """Distances at which a function is sampled that is analytic in ``x``, falling.
+        """Distances of the samples, decreasing.
 
-        As functions of ``d + e`` are: few on every panel, and the nodes of the tail.
+        They are the nodes of the first panel, `SAMPLES` Gauss points on every other panel, and the
+        nodes of the tail. They represent functions that are analytic in ``x`` up to an imaginary
+        part of pi, as functions of ``d + e`` are.
         """
-        sampled = np.exp(-self.panels.sampling(SAMPLES)[1:]).ravel()
-        return np.concatenate([self.d[: self._direct], sampled, self.tail])
+        on_panels = np.exp(-self.panels.sampling(SAMPLES)[1:]).ravel()
+        return np.concatenate([self.d[: self._first_panel], on_panels, self.tail])
 
     @cached_property
-    def from_places(self) -> Array:
-        """The matrix to the samples from values at the few places that see what is far off."""
+    def from_far_nodes(self) -> Array:
+        """The matrix from values at `FAR_NODES`, as distances, to values at the samples."""
         return far_values(self.samples)
 
     @cached_property
-    def _from_samples(self) -> list[tuple[int, Array]]:
-        """How many panels in a row have as many nodes, and the matrix from samples to these."""
-        runs = [(len(list(run)), n) for n, run in groupby(map(len, self.start[1:]))]
+    def _interpolations(self) -> list[tuple[int, Array]]:
+        """Runs of panels with as many nodes: their number, and the matrix from samples to nodes."""
+        runs = [(len(list(run)), n) for n, run in groupby(map(len, self.from_start[1:]))]
         return [(count, from_samples(n, self.panels.width)) for count, n in runs]
 
-    def spread(self, values: Array) -> Array:
-        """Return what has values at the samples, as columns, at the nodes."""
-        return self._mapped(values, self._from_samples)
+    def interpolate(self, values: Array) -> Array:
+        """Return values at the nodes of functions with values at the samples, as columns."""
+        return self._apply_runs(values, self._interpolations)
 
-    def gathered(self, values: Array) -> Array:
-        """Return the transpose of `spread`, of values at the nodes as columns."""
-        return self._mapped(values, [(count, one.T) for count, one in self._from_samples])
+    def interpolate_transpose(self, values: Array) -> Array:
+        """Apply the transpose of `interpolate`: from nodes to samples, as columns.
 
-    def _mapped(self, values: Array, matrices: list[tuple[int, Array]]) -> Array:
-        start, columns = self._direct, values.shape[1]
-        parts = [values[:start]]
+        A sum over the nodes of weights times an interpolated function is the sum over the samples
+        of these transposed weights times its samples.
+        """
+        transposed = [(count, matrix.T) for count, matrix in self._interpolations]
+        return self._apply_runs(values, transposed)
+
+    def _apply_runs(self, values: Array, matrices: list[tuple[int, Array]]) -> Array:
+        """Apply a matrix to the values of every panel of a run; leave first panel and tail."""
+        start = self._first_panel
+        columns = values.shape[1]
+        results = [values[:start]]
         for count, matrix in matrices:
             stop = start + count * matrix.shape[1]
-            one = matrix.astype(values.dtype, copy=False)
-            own = one @ values[start:stop].reshape(count, matrix.shape[1], columns)
-            parts.append(own.reshape(count * len(matrix), columns))
+            cast = matrix.astype(values.dtype, copy=False)
+            result = cast @ values[start:stop].reshape(count, matrix.shape[1], columns)
+            results.append(result.reshape(count * len(matrix), columns))
             start = stop
-        return np.concatenate([*parts, values[start:]])
+        return np.concatenate([*results, values[start:]])
 
 
-graded_nodes = kept("graded nodes", 128)(GradedNodes)
+graded_nodes = bounded_cache("graded nodes", 128)(GradedNodes)
 
 
 class PlainNodes:
-    """Points at which everything is evaluated as it is: they are their own samples."""
+    """Points that are their own samples, so that nothing is interpolated to them.
+
+    Parameters
+    ----------
+    d : ndarray
+        Distances from the boundary, in extents of the part.
+    """
 
     def __init__(self, d: Array) -> None:
-        self.d = self.samples = d
+        self.d = d
+        self.samples = d
 
     @property
-    def from_places(self) -> Array:
-        """The matrix from values at the few places that see what is far off."""
+    def from_far_nodes(self) -> Array:
+        """The matrix from values at `FAR_NODES`, as distances, to values at the points."""
         return far_values(self.d)
 
 
-@kept("clustered rules", 24)
+@bounded_cache("clustered rules", 24)
 def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     """Return a rule on (0, width) for functions with square roots at both ends (cached)."""
     g, w = gauss_rule(points)
@@ -140,62 +169,59 @@ def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     return width * sine**2, width * (w * np.pi / 2.0 * sine * cosine)
 
 
-@kept("from samples", 24)
+@bounded_cache("from samples", 24)
 def from_samples(points: int, width: float) -> Array:
-    """Return the matrix from the samples of a panel to so many nodes (cached)."""
-    places = 2.0 * clustered_rule(points, width)[0] / width - 1.0
-    return legendre_interpolation_matrix(places, SAMPLES)
+    """Return the matrix from the samples of a panel to its nodes, as many as `points` (cached)."""
+    local = 2.0 * clustered_rule(points, width)[0] / width - 1.0
+    return legendre_interpolation_matrix(local, SAMPLES)
 
 
 def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
-    """Return nodes on the tail, falling, and weights of ``dd``.
+    """Return nodes on the tail, decreasing, and weights of ``dd``.
 
-    They are seen from past the boundary, from as near as may be: next to it they are dense.
+    ``d = end sin(phi)**4`` makes them dense next to the boundary, because integrals over sources
+    past the boundary vary there on any small scale.
     """
-    g, w = gauss_rule(_TAIL_POINTS)
+    g, w = gauss_rule(TAIL_NODES)
     phi = np.pi / 4 * (1.0 - g)
-    sine, end = np.sin(phi), panels.end
+    sine = np.sin(phi)
+    end = panels.end
     return end * sine**4, w * np.pi * end * sine**3 * np.cos(phi)
 
 
 def far_values(d: Array) -> Array:
     """Return the matrix from values at `FAR_NODES`, as distances, to those at other distances."""
-    return np.asarray(chebvander(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_FIT)
+    return np.asarray(chebvander(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_EXPANSION)
 
 
 def _node_count(degree: int) -> int:
-    """Return a count that leaves but rounding of products of integrals of this degree.
-
-    With 16 more than twice the degree entries of the Gram matrix are right to 1.5e-14 (with 10 up
-    to 3e-9 of low degrees are lost); at the centre it takes 18. Few distinct counts share blocks.
-    """
-    return 16 * ceil(degree / 8 + 1)
+    """Return how many nodes integrate products of half-integrals of this degree to rounding."""
+    return NODE_STEP * ceil(degree / 8 + 1)
 
 
 def highest_degree(count: int) -> int:
-    """Return the highest degree that so many nodes are for."""
+    """Return the highest degree for which `_node_count` is this count: its inverse."""
     return count // 2 - 8
 
 
-#: Entries of a kernel that are evaluated at a time: they stay in the cache.
-_STRIP = 32768
+def inverse_root_sums(
+    target: Array, source: Array, values: Array, offset: Array | None = None
+) -> Array:
+    """Return ``sum_j values_j / sqrt(target_i + source_j)``, shape (n,) or (n, k).
 
-
-def root_sums(near: Array, far: Array, values: Array, offset: Array | None = None) -> Array:
-    """Return ``sum_j values_j / sqrt(near_i + far_j)``, shape (n,) or (n, k).
-
-    It takes strips that fit the cache; several columns of values, (m, k), share the square roots.
-    With `offset`, (m,), each term is divided by ``sqrt(near_i + far_j) + offset_j`` as well.
+    Several columns of values, (m, k), share the square roots. With `offset`, (m,), each term is
+    divided by ``sqrt(target_i + source_j) + offset_j`` as well. The rows are taken in strips of
+    `KERNEL_ENTRIES` entries, which fit the processor's cache.
     """
-    sums = np.empty((len(near), *values.shape[1:]))
-    strip = max(_STRIP // max(len(far), 1), 1)
-    work = np.empty((min(strip, len(near)), len(far)))
-    spare = np.empty_like(work)
-    for start in range(0, len(near), strip):
-        part = near[start : start + strip, None]
-        roots = np.add(part, far, out=work[: len(part)])
+    sums = np.empty((len(target), *values.shape[1:]))
+    rows = max(KERNEL_ENTRIES // max(len(source), 1), 1)
+    work = np.empty((min(rows, len(target)), len(source)))
+    denominators = np.empty_like(work)
+    for start in range(0, len(target), rows):
+        strip = target[start : start + rows, None]
+        roots = np.add(strip, source, out=work[: len(strip)])
         np.sqrt(roots, out=roots)
         if offset is not None:
-            roots *= np.add(roots, offset, out=spare[: len(part)])
-        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + strip])
+            roots *= np.add(roots, offset, out=denominators[: len(strip)])
+        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + rows])
     return sums

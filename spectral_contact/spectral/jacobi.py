@@ -15,17 +15,9 @@ from scipy.special import roots_jacobi
 
 Array = NDArray[np.float64]
 
-#: Gauss points beyond the degree, so that the analytic factors are integrated to rounding.
-EXTRA = 12
-#: Tail polynomials in the distance (degree 0, 1, 2), where logarithms follow the constant.
-TAIL_TERMS = 3
-#: Tail polynomials in the square root of the distance, where half-integer powers follow.
-ROOT_TERMS = 9
-#: Those beyond the terms of a tail.
-TAIL_EXTRA = 9
-
-#: How many rules and matrices are kept, of some kilobytes each: functools will do.
-_RULES, _MATRICES = 64, 32
+#: Capacities of the caches of rules and of matrices, of some kilobytes each: functools' will do.
+_RULES = 64
+_MATRICES = 32
 
 
 def legendre_rows(x: Array, degree: int) -> Array:

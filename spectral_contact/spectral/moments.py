@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.abel import moments_on
-from spectral_contact.spectral.cache import kept
-from spectral_contact.spectral.jacobi import EXTRA, gauss_rule, legendre_values, tail_values
+from spectral_contact.spectral.cache import bounded_cache
+from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.tuning import EXTRA
 
 Array = NDArray[np.float64]
 
@@ -29,13 +30,13 @@ def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     return np.asarray(2.0 * on_all.with_densities(density(on_all.d)[None])[0])
 
 
-@kept("moments", 64)
+@bounded_cache("moments", 64)
 def moments(panels: LogPanels) -> Array:
     """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
     return load_vector(panels, np.ones_like)
 
 
-@kept("outer moments", 24)
+@bounded_cache("outer moments", 24)
 def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
     """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent.
 

@@ -8,12 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import cleared_too, kept
+from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
 from spectral_contact.spectral.jacobi import (
-    EXTRA,
-    ROOT_TERMS,
-    TAIL_EXTRA,
-    TAIL_TERMS,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_projection_matrix,
@@ -21,13 +17,21 @@ from spectral_contact.spectral.jacobi import (
     power_rule,
     tail_values,
 )
+from spectral_contact.spectral.tuning import (
+    EXTRA,
+    LEAST_SAMPLING_POINTS,
+    ROOT_TERMS,
+    SAMPLING_EXTRA,
+    TAIL_EXTRA,
+    TAIL_TERMS,
+)
 
 Array = NDArray[np.float64]
 
 #: The estimate sheds two degrees and must keep one.
 LEAST_DEGREE = 2
 
-cleared_too(
+clear_with_caches(
     gauss_rule.cache_clear,
     legendre_expansion_matrix.cache_clear,
     legendre_projection_matrix.cache_clear,
@@ -98,13 +102,13 @@ class LogPanels:
         """Number of sampling points on the tail."""
         return self.tail_terms + 1
 
-    @kept("functions in use", 512)
+    @bounded_cache("functions in use", 512)
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
         own = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
         return np.append(own, np.arange(self.size - self.tail_terms, self.size))
 
-    @kept("top degrees", 512)
+    @bounded_cache("top degrees", 512)
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
         """Return places among these of so many top degrees of every panel, and of the tail's last.
 
@@ -121,7 +125,7 @@ class LogPanels:
 
         Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
         """
-        return max(self.degree + 5, 18)
+        return max(self.degree + SAMPLING_EXTRA, LEAST_SAMPLING_POINTS)
 
     def sampling(self, points: int | None = None) -> Array:
         """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`."""
@@ -134,12 +138,12 @@ class LogPanels:
         return self.end * (1.0 + g) / 2.0
 
     @property
-    @kept("sampling points", 48)
+    @bounded_cache("sampling points", 48)
     def distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
         return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
 
-    @kept("rules on tails", 256)
+    @bounded_cache("rules on tails", 256)
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there (cached).
 
@@ -185,7 +189,7 @@ class LogPanels:
         product[last] = (constant * tail + rising * rising_tail) @ table[last]
         return np.asarray(product[used])
 
-    @kept("masses", 256)
+    @bounded_cache("masses", 256)
     def _masses(self) -> list[PartMass]:
         """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
         g, w = gauss_rule(self.degree + EXTRA)
@@ -199,7 +203,7 @@ class LogPanels:
         return found
 
 
-class Resolution(NamedTuple):
+class DiscreteSpace(NamedTuple):
     """A space on a part: panels and the degree used on each of them."""
 
     panels: LogPanels

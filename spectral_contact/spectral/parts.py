@@ -25,7 +25,7 @@ def gap(a: Radius, b: Radius) -> float:
     return difference * (a.value + b.value)
 
 
-class Points(NamedTuple):
+class OffsetRadii(NamedTuple):
     """Radii given by ``s**2 = anchor**2 + offset``, so that differences keep their digits."""
 
     anchor: Radius
@@ -46,7 +46,7 @@ class Points(NamedTuple):
         return self.anchor.rest - self.offset
 
 
-class Family(NamedTuple):
+class GradedMesh(NamedTuple):
     """Panels in the logarithm of the distance to one end of an annulus.
 
     Attributes
@@ -66,9 +66,9 @@ class Family(NamedTuple):
     reach: float
     panels: LogPanels
 
-    def points(self, d: Array) -> Points:
+    def points(self, d: Array) -> OffsetRadii:
         """Return the points at scaled distances `d` in [0, 1]."""
-        return Points(self.boundary, self.sign * self.reach * d)
+        return OffsetRadii(self.boundary, self.sign * self.reach * d)
 
     def mass(self, degrees: tuple[int, ...], values: Array | None = None, *, shear: bool) -> Array:
         """Return ``int phi psi s ds`` of pressures, or ``int phi psi s**3 ds`` of q/s.
@@ -81,7 +81,7 @@ class Family(NamedTuple):
             return self.panels.mass(degrees, *density)
         return self.panels.mass_times(degrees, values, *density)
 
-    def sampling(self) -> Points:
+    def sampling(self) -> OffsetRadii:
         """Return the sampling points: panels, then tail."""
         return self.points(self.panels.distances)
 
@@ -106,7 +106,7 @@ class Family(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Parts:
+class DiskPartition:
     """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
 
     Parameters

@@ -8,12 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
+from spectral_contact.spectral.tuning import POINTWISE_EXTRA
 
 Array = NDArray[np.float64]
-
-#: Samples beyond the degree of a polynomial.
-_MORE = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +46,14 @@ class Sampling:
 
     Parameters
     ----------
-    used : tuple of Resolution
+    used : tuple of DiscreteSpace
         Of every part.
     polynomials : tuple of int
         Degrees on cells instead.
     """
 
     def __init__(
-        self, used: tuple[Resolution, ...] = (), polynomials: tuple[int, ...] = ()
+        self, used: tuple[DiscreteSpace, ...] = (), polynomials: tuple[int, ...] = ()
     ) -> None:
         self._pieces: list[_Stretch] = []
         self.size = self.samples = 0
@@ -66,7 +64,7 @@ class Sampling:
             self._add(panels.tail_points, np.ones((1, panels.tail_terms)), tail=True)
 
         for degree in polynomials:
-            self._add(degree + _MORE, np.ones((1, degree + 1)), tail=False)
+            self._add(degree + POINTWISE_EXTRA, np.ones((1, degree + 1)), tail=False)
 
     def _add(self, points: int, kept: Array, *, tail: bool) -> None:
         count, terms = kept.shape

@@ -1,4 +1,4 @@
-"""Positive definite problems: solved for many right-hand sides, and what the last unknowns change.
+"""Positive definite problems: solutions for many right-hand sides, and those in coarser spaces.
 
 Most are the regularised least-squares problem of a space. The first-kind part of ``(c M + K) a =
 H^T W target - c load`` cancels in the normal equations, which loses ``eps/sqrt(c)`` at the edge;
@@ -15,18 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: Above this compliance the normal equations lose no more than 30 eps, and need no correction; of
-#: q/s at the centre they lose some thousand eps at 1e-3 ... 0.02.
-HARMLESS = 0.1
-
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Difference of a solution to the one in the next coarser space.
+    """The solution in the next coarser space less the solution.
 
     Attributes
     ----------
@@ -54,8 +51,9 @@ class NodalSpace(ABC):
         Places of the unknowns among the coefficients, and the panels that they belong to.
     size, panels : int
         Length of a vector of coefficients, and number of panels.
-    kept, kept_but_one : int
-        How many unknowns the spaces have with two degrees less on every panel, and with one less.
+    unknowns_two_less, unknowns_one_less : int
+        How many unknowns the space has with two degrees less on every panel, and with one degree
+        less: these come first.
     gram, mass : ndarray, shape (unknowns, unknowns)
         Gram matrix of the half-integrals, and mass matrix, in the order of `index`.
     """
@@ -69,8 +67,8 @@ class NodalSpace(ABC):
     panel: NDArray[np.int_]
     size: int
     panels: int
-    kept: int
-    kept_but_one: int
+    unknowns_two_less: int
+    unknowns_one_less: int
     gram: cached_property[Array]
     mass: cached_property[Array]
 
@@ -89,11 +87,14 @@ class NodalSpace(ABC):
 
         The density is given at the nodes, several as rows.
         """
-        return self.tested(self.measure * density)
+        return self.project(self.measure * density)
 
     @abstractmethod
-    def tested(self, weighted: Array) -> Array:
-        """Return the sums of the half-integrals times weighted values at the nodes, likewise."""
+    def project(self, weighted: Array) -> Array:
+        """Return the sums over the nodes of the half-integrals times weighted values.
+
+        The result is in the order of `index`; several weighted values are rows, as in `moments`.
+        """
 
     @abstractmethod
     def half_integral(self, coefficients: Array) -> Array:
@@ -122,10 +123,11 @@ class Cholesky:
     """
 
     def __init__(self, matrix: Array) -> None:
-        #: of the matrix
+        #: diagonal of the matrix
         self.diagonal: Array = matrix.diagonal().copy()
         # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
-        # replaces the lower triangle; the upper one stays as it is, and `shed` needs it.
+        # replaces the lower triangle; the upper one stays as it is, and
+        # `coarse_difference` needs it.
         self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
@@ -139,19 +141,20 @@ class Cholesky:
             step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
         return np.asarray(step.T)
 
-    def shed(self, solution: Array, kept: int) -> Array:
-        """Return the difference of a solution to that of the first `kept` unknowns alone.
+    def coarse_difference(self, solution: Array, coarse_unknowns: int) -> Array:
+        """Return the solution in a coarser space less the solution.
 
-        It takes no other factorisation, and nothing cancels.
+        The coarser space has the first `coarse_unknowns` unknowns alone, with the same right-hand
+        side. It takes no other factorisation, and nothing cancels.
         """
-        last = solution[kept:]
+        last = solution[coarse_unknowns:]
         # with the whole factor, as the leading block would have to be copied
         step = np.zeros(len(solution))
-        step[:kept] = self._factor[:kept, kept:] @ last
+        step[:coarse_unknowns] = self._factor[:coarse_unknowns, coarse_unknowns:] @ last
         step, _ = lapack.dtrtrs(self._factor, step, lower=1, overwrite_b=1)
-        step[kept:] = 0.0
+        step[coarse_unknowns:] = 0.0
         step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
-        step[kept:] = -last
+        step[coarse_unknowns:] = -last
         return np.asarray(step)
 
 
@@ -185,9 +188,12 @@ class Regularised:
         ndarray, shape (size,)
             Coefficients, zero outside the space.
         """
-        space, index = self.space, self.space.index
-        misfit, coefficients = target, np.zeros(space.size)
-        rounds = 2 if correct and self.compliance < HARMLESS else 1
+        space = self.space
+        index = space.index
+        # what the half-integral of the coefficients lacks of the target
+        misfit = target
+        coefficients = np.zeros(space.size)
+        rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
         for correction in range(rounds):
             if isinstance(misfit, float):
                 residual = misfit * space.constant_moments
@@ -204,16 +210,24 @@ class Regularised:
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
-        """Return what the top two degrees of every panel, or the top one, contribute.
+        """Return the solution in a coarser space less the solution, and its energy.
 
-        It is the difference to the Galerkin solution without them, from the same factorisation
-        and without cancellation.
+        The coarser space lacks the top two degrees of every panel, or the top one. It takes no
+        other factorisation, and nothing cancels.
+
+        Parameters
+        ----------
+        coefficients : ndarray, shape (size,)
+            A solution.
+        degrees : int
+            2 or 1.
         """
-        index = self.space.index
-        kept = self.space.kept if degrees == 2 else self.space.kept_but_one
-        shed = self.cholesky.shed(coefficients[index], kept)
+        space = self.space
+        coarse_unknowns = space.unknowns_two_less if degrees == 2 else space.unknowns_one_less
+        difference = self.cholesky.coarse_difference(coefficients[space.index], coarse_unknowns)
         change = np.zeros(len(coefficients))
-        change[index] = shed
-        places = self.space.panels + 1
-        energies = np.bincount(self.space.panel, shed**2 * self.cholesky.diagonal, places)
+        change[space.index] = difference
+        energies = np.bincount(
+            space.panel, difference**2 * self.cholesky.diagonal, space.panels + 1
+        )
         return Change(change, np.asarray(energies, dtype=float))

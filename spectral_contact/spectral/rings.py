@@ -13,14 +13,11 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.tuning import RING_POINTS
 
 Array = NDArray[np.float64]
-
-#: Gauss points on every ring: entries are right to 3e-12 on rings as wide as 1.5 in the logit,
-#: but for the first ring's own shear, a logarithm squared at the centre: 2e-6.
-_POINTS = 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +81,7 @@ def _between(lower: Array, upper: Array) -> Array:
     return np.asarray(fall * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
 
 
-@kept("rings", 8)  # the first ones, and some that were refined
+@bounded_cache("rings", 8)  # the first ones, and some that were refined
 def _assembled(grid: bytes) -> RingOperators:
     """Return the operators: F and G of every ring at Gauss points of every ring.
 
@@ -96,7 +93,7 @@ def _assembled(grid: bytes) -> RingOperators:
     width = _between(a, b)
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
     thick = width / (radius[1:] + radius[:-1])
-    x, weight = gauss_rule(_POINTS)
+    x, weight = gauss_rule(RING_POINTS)
     phi = pi / 4 * (1.0 + x)
     past, ahead = width[:, None] * np.sin(phi) ** 2, width[:, None] * np.cos(phi) ** 2
     t = np.sqrt(radius[:-1, None] ** 2 + past)
@@ -109,7 +106,7 @@ def _assembled(grid: bytes) -> RingOperators:
     # of ring j as t on ring i sees it: what lies between t and the ring does not count
     far = _between(b[:, None], np.maximum(b, b[:, None]))
     outer = np.sqrt(far[:, None, :] + ahead[:, :, None])
-    inner = np.where(own, 0.0, np.concatenate([np.zeros((n, _POINTS, 1)), outer[:, :, :-1]], 2))
+    inner = np.where(own, 0.0, np.concatenate([np.zeros((n, RING_POINTS, 1)), outer[:, :, :-1]], 2))
     start = np.where(own, t[:, :, None], np.where(beyond, radius[:-1], 1.0))
     length = np.where(own, (ahead / (radius[1:, None] + t))[:, :, None], thick)
     f = np.where(beyond, np.where(own, ahead[:, :, None], width) / (outer + inner), 0.0)

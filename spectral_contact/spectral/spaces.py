@@ -11,8 +11,9 @@ left to integrate. Spaces know nothing of compliance, friction or Poisson's rati
 they also serve a stick disk of any radius c, with ``compliance / c``.
 
 A disk is one part, with panels in the logarithm of the distance to its edge, or several, with
-panels graded to the breaks of a profile. Each is a disk, or one half of an annulus (`Family`); the
-centre is an end of one where a punch has a tip. Half-integrals between parts are those of `blocks`.
+panels graded to the breaks of a profile. Each is a disk, or one half of an annulus (`GradedMesh`);
+the centre is an end of one where a punch has a tip. Half-integrals between parts are those of
+`blocks`.
 """
 
 from __future__ import annotations
@@ -25,19 +26,19 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigh
 
 from spectral_contact.fields.series import CENTRE
-from spectral_contact.spectral.blocks import block, disk_gram
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.blocks import Block, block, disk_gram
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.graded import graded_nodes
-from spectral_contact.spectral.panels import LogPanels, Resolution
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.node_operators import NodeOperators
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.regularised import NodalSpace
-from spectral_contact.spectral.seen import Seen
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: A disk in one part.
-WHOLE = Parts((), pointed=False)
+#: The partition of a disk that is one part.
+WHOLE = DiskPartition((), pointed=False)
 
 
 class Space(NodalSpace):
@@ -45,29 +46,43 @@ class Space(NodalSpace):
 
     Parameters
     ----------
-    parts : Parts
-    used : tuple of Resolution
-        Of every part.
+    parts : DiskPartition
+    spaces : tuple of DiscreteSpace
+        Panels and degrees of every part.
     shear : bool
-        Those of K2, with the mass ``int u v s**3 ds`` instead of ``int phi psi s ds``.
+        Whether the inner products are those of K2, with the mass ``int u v s**3 ds``, instead of
+        those of K1 with ``int phi psi s ds``.
+
+    Attributes
+    ----------
+    place : ndarray of int, shape (unknowns,)
+        Where the unknowns are among the functions in use, part by part.
+
+    The other attributes are those of `NodalSpace`.
     """
 
-    def __init__(self, parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> None:
-        pairs = zip(parts.ends, used, strict=True)
-        self._families = families = [Family(*end, panels) for end, (panels, _) in pairs]
-        self._used, self.shear = used, shear
-        self._order = order = _order(used)
-        self.size, self.panels = order.size, order.panels
-        self.index, self.panel = order.places
-        #: where the unknowns are among the functions in use, part by part
+    def __init__(
+        self, parts: DiskPartition, spaces: tuple[DiscreteSpace, ...], *, shear: bool = False
+    ) -> None:
+        self._meshes = meshes = [
+            GradedMesh(*end, panels) for end, (panels, _) in zip(parts.ends, spaces, strict=True)
+        ]
+        self._spaces = spaces
+        self.shear = shear
+        self._order = order = _order(spaces)
+        self.size = order.size
+        self.panels = order.panels
+        self.index = order.index
+        self.panel = order.panel
         self.place = order.place
-        self.kept, self.kept_but_one = order.kept
-        self._nodes = nodes = [graded_nodes(*one) for one in used]
-        points = [f.points(n.d) for f, n in zip(families, nodes, strict=True)]
-        # a disk's own nodes know how far they are from its centre
+        self.unknowns_two_less = order.unknowns_two_less
+        self.unknowns_one_less = order.unknowns_one_less
+        self._nodes = nodes = [graded_nodes(*space) for space in spaces]
+        points = [mesh.points(n.d) for mesh, n in zip(meshes, nodes, strict=True)]
+        # nodes that are graded to the rim of a disk have their distance from its centre, too
         squares = [
-            f.reach * n.rest if f.sign < 0 and f.reach == f.boundary.square else p.z
-            for f, n, p in zip(families, nodes, points, strict=True)
+            mesh.reach * n.rest if mesh.sign < 0 and mesh.reach == mesh.boundary.square else p.z
+            for mesh, n, p in zip(meshes, nodes, points, strict=True)
         ]
         self.t = np.sqrt(np.concatenate(squares))
         self.y = np.concatenate([p.y for p in points])
@@ -77,59 +92,63 @@ class Space(NodalSpace):
                 for p, inner in zip(points, parts.inner, strict=True)
             ]
         )
-        extents = [f.reach * n.weights for f, n in zip(families, nodes, strict=True)]
+        extents = [mesh.reach * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
         self.weights = np.concatenate(extents) / (2.0 * self.t)
         self.measure = self.weights / pi * (self.t**2 if shear else 1.0)
-        self._ends = np.cumsum([len(n.d) for n in nodes])[:-1]
+        #: where the nodes of the parts are cut apart
+        self._cuts = np.cumsum([len(n.d) for n in nodes])[:-1]
 
     @cached_property
-    def _seen(self) -> list[Seen]:
-        """Half-integrals of the parts at the nodes of each."""
-        each = list(zip(self._families, self._used, strict=True))
-        found = []
-        for (target, (_, used)), nodes in zip(each, self._nodes, strict=True):
-            blocks = {
-                k: block(source, degrees, target, used, 1, differences=False)
-                for k, (source, (_, degrees)) in enumerate(each)
-            }
-            outside = {k: one for k, one in blocks.items() if one is not None}
-            found.append(Seen(nodes, outside))
-        return found
+    def _operators(self) -> list[NodeOperators]:
+        """For every part the half-integrals, at its nodes, of all parts outside of them."""
+        sources = list(zip(self._meshes, self._spaces, strict=True))
+        operators = []
+        for (target, (_, node_degrees)), nodes in zip(sources, self._nodes, strict=True):
+            blocks: dict[int, Block] = {}
+            for k, (source, (_, degrees)) in enumerate(sources):
+                integrals = block(source, degrees, target, node_degrees, 1, differences=False)
+                if integrals is not None:
+                    blocks[k] = integrals
+            operators.append(NodeOperators(nodes, blocks))
+        return operators
 
     @cached_property
     def gram(self) -> Array:
         """Gram matrix of the half-integrals, in the order of `index`."""
-        if len(self._used) == 1:
-            return self._order.of(disk_gram(*self._used[0], shear=self.shear))
+        if len(self._spaces) == 1:
+            return self._order.permute(disk_gram(*self._spaces[0], shear=self.shear))
         gram = np.zeros((self.unknowns,) * 2)
         columns = self._order.columns
-        for seen, own in zip(self._seen, np.split(self.measure, self._ends), strict=True):
-            for k, j, sums in seen.products(seen, own, whole=True):
+        measures = np.split(self.measure, self._cuts)
+        for operators, measure in zip(self._operators, measures, strict=True):
+            for k, j, sums in operators.products(operators, measure, other_values=True):
                 gram[columns[k], columns[j]] += sums
-        return self._order.of(gram)
+        return self._order.permute(gram)
 
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, in the order of `index`."""
-        pairs = zip(self._families, self._used, strict=True)
-        each = [family.mass(degrees, shear=self.shear) for family, (_, degrees) in pairs]
-        return self._order.of(block_diag(*each) if len(each) > 1 else each[0])
+        masses = [
+            mesh.mass(degrees, shear=self.shear)
+            for mesh, (_, degrees) in zip(self._meshes, self._spaces, strict=True)
+        ]
+        return self._order.permute(block_diag(*masses) if len(masses) > 1 else masses[0])
 
-    def tested(self, weighted: Array) -> Array:
+    def project(self, weighted: Array) -> Array:
         """Return the sums of the half-integrals times weighted values, in order of `index`."""
         rows = np.atleast_2d(weighted).T
         sums = np.zeros((self.unknowns, rows.shape[1]))
-        for seen, each in zip(self._seen, np.split(rows, self._ends), strict=True):
-            for k, one in seen.tested(each):
-                sums[self._order.columns[k]] += one
+        for operators, on_part in zip(self._operators, np.split(rows, self._cuts), strict=True):
+            for k, projected in operators.project(on_part):
+                sums[self._order.columns[k]] += projected
         return np.asarray(sums[self._order.place].T.reshape(*weighted.shape[:-1], -1))
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
         values = np.empty((self.unknowns, 1))
         values[self._order.place, 0] = coefficients[self.index]
-        each = [values[one] for one in self._order.columns]
-        return np.concatenate([seen.more(each, whole=True)[:, 0] for seen in self._seen])
+        fields = [values[columns] for columns in self._order.columns]
+        return np.concatenate([operators.values(fields)[:, 0] for operators in self._operators])
 
     def spectrum(self) -> tuple[Array, Array]:
         """Return eigenvalues and modes: ``gram v = value mass v``, normalised by the mass.
@@ -153,59 +172,70 @@ class Space(NodalSpace):
 
 
 class _Order:
-    """The functions on all parts, those of the coarser spaces first.
+    """The order of the unknowns: the functions on all parts, those of the coarser spaces first.
 
     Attributes
     ----------
     size, panels : int
-        Of all parts.
-    places : tuple of ndarray of int
-        Among the coefficients, and the panels.
-    kept : tuple of int
-        How many there are with two degrees less on every panel, and with one less.
+        Numbers of coefficients and of panels of all parts.
+    index, panel : ndarray of int, shape (unknowns,)
+        Where the unknowns are among the coefficients, and the panels that they belong to.
+    unknowns_two_less, unknowns_one_less : int
+        How many unknowns have two degrees less on every panel, and one degree less.
     columns : list of slice
-        Those of every part, one part after the other.
-    place : ndarray of int
-        Where they are in that order.
+        Where the functions of every part are, one part after the other.
+    place : ndarray of int, shape (unknowns,)
+        Where the unknowns are among the functions, one part after the other.
     """
 
-    def __init__(self, used: tuple[Resolution, ...]) -> None:
-        self.size = sum(panels.size for panels, _ in used)
-        self.panels = sum(panels.panels for panels, _ in used)
-        place, panel, starts, shed = [], [], [0], list[NDArray[np.int_]]()
-        start = first = 0
-        for panels, degrees in used:
-            functions, count = panels.functions(degrees), panels.panels
-            place.append(start + functions)
-            # of one part the tail counts by itself
-            own = functions // (panels.degree + 1)
-            panel.append(first + np.minimum(own, count - (len(used) > 1)))
-            shed.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
+    def __init__(self, spaces: tuple[DiscreteSpace, ...]) -> None:
+        self.size = sum(panels.size for panels, _ in spaces)
+        self.panels = sum(panels.panels for panels, _ in spaces)
+        index = []
+        panel = []
+        starts = [0]
+        top_degrees = list[NDArray[np.int_]]()
+        first_coefficient = 0
+        first_panel = 0
+        for panels, degrees in spaces:
+            functions = panels.functions(degrees)
+            index.append(first_coefficient + functions)
+            # the tail counts as a panel of its own if there is one part, else to the last panel
+            last_panel = panels.panels - (len(spaces) > 1)
+            panel_of_function = functions // (panels.degree + 1)
+            panel.append(first_panel + np.minimum(panel_of_function, last_panel))
+            top_degrees.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
             starts.append(starts[-1] + len(functions))
-            start, first = start + panels.size, first + count
-        lacking = np.bincount(np.concatenate(shed), minlength=starts[-1])
-        self.place = np.argsort(lacking, kind="stable")
-        self.kept = int((lacking < 1).sum()), int((lacking < 2).sum())
+            first_coefficient += panels.size
+            first_panel += panels.panels
+        # in how many of the two coarser spaces a function is missing
+        missing = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
+        self.place = np.argsort(missing, kind="stable")
+        self.unknowns_two_less = int((missing < 1).sum())
+        self.unknowns_one_less = int((missing < 2).sum())
         self.columns = [slice(*ends) for ends in pairwise(starts)]
-        self.places = np.concatenate(place)[self.place], np.concatenate(panel)[self.place]
+        self.index = np.concatenate(index)[self.place]
+        self.panel = np.concatenate(panel)[self.place]
 
-    def of(self, matrix: Array) -> Array:
-        """Return a matrix of functions part by part in this order."""
+    def permute(self, matrix: Array) -> Array:
+        """Return a matrix of the functions, one part after the other, in the order of unknowns."""
         return matrix[np.ix_(self.place, self.place)]
 
 
-_order = kept("orders of functions", 96)(_Order)
-_space = kept("spaces", 96)(Space)
+_order = bounded_cache("orders of functions", 96)(_Order)
+_space = bounded_cache("spaces", 96)(Space)
 
 
-def disk_space(parts: Parts, used: tuple[Resolution, ...], *, shear: bool = False) -> Space:
+def disk_space(
+    parts: DiskPartition, spaces: tuple[DiscreteSpace, ...], *, shear: bool = False
+) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
-    Those of breaks are seldom the same, and what is kept of them are their blocks.
+    The same breaks seldom come again; of spaces with breaks only the blocks are cached.
     """
-    return (Space if parts.breaks else _space)(parts, used, shear=shear)
+    return (Space if parts.breaks else _space)(parts, spaces, shear=shear)
 
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:
     """Return the space on a disk in one part (cached)."""
-    return disk_space(WHOLE, (Resolution(panels, degrees),), shear=shear)
+    return disk_space(WHOLE, (DiscreteSpace(panels, degrees),), shear=shear)

@@ -5,8 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from spectral_contact.fields.series import Array, LogSeries
-from spectral_contact.spectral.abel import deeper_blocks, deeper_tail, outer, outer_blocks
-from spectral_contact.spectral.cache import kept
+from spectral_contact.spectral.abel import (
+    abel_left,
+    abel_left_blocks,
+    abel_right_blocks,
+    abel_right_tail,
+)
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import sampled_coefficients
 from spectral_contact.threads import cached_property
@@ -40,10 +45,10 @@ class Transforms:
         self.panels = panels
         self._x = panels.sampling()
 
-    def deeper(self, coefficients: Array) -> Array:
-        """Return the `deeper` integral, (..., sampling points), of functions (..., size)."""
+    def abel_right(self, coefficients: Array) -> Array:
+        """Return the `abel_right` integral, (..., sampling points), of functions (..., size)."""
         panels, terms = self.panels, self.panels.degree + 1
-        blocks, tail = self._deeper
+        blocks, tail = self._right_blocks
         count, shape = panels.panels, coefficients.shape[:-1]
         values = coefficients[..., count * terms :] @ tail.T
         from_panels = coefficients[..., : count * terms].reshape(*shape, count, terms) @ blocks
@@ -55,10 +60,10 @@ class Transforms:
         values[..., :size] += np.exp(-0.5 * self._x).ravel() * sums
         return np.asarray(values)
 
-    def outer(self, coefficients: Array) -> Array:
-        """Return the `outer` integral, (..., sampling points), of functions (..., size)."""
+    def abel_left(self, coefficients: Array) -> Array:
+        """Return the `abel_left` integral, (..., sampling points), of functions (..., size)."""
         panels, terms = self.panels, self.panels.degree + 1
-        blocks, tail = self._outer
+        blocks, tail = self._left_blocks
         count, shape = panels.panels, coefficients.shape[:-1]
         series = coefficients[..., : count * terms].reshape(*shape, count, terms)
         scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
@@ -71,21 +76,21 @@ class Transforms:
         return np.concatenate([values, coefficients @ tail.T], axis=-1)
 
     @cached_property
-    def _deeper(self) -> tuple[Array, Array]:
+    def _right_blocks(self) -> tuple[Array, Array]:
         panels = self.panels
         to_end = panels.width - self._x[0]
-        blocks = deeper_blocks(to_end, panels.panels, panels.width, panels.degree)
-        return _in_a_row(blocks[:, ::-1]), deeper_tail(panels.distances, panels.end)
+        blocks = abel_right_blocks(to_end, panels.panels, panels.width, panels.degree)
+        return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.distances, panels.end)
 
     @cached_property
-    def _outer(self) -> tuple[Array, Array]:
+    def _left_blocks(self) -> tuple[Array, Array]:
         panels = self.panels
         mesh = panels.panels, panels.width, panels.degree
-        blocks = outer_blocks(self._x[0], *mesh)
-        return _in_a_row(blocks), outer(panels.tail_sampling(), *mesh)
+        blocks = abel_left_blocks(self._x[0], *mesh)
+        return _in_a_row(blocks), abel_left(panels.tail_sampling(), *mesh)
 
 
-transforms = kept("Abel transforms", 12)(Transforms)
+transforms = bounded_cache("Abel transforms", 12)(Transforms)
 
 
 def _in_a_row(blocks: Array) -> Array:

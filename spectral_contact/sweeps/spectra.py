@@ -104,7 +104,9 @@ class StickSpectrum:
         root = np.sqrt(1.0 - self.panels.distances)
         return np.array(
             [
-                sampled_series(self.panels, 2.0 * own.outer(np.ascontiguousarray(mode)) / root)(d)
+                sampled_series(self.panels, 2.0 * own.abel_left(np.ascontiguousarray(mode)) / root)(
+                    d
+                )
                 for mode in self.normal.modes.T
             ]
         )

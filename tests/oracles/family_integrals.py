@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from spectral_contact.spectral.abel import beyond, deeper, outer
+from spectral_contact.spectral.abel import abel_exterior, abel_left, abel_right
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
 
 
@@ -12,12 +12,12 @@ def half_integral(family, points):
     matrix = np.zeros((len(e), p.size))
     if family.sign < 0:
         rows = e > 0.0
-        matrix[rows] = deeper(e[rows], p.panels, p.width, p.degree, p.power)
+        matrix[rows] = abel_right(e[rows], p.panels, p.width, p.degree, p.power)
     else:
         rows = e >= 0.0
-        matrix[rows] = beyond(e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_exterior(e[rows], p.panels, p.width, p.degree)
         rows = (e < 0.0) & (e >= -1.0)
-        matrix[rows] = outer(-e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_left(-e[rows], p.panels, p.width, p.degree)
     return matrix * np.sqrt(family.reach)
 
 
@@ -27,12 +27,12 @@ def inner_integral(family, points):
     matrix = np.zeros((len(e), p.size))
     if family.sign < 0:
         rows = e <= 0.0
-        matrix[rows] = beyond(-e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_exterior(-e[rows], p.panels, p.width, p.degree)
         rows = (e > 0.0) & (e <= 1.0)
-        matrix[rows] = outer(e[rows], p.panels, p.width, p.degree, p.power)
+        matrix[rows] = abel_left(e[rows], p.panels, p.width, p.degree, p.power)
     else:
         rows = e < 0.0
-        matrix[rows] = deeper(-e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_right(-e[rows], p.panels, p.width, p.degree)
     return matrix * np.sqrt(family.reach)
 
 

@@ -18,7 +18,7 @@ from spectral_contact.contact.normal import WEIGHT_SHIFT, solve_normal
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import EdgeWeight
 from spectral_contact.spectral.moments import load_vector
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.spaces import unit_space
 
@@ -48,19 +48,19 @@ class Case:
 
 
 @cache
-def solver_matrix(resolution: Resolution, kernel: str):
+def solver_matrix(resolution: DiscreteSpace, kernel: str):
     """Return the Gram matrix of a space of the solver, and the functions it has, increasing."""
     space = unit_space(resolution.panels, resolution.degrees, shear=kernel == "K2")
     return ordered(space, space.gram), np.sort(space.index)
 
 
-def extremes(resolution: Resolution, number: int) -> tuple[int, int]:
+def extremes(resolution: DiscreteSpace, number: int) -> tuple[int, int]:
     """Return the lowest and the highest degree on a panel."""
     panels = resolution.panels
     return (0, panels.tail_terms - 1) if number == TAIL else (0, resolution.degrees[number])
 
 
-def disk_case(resolution: Resolution, first: int, second: int) -> Case:
+def disk_case(resolution: DiscreteSpace, first: int, second: int) -> Case:
     """Return two panels of the unit disk; the first is not the deeper one."""
     panels = resolution.panels
     degrees = {n: extremes(resolution, n) for n in (first, second)}
@@ -83,7 +83,7 @@ def disk_case(resolution: Resolution, first: int, second: int) -> Case:
 # --- the right-hand side of the endpoint lift -----------------------------------------------------
 
 
-def lift_case(resolution: Resolution, compliance: float, number: int) -> Case:
+def lift_case(resolution: DiscreteSpace, compliance: float, number: int) -> Case:
     """Return a panel against the lift, two columns: ``<phi, 1 - N lift>`` and ``<phi, lift>``.
 
     The scale of the first column is the energy norm of what the lift leaves, that of the second
@@ -153,12 +153,12 @@ class Zones:
         self.gram = np.zeros((system.unknowns, system.unknowns))
         operators = system.operators
         for outer, weights in zip(operators.outer_stick, operators.shear_weights, strict=True):
-            for k, j, product in outer.products(outer, weights, whole=True):
+            for k, j, product in outer.products(outer, weights, other_values=True):
                 self.gram[self.fields[k].place, self.fields[j].place] += product
 
-    def space(self, k: int) -> Resolution:
+    def space(self, k: int) -> DiscreteSpace:
         """Return the space of a part: 0 is the disk, the last two are the stick annulus."""
-        return Resolution(self.fields[k].panels, self.fields[k].degrees)
+        return DiscreteSpace(self.fields[k].panels, self.fields[k].degrees)
 
     def places(self, k: int, number: int, degrees) -> list[int]:
         """Return where functions of a panel are in a vector."""
@@ -167,11 +167,11 @@ class Zones:
         return (field.place.start + found).tolist()
 
     @property
-    def disk(self) -> Resolution:
+    def disk(self) -> DiscreteSpace:
         """The space on the disk."""
         return self.space(0)
 
-    def half(self, half: int) -> Resolution:
+    def half(self, half: int) -> DiscreteSpace:
         """Return the space on a half of the annulus (0: inner, 1: outer)."""
         return self.space(3 + half)
 

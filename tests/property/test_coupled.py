@@ -19,7 +19,7 @@ from spectral_contact.equations.residuals import (
 )
 from spectral_contact.spectral.contact_matrix import system_matrix
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.testing import check_solution
 from spectral_contact.testing.strategies import (
@@ -110,7 +110,7 @@ def test_any_tractions_strain_the_body(panels, degree, power):
     own = LogPanels(panels, 2.0, degree, power)
     none = 1e-300 if power == 0.0 else 0.0  # a compliance, which decides on the endpoint weight
     parameters = Parameters(none, none, 1.0, math.inf)
-    system = ContactSystem((), (0,), [Resolution(own, (degree,) * panels)], parameters)
+    system = ContactSystem((), (0,), [DiscreteSpace(own, (degree,) * panels)], parameters)
     matrix = system_matrix(system)
     n = system.pressure_terms
     roots = [cholesky(matrix[place, place], lower=True) for place in (slice(n), slice(n, None))]

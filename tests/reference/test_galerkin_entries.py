@@ -16,7 +16,7 @@ from oracles.projection_cases import TAIL, interior_slip, lift_case
 from oracles.projection_oracle import Piece, basis, entries, kernels, mp, rows
 from oracles.whole_spaces import ordered, whole_space
 
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 TRUTHS = Kept("galerkin_entries", every=16)
 
@@ -147,7 +147,7 @@ def test_mass_is_block_diagonal():
 
 # --- what the solver builds from them -------------------------------------------------------------
 
-COARSE = Resolution(LogPanels(4, 2.0, 8), (8, 8, 6, 4))
+COARSE = DiscreteSpace(LogPanels(4, 2.0, 8), (8, 8, 6, 4))
 
 
 def largest_difference(name, case):

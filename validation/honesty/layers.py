@@ -32,7 +32,7 @@ from spectral_contact.contact.layered_setting import (
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import refine
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 
 RESULTS = Path(__file__).parents[1] / "results"
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
@@ -44,15 +44,15 @@ NAMES = ("approach", "load", "work", "stiffness", "pressure")
 class BetterPanels(LayeredProblem):
     """The problem with eight degrees and two panels more."""
 
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+    def _first(self, boundary: Radius, sign: int, extent: float) -> DiscreteSpace:
         found = super()._first(boundary, sign, extent)
-        return Resolution(found.panels, (*found.degrees, 2, 2))
+        return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the space."""
         found = super().start()
         degrees = tuple(min(n + 8, 38) for n in found.degrees)
-        return Resolution(replace(found.panels, degree=40), degrees)
+        return DiscreteSpace(replace(found.panels, degree=40), degrees)
 
 
 class BetterCells(CellProblem):

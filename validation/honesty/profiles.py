@@ -32,7 +32,7 @@ from spectral_contact.contact.indented import glance, solve_indentation
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.fields.series import Radius
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 
 RESULTS = Path(__file__).parents[1] / "results"
 LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades
@@ -47,15 +47,15 @@ NAMES = ("radius", "approach", "load", "work", "stiffness", "pressure")
 class Better(indented._IndentationProblem):  # the problem itself, in a larger space
     """The problem with eight degrees more, and two panels more at every end."""
 
-    def _first(self, boundary: Radius, sign: int, extent: float) -> Resolution:
+    def _first(self, boundary: Radius, sign: int, extent: float) -> DiscreteSpace:
         found = super()._first(boundary, sign, extent)
-        return Resolution(found.panels, (*found.degrees, 2, 2))
+        return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
 
-    def start(self) -> Resolution:
+    def start(self) -> DiscreteSpace:
         """Return the space."""
         found = super().start()
         degrees = tuple(min(n + 8, 38) for n in found.degrees)
-        return Resolution(replace(found.panels, degree=40), degrees)
+        return DiscreteSpace(replace(found.panels, degree=40), degrees)
 
 
 def drawn(rng: np.random.Generator) -> tuple[profiles.Profile, float]:

@@ -38,7 +38,7 @@ from oracles.projection_oracle import FINE, FINER, mp
 
 from spectral_contact import __version__
 from spectral_contact.contact.resolution import starting_resolution
-from spectral_contact.spectral.panels import Resolution
+from spectral_contact.spectral.panels import DiscreteSpace
 
 RESULTS = Path(__file__).parents[1] / "results"
 PARTIAL = RESULTS / "projections.partial"
@@ -52,7 +52,7 @@ MESHES = {
     "1e-6, plain": THIN,
     "1e-6, weight": THIN._replace(panels=replace(THIN.panels, power=-0.5)),
     # half-integer powers fall too slowly to taper panels above a root tail
-    "1e-6, root tail": Resolution(
+    "1e-6, root tail": DiscreteSpace(
         replace(THIN.panels, panels=12, root_tail=True), (*THIN.degrees[:11], THIN.degrees[0])
     ),
 }

@@ -9,30 +9,29 @@ from numpy.testing import assert_allclose, assert_array_equal
 from oracles.kept import Kept
 
 from spectral_contact.spectral.abel import (
-    at_boundary,
-    beyond,
-    deeper,
-    deeper_blocks,
-    deeper_tail,
-    fall,
-    far_fall,
-    outer,
-    outer_blocks,
-    rise,
+    abel_exterior,
+    abel_left,
+    abel_left_at_boundary,
+    abel_left_blocks,
+    abel_right,
+    abel_right_blocks,
+    abel_right_tail,
+    exterior_with_decrement,
+    left_increment,
+    opposite_end_decrement,
 )
 from spectral_contact.spectral.jacobi import (
-    ROOT_TERMS,
-    TAIL_TERMS,
     gauss_rule,
     legendre_expansion_matrix,
     tail_values,
 )
+from spectral_contact.spectral.tuning import ROOT_TERMS, TAIL_TERMS
 
 mp = MPContext()
 mp.dps = 30
 TRUTHS = Kept("abel", every=40)
 
-MATRICES = {"deeper": deeper, "outer": outer, "beyond": beyond}
+MATRICES = {"deeper": abel_right, "outer": abel_left, "beyond": abel_exterior}
 #: panels, width, degree
 MESHES = [(4, 2.0, 12), (3, 1.0, 20), (1, 2.0, 4)]
 
@@ -166,19 +165,19 @@ def test_constants():
     one = np.zeros(4 * 13 + TAIL_TERMS)
     one[:: 12 + 1] = 1.0
     mesh = (4, 2.0, 12)
-    assert_allclose(deeper(d, *mesh) @ one, np.sqrt(d), rtol=2e-15)
-    assert_allclose(outer(d, *mesh) @ one, np.sqrt(1 - d), rtol=2e-15)
-    assert_allclose(beyond(d, *mesh) @ one, 1 / (np.sqrt(1 + d) + np.sqrt(d)), rtol=2e-15)
+    assert_allclose(abel_right(d, *mesh) @ one, np.sqrt(d), rtol=2e-15)
+    assert_allclose(abel_left(d, *mesh) @ one, np.sqrt(1 - d), rtol=2e-15)
+    assert_allclose(abel_exterior(d, *mesh) @ one, 1 / (np.sqrt(1 + d) + np.sqrt(d)), rtol=2e-15)
     past = 1 + d
     over = past - 1  # what rounding left of d
-    assert_allclose(deeper(past, *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(over)), rtol=2e-15)
+    assert_allclose(abel_right(past, *mesh) @ one, 1 / (np.sqrt(past) + np.sqrt(over)), rtol=2e-15)
 
 
 def test_where_there_is_nothing_to_integrate():
-    matrix = deeper(np.array([0.05]), 3, 1.0, 2)  # inside the last panel, [e^-3, e^-2]
+    matrix = abel_right(np.array([0.05]), 3, 1.0, 2)  # inside the last panel, [e^-3, e^-2]
     assert_array_equal(matrix[0, :6], 0.0)
     assert np.all(matrix[0, 6::3] != 0.0)
-    matrix = outer(np.array([0.5, 1.0]), 3, 1.0, 2)  # inside the first; at its start
+    matrix = abel_left(np.array([0.5, 1.0]), 3, 1.0, 2)  # inside the first; at its start
     assert_array_equal(matrix[0, 3:], 0.0)
     assert_array_equal(matrix[1], 0.0)
 
@@ -191,7 +190,7 @@ def test_where_there_is_nothing_to_integrate():
 def test_deeper_blocks_depend_on_the_difference_alone(width, power):
     panels, degree, own = 5, 9, 2
     to_end = width * np.array([1e-3, 0.3, 0.99])
-    blocks = deeper_blocks(to_end, panels - own, width, degree, power)
+    blocks = abel_right_blocks(to_end, panels - own, width, degree, power)
     assert blocks.shape == (3, panels - own, degree + 1)
     for k in (0, 3, degree):
         for number in range(own, panels):
@@ -216,8 +215,8 @@ def test_deeper_blocks_depend_on_the_difference_alone(width, power):
 def test_outer_blocks_depend_on_the_difference_alone():
     panels, width, degree = 4, 2.0, 8
     d = np.exp(-width * (3 + np.array([0.1, 0.7])))
-    blocks = outer_blocks(width * np.array([0.1, 0.7]), panels, width, degree)
-    matrix = outer(d, panels, width, degree)
+    blocks = abel_left_blocks(width * np.array([0.1, 0.7]), panels, width, degree)
+    matrix = abel_left(d, panels, width, degree)
     for k in range(panels):
         number = 3 - k
         start = number * (degree + 1)
@@ -232,7 +231,7 @@ def test_outer_blocks_depend_on_the_difference_alone():
 def test_deeper_tail(root, power, d):
     end = 1e-3
     terms = ROOT_TERMS if root else TAIL_TERMS
-    row = deeper_tail(np.array([d]), end, terms, power, root)[0]
+    row = abel_right_tail(np.array([d]), end, terms, power, root)[0]
     e, point, p = mp.mpf(end), mp.mpf(d), mp.mpf(power)
     # d' = d sin(phi)^2
     top = mp.asin(mp.sqrt(min(e / point, mp.mpf(1))))
@@ -267,7 +266,7 @@ def risen(d, panels, width, degree, power=0.0):
     """Return by how much the outer integral is more than at the boundary, of all functions."""
     every = np.arange(panels * (degree + 1) + TAIL_TERMS)
     mesh = panels, width, degree, power
-    return rise(outer(d, *mesh), at_boundary(*mesh), every, d, *mesh)
+    return left_increment(abel_left(d, *mesh), abel_left_at_boundary(*mesh), every, d, *mesh)
 
 
 @pytest.mark.parametrize("place", [0.3, 2e-5, 1e-9])
@@ -276,16 +275,16 @@ def test_differences_to_the_boundary_are_right_to_the_root_of_the_distance(colum
     mesh, every = (4, 2.0, 5), (5,) * 4
     function, low, high = basis(*divmod(column, 6), 4, 2.0)
     e, d = mp.mpf(place), np.array([place])
-    plain, less = fall(d, 2.0, every)
-    assert_allclose(plain, beyond(d, *mesh), rtol=4e-15, atol=1e-17)
+    plain, less = exterior_with_decrement(d, 2.0, every)
+    assert_allclose(plain, abel_exterior(d, *mesh), rtol=4e-15, atol=1e-17)
     found = {
         "fall": less[0, column],
         "rise": risen(d, *mesh)[0, column],
     }
     if column < 24:
-        found["far"] = far_fall(d, 2.0, every)[0, column]
-        found["nearer"] = far_fall(-d, 2.0, every)[0, column]
-        found["singular"] = far_fall(d, 2.0, every, -0.5)[0, column]
+        found["far"] = opposite_end_decrement(d, 2.0, every)[0, column]
+        found["nearer"] = opposite_end_decrement(-d, 2.0, every)[0, column]
+        found["singular"] = opposite_end_decrement(d, 2.0, every, -0.5)[0, column]
     kernels = {
         "fall": lambda s: 1 / mp.sqrt(s) - 1 / mp.sqrt(s + e),
         "rise": lambda s: (1 / mp.sqrt(s - e) if s > e else 0) - 1 / mp.sqrt(s),
@@ -331,8 +330,8 @@ def test_tail_integrals_with_an_endpoint_weight_are_right_to_rounding():
         return float(mp.quad(integrand, [0, 1]) / 2)
 
     for n in range(TAIL_TERMS):
-        at_end = at_boundary(4, 2.0, 5, power)[24 + n]
+        at_end = abel_left_at_boundary(4, 2.0, 5, power)[24 + n]
         assert integral(lambda s: 1 / mp.sqrt(s), n) == pytest.approx(at_end, rel=1e-13)
-        deep = deeper_tail(np.array([2.0 * end]), end, power=power)[0, n]
+        deep = abel_right_tail(np.array([2.0 * end]), end, power=power)[0, n]
         wanted = integral(lambda s: 1 / mp.sqrt(2.0 * end - s), n)
         assert wanted == pytest.approx(deep, rel=1e-12, abs=1e-16)

@@ -11,7 +11,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Points, gap
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series, series_of
 
 mp = MPContext()
@@ -63,13 +63,13 @@ def test_the_gap_from_the_centre_is_the_square_to_the_bit():
 def test_points_keep_the_digits_of_their_offsets():
     anchor, boundary = Radius(0.75, 0.25), Radius(0.75 + 2.0**-40, 0.25 - 2.0**-40)
     offsets = np.array([-1e-3, 0.0, 1e-30, 2.0**-41])
-    points = Points(anchor, offsets)
+    points = OffsetRadii(anchor, offsets)
     assert_array_equal(points.before(anchor), -offsets)
     exact = [float(square(boundary) - square(anchor) - mp.mpf(o)) for o in offsets]
     assert_allclose(points.before(boundary), exact, rtol=4e-16)
     assert_allclose(points.z, 0.75**2 + offsets, rtol=1e-15)
     assert_allclose(points.z + points.y, 1.0, rtol=3e-16)
-    edge = Points(Radius(1 - 1e-14, 1e-14), np.array([0.0, -1e-15]))
+    edge = OffsetRadii(Radius(1 - 1e-14, 1e-14), np.array([0.0, -1e-15]))
     assert_allclose(edge.y, [2e-14, 2.1e-14], rtol=1e-14)
 
 
@@ -117,8 +117,8 @@ def sample(annulus):
     below = beyond[beyond < room]
     above = beyond[beyond < float(1 - square(annulus.outer)) / width]
     return [
-        Points(annulus.inner, width * np.concatenate([-below, [0.0], OFFSETS])),
-        Points(annulus.outer, width * np.concatenate([above, [0.0], -OFFSETS])),
+        OffsetRadii(annulus.inner, width * np.concatenate([-below, [0.0], OFFSETS])),
+        OffsetRadii(annulus.outer, width * np.concatenate([above, [0.0], -OFFSETS])),
     ]
 
 
@@ -171,8 +171,8 @@ def test_nothing_comes_from_the_far_side(annulus):
     width = gap(annulus.inner, annulus.outer)
     past = np.array([0.0, 1e-30, 0.1])
     for family in annulus.families:
-        assert not np.any(half_integral(family, Points(annulus.outer, width * past)))
-        assert not np.any(inner_integral(family, Points(annulus.inner, -width * past)))
+        assert not np.any(half_integral(family, OffsetRadii(annulus.outer, width * past)))
+        assert not np.any(inner_integral(family, OffsetRadii(annulus.inner, -width * past)))
 
 
 def test_own_integrals_are_those_at_the_sampling_points(annulus):
@@ -182,7 +182,7 @@ def test_own_integrals_are_those_at_the_sampling_points(annulus):
         for family, own in zip(annulus.families, found, strict=True):
             points = family.sampling()
             assert len(own) == len(points.offset)
-            chosen = Points(points.anchor, points.offset[few])
+            chosen = OffsetRadii(points.anchor, points.offset[few])
             exact = exact_integral(annulus, chosen, below=side < 0)
             assert_allclose(own[few], exact, rtol=1e-14)
 
@@ -193,10 +193,10 @@ def test_own_integrals_are_those_at_the_sampling_points(annulus):
 FAMILIES = pytest.mark.parametrize(
     "family",
     [
-        Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(5, 1.0, 10)),
-        Family(Radius(0.75, 0.25), -1, 0.25, LogPanels(3, 2.0, 14)),
-        Family(Radius(0.75, 0.25), -1, 0.25, LogPanels(4, 1.0, 6)),
-        Family(Radius(1 - 1e-9, 1e-9), -1, 1e-7, LogPanels(3, 1.0, 20)),
+        GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(5, 1.0, 10)),
+        GradedMesh(Radius(0.75, 0.25), -1, 0.25, LogPanels(3, 2.0, 14)),
+        GradedMesh(Radius(0.75, 0.25), -1, 0.25, LogPanels(4, 1.0, 6)),
+        GradedMesh(Radius(1 - 1e-9, 1e-9), -1, 1e-7, LogPanels(3, 1.0, 20)),
     ],
     ids=["above", "below", "degree 6", "edge"],
 )
@@ -243,7 +243,7 @@ def test_moments_with_smooth_densities(family):
 
 
 def test_expansion_and_series_are_inverse():
-    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
+    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
     d = family.sampling().offset / family.reach
     coefficients = family.expand(function(d))
     assert coefficients.shape == (family.panels.size,)
@@ -254,7 +254,7 @@ def test_expansion_and_series_are_inverse():
 
 
 def test_unresolved_looks_at_the_last_coefficients():
-    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
     coefficients = np.zeros(family.panels.size)
     coefficients[[0, 7, 14, 15]] = 5.0  # low degrees of every panel
     coefficients[7 + 4] = -0.25
@@ -264,7 +264,7 @@ def test_unresolved_looks_at_the_last_coefficients():
 
 
 def test_truncated_is_what_expand_drops():
-    family = Family(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
     d = family.sampling().offset / family.reach
     inside = -np.log(d) < 3.0
     # Legendre polynomials of the panel coordinate, one within the basis and one beyond it

@@ -10,7 +10,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 
 FIRST, SECOND = Radius.from_logit(-1.0), Radius.from_logit(8.0)
 COUNT, DEGREE = 14, 16
@@ -22,21 +22,21 @@ def families(power=0.0):
     panels = LogPanels(COUNT, 2.0, DEGREE)
     wide, narrow = gap(FIRST, SECOND) / 2.0, gap(SECOND, EDGE) / 2.0
     return [
-        Family(FIRST, -1, FIRST.square, panels),
-        Family(FIRST, 1, wide, panels),
-        Family(SECOND, -1, wide, panels),
-        Family(SECOND, 1, narrow, panels),
-        Family(EDGE, -1, narrow, LogPanels(COUNT, 2.0, DEGREE, power)),
+        GradedMesh(FIRST, -1, FIRST.square, panels),
+        GradedMesh(FIRST, 1, wide, panels),
+        GradedMesh(SECOND, -1, wide, panels),
+        GradedMesh(SECOND, 1, narrow, panels),
+        GradedMesh(EDGE, -1, narrow, LogPanels(COUNT, 2.0, DEGREE, power)),
     ]
 
 
-def at_nodes(seen, nodes):
+def at_nodes(integrals, nodes):
     """Return both kinds of integrals at the nodes, whole, and as a value and a difference."""
-    identity = seen.onto(np.eye(len(seen.at)))
-    whole, more = seen.whole @ identity, seen.more @ identity
-    if seen.sampled:
-        whole, more = nodes.spread(whole), nodes.spread(more)
-    return whole, seen.scale * seen.at, more
+    identity = integrals.reduce(np.eye(len(integrals.boundary_value)))
+    whole, more = integrals.value @ identity, integrals.increment @ identity
+    if integrals.sampled:
+        whole, more = nodes.interpolate(whole), nodes.interpolate(more)
+    return whole, integrals.scale * integrals.boundary_value, more
 
 
 def scale(matrix):
@@ -56,12 +56,12 @@ def test_they_are_the_integrals_of_the_families(i, k, power):
     # next to the far end all is as near to it as the last digit of d says
     allowed = (1e-13 + 2e-16 / np.sqrt(rule.rest))[:, None]
     for side, reference in ((1, half_integral), (-1, inner_integral)):
-        seen = block(family, WHOLE, nodes, USED, side)
+        integrals = block(family, WHOLE, nodes, USED, side)
         known = reference(family, points)
-        if seen is None:
+        if integrals is None:
             assert not known.any()
             continue
-        whole, at, more = at_nodes(seen, rule)
+        whole, at, more = at_nodes(integrals, rule)
         assert (np.abs(whole - known) <= allowed * scale(known)).all()
         assert (np.abs(at + more - known) <= allowed * scale(known)).all()
 
@@ -71,8 +71,8 @@ def test_differences_keep_their_digits_next_to_the_boundary(i, k):
     nodes, family = families()[i], families()[k]
     rule = graded_nodes(nodes.panels, USED)
     outside = k > i
-    seen = block(family, WHOLE, nodes, USED, 1 if outside else -1)
-    _, _, more = at_nodes(seen, rule)
+    integrals = block(family, WHOLE, nodes, USED, 1 if outside else -1)
+    _, _, more = at_nodes(integrals, rule)
     # of a point source, from the sum and not from the difference
     d = rule.d[rule.d < 1e-6]
     z = nodes.sign * nodes.reach * d

@@ -19,8 +19,8 @@ KILOBYTE = np.zeros(128).nbytes
 def small(monkeypatch):
     """Let all caches together hold four kilobytes."""
     clear_caches()
-    monkeypatch.setattr(caches, "_MOST", 4 * KILOBYTE)
-    monkeypatch.setattr(caches, "_LARGE", KILOBYTE)
+    monkeypatch.setattr(caches, "MAX_CACHE_BYTES", 4 * KILOBYTE)
+    monkeypatch.setattr(caches, "LARGE_BYTES", KILOBYTE)
 
 
 def kilobytes(cache, key, count=1):
@@ -111,7 +111,7 @@ def _no_collector():
 def held():
     """Return weak references to the objects of the library that caches hold."""
     found = []
-    for cache in list(caches._ALL):
+    for cache in list(caches._CACHES):
         for one in (entry.value for _, entry in cache.entries()):
             if type(one).__module__.startswith("spectral_contact"):
                 with suppress(TypeError):  # what has slots cannot be watched

@@ -12,9 +12,9 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.contact_matrix import system_matrix
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
-from spectral_contact.spectral.panels import LogPanels, Resolution
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import Points
+from spectral_contact.spectral.parts import OffsetRadii
 
 PARAMETERS = Parameters(0.1, 0.2, 0.3, 0.4)
 FULL_STICK = (0,)
@@ -48,7 +48,7 @@ def contact_system(states, known, parameters=PARAMETERS, *, moved=0.0, degrees=6
     power = 0.0 if parameters.alpha > 0.0 else -0.5
     panels = [LogPanels(6, 2.0, capacity) for _ in range(2 * len(states) - 1)]
     panels[-1] = LogPanels(6, 2.0, capacity, power)
-    spaces = [Resolution(mesh, (degrees,) * 6) for mesh in panels]
+    spaces = [DiscreteSpace(mesh, (degrees,) * 6) for mesh in panels]
     radii = tuple(Radius.from_logit(x) for x in np.linspace(-1.0, 3.0, len(states) - 1) + moved)
     pressures = [known_pressure(parameters.alpha)] if known else []
     return ContactSystem(radii, states, spaces, parameters, pressures)
@@ -172,7 +172,7 @@ def test_rows_at_boundaries_are_integrals_there(states, known):
     fields = both_fields(system, values)
     rows = system.boundary_rows
     for j, radius in enumerate(system.radii):
-        at_boundary = Points(radius, np.zeros(1))
+        at_boundary = OffsetRadii(radius, np.zeros(1))
         inner = 0.0
         outer = 0.0
         for part, (pressure, shear) in zip(system.parts, fields, strict=True):

@@ -6,7 +6,11 @@ from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose
 from scipy import special
 
-from spectral_contact.spectral.abel import beyond, fall, far_fall
+from spectral_contact.spectral.abel import (
+    abel_exterior,
+    exterior_with_decrement,
+    opposite_end_decrement,
+)
 from spectral_contact.spectral.graded import GradedNodes
 from spectral_contact.spectral.panels import LogPanels
 
@@ -29,7 +33,7 @@ def nodes_of(panels):
 
 def ends(nodes):
     """Return the distances to the deep ends of the panels: nodes are as dense at both ends."""
-    return [one[::-1] for one in nodes.start]
+    return [one[::-1] for one in nodes.from_start]
 
 
 @MESHES
@@ -39,15 +43,15 @@ def test_nodes_know_both_distances_and_those_to_the_ends(panels):
     assert np.all((nodes.rest > 0) & (nodes.d > 0) & (nodes.weights > 0))
     assert np.all(np.diff(nodes.d) < 0)
     assert np.all(np.diff(nodes.samples) < 0)
-    to_start, to_end = np.concatenate(nodes.start), np.concatenate(ends(nodes))
+    to_start, to_end = np.concatenate(nodes.from_start), np.concatenate(ends(nodes))
     assert_allclose(to_start + to_end, panels.width, rtol=1e-15)
     number = np.repeat(np.arange(panels.panels), [len(one) for one in ends(nodes)])
     x = -np.log(nodes.d[: len(to_end)])
     assert_allclose(x + to_end, (number + 1) * panels.width, rtol=1e-15)
     assert np.all((to_end > 0) & (to_end < panels.width))
     assert np.all(nodes.d[len(to_end) :] < panels.end)
-    central = nodes.rest[: len(nodes.start[0])]
-    assert_allclose(central, -np.expm1(-nodes.start[0]), rtol=3e-16)
+    central = nodes.rest[: len(nodes.from_start[0])]
+    assert_allclose(central, -np.expm1(-nodes.from_start[0]), rtol=3e-16)
 
 
 @MESHES
@@ -95,29 +99,29 @@ def test_nodes_integrate_products_with_square_roots_at_the_ends_of_a_panel():
     assert nodes.weights.sum() == pytest.approx(1.0, rel=1e-14)
     assert_allclose(nodes.rest + nodes.d, 1.0, rtol=1e-15)
     # sqrt(x (h - x)) on the second panel, over dx
-    rows = slice(len(nodes.start[0]), len(nodes.start[0]) + len(nodes.start[1]))
-    values = np.sqrt(nodes.start[1] * ends(nodes)[1]) / nodes.d[rows]
+    rows = slice(len(nodes.from_start[0]), len(nodes.from_start[0]) + len(nodes.from_start[1]))
+    values = np.sqrt(nodes.from_start[1] * ends(nodes)[1]) / nodes.d[rows]
     assert nodes.weights[rows] @ values == pytest.approx(np.pi / 2.0, rel=1e-14)
 
 
 def test_what_is_smooth_is_spread_from_samples_to_nodes():
     nodes = GradedNodes(PANELS, DEGREES)
     values, wanted = (1.0 / np.sqrt(0.02 + d)[:, None] for d in (nodes.samples, nodes.d))
-    assert_allclose(nodes.spread(values), wanted, rtol=1e-13)
+    assert_allclose(nodes.interpolate(values), wanted, rtol=1e-13)
     weights = np.cos(np.arange(len(nodes.d)))[:, None]
-    gathered = (nodes.gathered(weights).T @ values).item()
-    assert gathered == pytest.approx((weights.T @ nodes.spread(values)).item(), rel=1e-12)
+    gathered = (nodes.interpolate_transpose(weights).T @ values).item()
+    assert gathered == pytest.approx((weights.T @ nodes.interpolate(values)).item(), rel=1e-12)
 
 
 def test_charges_may_have_a_degree_for_each_panel():
     d, form = np.array([1.0, 0.1, 1e-5]), (PANELS.panels, PANELS.width)
     used = PANELS.functions(DEGREES)
-    for function in (fall, far_fall):
+    for function in (exterior_with_decrement, opposite_end_decrement):
         every = (PANELS.degree,) * PANELS.panels
         whole, few = (np.array(function(d, PANELS.width, one)) for one in (every, DEGREES))
         same = whole[..., used[: few.shape[-1]]]
         assert_allclose(few, same, rtol=1e-11, atol=1e-15)  # rounding of 1
-    plain = fall(d, form[1], DEGREES)[0]
-    whole = beyond(d, *form, PANELS.degree)[:, used]
+    plain = exterior_with_decrement(d, form[1], DEGREES)[0]
+    whole = abel_exterior(d, *form, PANELS.degree)[:, used]
     # Both sum terms of order one, and BLAS libraries differ in the order of a sum.
     assert_allclose(plain, whole, rtol=1e-11, atol=2.0 * np.finfo(float).eps)

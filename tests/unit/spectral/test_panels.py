@@ -5,8 +5,8 @@ import pytest
 from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
 
-from spectral_contact.spectral.jacobi import ROOT_TERMS, TAIL_TERMS
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.tuning import ROOT_TERMS, TAIL_TERMS
 
 mp = MPContext()
 mp.dps = 30

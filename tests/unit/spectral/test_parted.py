@@ -6,7 +6,7 @@ from oracles.family_integrals import half_integral
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, Parts
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.spaces import Space
 
 PANELS, DEGREES = LogPanels(6, 2.0, 8), (8, 6, 5, 4, 3, 2)
@@ -14,9 +14,9 @@ PANELS, DEGREES = LogPanels(6, 2.0, 8), (8, 6, 5, 4, 3, 2)
 
 def space_of(breaks, pointed):
     """Return a space, and its half-integrals at its nodes without any block that is kept."""
-    parts = Parts(tuple(Radius(b, 1.0 - b) for b in breaks), pointed)
+    parts = DiskPartition(tuple(Radius(b, 1.0 - b) for b in breaks), pointed)
     space = Space(parts, ((PANELS, DEGREES),) * len(parts.ends))
-    families = [Family(*end, PANELS) for end in parts.ends]
+    families = [GradedMesh(*end, PANELS) for end in parts.ends]
     rows = []
     for target, nodes in zip(families, space._nodes, strict=True):
         points = target.points(nodes.d)
@@ -46,9 +46,9 @@ def test_matrices_are_those_of_the_half_integrals(breaks, pointed):
 
 def test_coarser_spaces_come_first_and_masses_are_of_their_parts():
     space, _ = space_of((0.4,), False)
-    assert space.kept < space.kept_but_one < space.unknowns
+    assert space.unknowns_two_less < space.unknowns_one_less < space.unknowns
     # two degrees of every panel are shed, and of every tail one function
-    assert space.unknowns - space.kept_but_one == 3 * (len(DEGREES) + 1)
+    assert space.unknowns - space.unknowns_one_less == 3 * (len(DEGREES) + 1)
     extents = np.bincount(space.panel, minlength=space.panels)
     assert extents.sum() == space.unknowns
     # the constants of all panels and tails add up to 1, whose mass is the half of the disk

@@ -3,10 +3,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.spectral.abel import deeper, outer
-from spectral_contact.spectral.blocks import across
+from spectral_contact.spectral.abel import abel_left, abel_right
+from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import Family, gap
+from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import transforms
 
 
@@ -18,8 +18,8 @@ def test_transforms_are_the_matrices_at_the_sampling_points(count, width):
     own = transforms(panels)
     mesh = count, width, 6
     for matrix, values in [
-        (deeper(panels.distances, *mesh), own.deeper(coefficients)),
-        (outer(panels.distances, *mesh), own.outer(coefficients)),
+        (abel_right(panels.distances, *mesh), own.abel_right(coefficients)),
+        (abel_left(panels.distances, *mesh), own.abel_left(coefficients)),
     ]:
         assert_allclose(values, matrix @ coefficients, rtol=0, atol=1e-14)
 
@@ -30,11 +30,11 @@ def test_across_is_the_integral_past_the_first_panel(count, other, end):
     panels, points, start = LogPanels(count, 2.0, 8), LogPanels(other, 2.0, 10), Radius(0.6, 0.4)
     coefficients = np.random.default_rng(4).standard_normal(panels.size)
     half = gap(start, end) / 2.0
-    outside, inside = Family(end, -1, half, panels), Family(start, 1, half, points)
-    matrix = np.sqrt(half) * deeper(2.0 - points.distances, count, 2.0, 8)
-    values = across(coefficients, outside, inside, 1)
+    outside, inside = GradedMesh(end, -1, half, panels), GradedMesh(start, 1, half, points)
+    matrix = np.sqrt(half) * abel_right(2.0 - points.distances, count, 2.0, 8)
+    values = abel_integral_on(inside, outside, coefficients, 1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
     # and the other way round
-    outside, inside = Family(end, -1, half, points), Family(start, 1, half, panels)
-    values = across(coefficients, inside, outside, -1)
+    outside, inside = GradedMesh(end, -1, half, points), GradedMesh(start, 1, half, panels)
+    values = abel_integral_on(outside, inside, coefficients, -1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
