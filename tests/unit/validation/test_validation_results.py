@@ -119,7 +119,7 @@ def test_every_mutant_is_killed():
 
 @pytest.mark.xfail(
     strict=True,
-    reason="the record is of the core before 0.3: python validation/cost/costs.py on a quiet machine",
+    reason="made by the core before 0.3; python validation/cost/costs.py makes it again",
 )
 def test_costs_are_those_of_today():
     found = record("costs")
