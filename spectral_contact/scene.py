@@ -295,7 +295,7 @@ class Scene(Suggesting):
         """Questions about SI data that are likely to be in another unit; empty if there are none.
 
         A modulus of 210 Pa under a punch of 5 m is one. `Solution.remarks` knows more of a contact
-        under a profile; the command line and `Solution.summary` print it.
+        under a profile; the command line and ``solution.summary()`` print it.
         """
         return () if self.physical is None else self.physical.remarks(self.poisson_ratio)
 
