@@ -10,6 +10,12 @@ top degree alone (`FieldSolution.coarse_differences`). From them follow
   an unknown pressure they are energies of the changes.
 
 Second-order terms, what corrections leave, and rounding are added to all.
+
+E is the residual of the tangential equation before the compliance is subtracted, and its *defect*
+at a boundary is a number added to the E(b) that the fields give (`spectral.contact_system`). The
+*boundary residual* is minus the defect over the drive ``kappa R`` there, a number without unit.
+With tangential compliance the defects make the traction continuous; without it they are what makes
+E(b) zero, so that the residual is E(b) itself over the drive.
 """
 
 from __future__ import annotations
@@ -248,9 +254,12 @@ class ZoneEstimate:
         Effects of the top two degrees, and of the top one.
     changes : list of ndarray
         The same as changes of `values`.
-    fields : FieldErrors
+    field_errors : FieldErrors
+        Estimates for p and q/s, from the changes alone.
+    remaining : float
+        Estimate of the relative error that corrections left of the fields.
     noise : float
-        Rounding of integral quantities, and errors of negligible corrections.
+        Rounding of integral quantities, and the share of `remaining` that they take.
 
     Raises
     ------
@@ -270,7 +279,7 @@ class ZoneEstimate:
         self.effects = solution.coarse_differences()
         self.values = solution.values * solution.approach
         self.changes = [solution.approach * effect.change for effect in self.effects]
-        self.fields = _field_errors(spaces, self.system, self.values, self.changes[0])
+        self.field_errors = _field_errors(spaces, self.system, self.values, self.changes[0])
         if not self.system.radii:
             rounding = STICK_INTEGRAL_ROUNDING
         elif self.system.pressure_known:
@@ -281,9 +290,9 @@ class ZoneEstimate:
 
     @cached_property
     def end_perturbation(self) -> Perturbation:
-        """Twice the first-order change of the fields by the boundary residual.
+        """Twice the change of the fields by misplaced boundaries, to first order; 2 is for safety.
 
-        Zero without tangential compliance, where E(b) is zero whatever the boundaries.
+        Zero without tangential compliance, where no field depends on the defects.
         """
         factor = 2.0 if self.system.parameters.beta > 0.0 else 0.0
         return self.solution.boundary_perturbation(factor)
@@ -297,10 +306,11 @@ class ZoneEstimate:
     def boundary_error(self) -> float:
         """The relative error of the fields by the errors of the boundaries.
 
-        With a residual above rounding it is the first-order change of the fields, at most twice
-        the step of the logits. Else it is twice the step, or the step itself for one disk, whose
-        q/s changes by half of it at most, or by 16 times a residual that is rounding (120 scenes,
-        validation/honesty/honesty.py).
+        If the step of the logits that the residual asks for is above rounding, and beta > 0, it is
+        the size of `end_perturbation`, at most twice the step. Otherwise it is the step for one
+        disk under a known pressure, and twice the step for other zones. In 120 scenes of one disk
+        q/s changed by at most half the step or, where the residual was rounding, by at most 16
+        times the residual (validation/honesty/honesty.py).
         """
         residual = np.abs(self.solution.boundary_residual)
         step = float((self.inverse @ residual).max(initial=0.0))
@@ -316,7 +326,7 @@ class ZoneEstimate:
         Quantities whose error is of second order are given no smaller estimate, even if their
         changes cancel.
         """
-        error = float(self.fields.indicators.max()) + self.remaining
+        error = float(self.field_errors.indicators.max()) + self.remaining
         error += self.boundary_error + TRACTION_ROUNDING
         return error * error  # a power would overflow where the traction nearly vanishes
 
@@ -345,7 +355,7 @@ class ZoneEstimate:
     def attempt(self) -> SpaceSolution[ZoneSolution]:
         """Return the solution with its errors."""
         system = self.system
-        fields = self.fields
+        fields = self.field_errors
         integral_floor = self.second_order + self.noise
         if not system.pressure_known:
             integral_floor += self.boundary_error
@@ -493,7 +503,7 @@ class ZoneEstimate:
         )
         if system.pressure_known and len(system.radii) == 1:
             # calibrated for one disk only (FUNCTIONAL_SAFETY): others take the change itself
-            largest *= float(self.fields.rates[np.argmax(self.fields.indicators)])
+            largest *= float(self.field_errors.rates[np.argmax(self.field_errors.indicators)])
         return stuck, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
 
 

@@ -1,13 +1,15 @@
 r"""Free boundaries: Newton's method for the boundaries between zones and the fields on them.
 
 At given boundaries the equations are linear. Their solution has a continuous traction, and a defect
-of E at every boundary (`spectral.contact_system`). The *boundary residual* is that defect over the
-drive ``kappa R`` there; boundaries are where it vanishes. It is found by Newton's method with
-Broyden's update of the Jacobian.
+of E at every boundary (`spectral.contact_system`). The *boundary residual* is minus that defect
+over the drive ``kappa R`` there, R being the Abel integral of the pressure inside of the boundary;
+boundaries are where it vanishes. They are found by Newton's method with Broyden's update of the
+Jacobian.
 
-Fields are corrected with the factors of a matrix whose boundaries may be others: as the residual
-is that of the equations at hand, this costs corrections and no accuracy. When corrections do not
-shrink as they should, the matrix is factored anew.
+To save factorisations the factors of a system whose boundaries are near by serve as a
+preconditioner. The residual is always that of the system at hand, so that the limit of the
+corrections is exact and only their number grows. When they do not shrink as they should, the matrix
+is factored anew.
 """
 
 from __future__ import annotations
@@ -143,16 +145,20 @@ class FieldSolution:
         return np.asarray(self.system.boundary_rows.drive @ self.values)
 
     def boundary_perturbation(self, factor: float) -> Perturbation:
-        """Return the first-order change that removes the boundary residual, times a factor.
+        """Return what removing the defects changes at given boundaries, times a factor.
 
-        It has a jump of the traction. It is the error of the fields, to first order in the error of
-        the boundaries.
+        The traction jumps then. To first order the fields change by as much as if the boundaries
+        moved to where they should be, so that this is the error of the fields; the factor is the
+        safety that an estimate takes.
         """
         defects = -factor * self.defects
         return self._at_unit_load(defects, self.factors.responses @ defects)
 
     def coarse_differences(self) -> list[Perturbation]:
-        """Return the contributions of the top two degrees of every panel, and of the top one."""
+        """Return the solution less that of a coarser space, twice.
+
+        The coarser spaces have two degrees less on every panel, and one degree less.
+        """
         changes = self.factors.change(self.values, self.system)
         return [self._at_unit_load(*self.without_jumps(change)) for change in changes]
 
@@ -200,7 +206,8 @@ def corrected(
         if length_before < inf:
             contraction = length / length_before
         else:
-            # with the factors of other boundaries nothing is known of the next correction yet
+            # with the factors of other boundaries nothing is known of the next correction yet: 1
+            # stands for that, with which an error above the coarse tolerance asks for new factors
             contraction = 0.0 if exact_factors else 1.0
         fields = next_fields
         remaining = length * min(max(contraction, MIN_CONTRACTION), 1.0)
@@ -228,7 +235,7 @@ class Iterate:
         Derivatives of the boundary residual by the logits.
     fields : FieldSolution
     remaining : float
-        Estimate of the relative error of the fields at these boundaries.
+        Estimate of the relative error that the last correction left of the fields.
     converged : bool
         Whether the next step of the boundaries is shorter than the tolerance.
     """
@@ -284,7 +291,8 @@ class FreeBoundary:
         Returns
         -------
         Iterate
-            The one with the least boundary residual, if steps do not become shorter.
+            Converged, or the one with the least boundary residual if that does not fall any more: a
+            cold start that fails raises nothing.
 
         Raises
         ------

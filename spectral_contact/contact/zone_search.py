@@ -12,7 +12,14 @@ solution. With coupling uniqueness is not proved, and no search is known to be s
 
 Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, kappa the
 coupling, alpha and beta the normal and tangential compliance; ``y = 1 - s**2`` at the radius s, and
-the logit of a radius is ``ln(s**2/y)``. A surface is smooth if alpha = 0.
+the logit of a radius is ``ln(s**2/y)``. States of zones are 0 for stick and +1 or -1 for slip with
+that sign of the traction. Next to the edge of a smooth surface (alpha = 0) with beta > 0 the
+pressure is infinite and the traction is not, so that the edge sticks over some width.
+
+What is said of a solved candidate (`slip_outcome.PartialSlip`), from strict to lenient: it is
+*verified* if the law holds within the errors, the sense of slip is known and no stick is missing;
+*consistent* if no violation exceeds the errors; and *refuted* if it has a `violation_text`, which
+names a violation that only other zones can mend.
 """
 
 from __future__ import annotations
@@ -135,8 +142,9 @@ class ZoneSearch(ABC):
     max_unknowns : int
         Most unknowns of a space.
     record : callable
-        Takes the name of a step of the solve, its result and the time it began; notes the work and
-        returns the value of the result.
+        Takes the name of a step of the plan (`records.PARTIAL_SLIP`, `SLIP_FIELD` or
+        `ZONE_SEARCH`), its result and the time it began; notes the work and returns the value of
+        the result.
     warm_start : Layout, optional
         The first candidate: zones as `PartialSlip.layout` of a like scene has them.
     """
@@ -206,14 +214,14 @@ class ZoneSearch(ABC):
         return replace(outcome, trials=tuple(self._trials))
 
     @cached_property
-    def _violated_by_full_stick(self) -> Layout:
+    def _slip_where_full_stick_violates(self) -> Layout:
         """Slip where full stick violates ``|q| <= f p``, stick elsewhere."""
         from spectral_contact.contact.onset import slip_where_exceeded
 
         return slip_where_exceeded(self.stick, self.parameters)
 
     @property
-    def _smooth(self) -> bool:
+    def _smooth_edge_sticks(self) -> bool:
         """Whether full stick has an infinite p and a finite q at the edge: alpha = 0 < beta."""
         return self.parameters.alpha == 0.0 < self.parameters.beta
 
@@ -223,13 +231,13 @@ class ZoneSearch(ABC):
         return (self.parameters.friction * self.parameters.beta) ** 2
 
     @property
-    def _edge_sticks(self) -> bool:
+    def _edge_stick_is_resolvable(self) -> bool:
         """Whether the stick zone at a smooth edge is wide enough to be represented."""
-        return self._smooth and self._edge_stick_width >= MIN_EDGE_STICK_WIDTH
+        return self._smooth_edge_sticks and self._edge_stick_width >= MIN_EDGE_STICK_WIDTH
 
     def _with_edge_stick(self, logits: list[float], states: tuple[int, ...]) -> Layout:
         """Return zones on rings, with stick at a smooth edge if it is narrower than any ring."""
-        if self._edge_sticks and states[-1] != 0:
+        if self._edge_stick_is_resolvable and states[-1] != 0:
             return Layout((*logits, -log(self._edge_stick_width)), (*states, 0))
         return Layout(tuple(logits), states)
 
@@ -273,7 +281,11 @@ class UncoupledSearch(ZoneSearch):
     pointwise: bool = True
 
     def outcome(self) -> PartialSlip:
-        """Return the best outcome; full stick where it fails and f is critical to the errors."""
+        """Return the best outcome, or full stick where slip cannot be told from it.
+
+        That is where the outcome breaks the friction law, or misses the tolerance, and f exceeds
+        the lower bound of the critical friction.
+        """
         best = super().outcome()
         failed = not best.consistent or self._error(best) > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
@@ -288,7 +300,7 @@ class UncoupledSearch(ZoneSearch):
         start = self.warm_start
         if start is not None and min(np.diff(start.logits), default=0.0) > MIN_WARM_START_WIDTH:
             yield Candidate(start, "the zones of a like scene", from_like_scene=True)
-        if not self._edge_sticks:
+        if not self._edge_stick_is_resolvable:
             if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
                 yield Candidate(start, "one stick disk, about as large as that of a like scene")
             else:
@@ -298,7 +310,7 @@ class UncoupledSearch(ZoneSearch):
         from spectral_contact.contact.onset import is_narrow
 
         violated = Candidate(
-            self._violated_by_full_stick, "slip where full stick exceeds the friction"
+            self._slip_where_full_stick_violates, "slip where full stick exceeds the friction"
         )
         if is_narrow(violated.zones):  # it may fall between rings
             yield violated
@@ -319,7 +331,9 @@ class UncoupledSearch(ZoneSearch):
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: without a layer of q there is one stick disk."""
-        if self.parameters.beta == 0.0 or (self._smooth and not self._edge_sticks):
+        if self.parameters.beta == 0.0 or (
+            self._smooth_edge_sticks and not self._edge_stick_is_resolvable
+        ):
             return zones.states == _DISK_STATES
         return 1 < len(zones.states) <= MAX_ZONES
 
@@ -449,12 +463,12 @@ class CoupledSearch(ZoneSearch):
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", from_like_scene=True)
         violated = Candidate(
-            self._violated_by_full_stick, "slip where full stick exceeds the friction"
+            self._slip_where_full_stick_violates, "slip where full stick exceeds the friction"
         )
         if is_narrow(violated.zones):  # it may fall between rings, which at best misplace it
             yield violated
         rings = ring_layout(self.parameters, coupled=True)
-        decided = (rings.converged or self._smooth) and not rings.centre_unresolved
+        decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
         if decided and rings.on_rings.positive:
             zones = self._with_edge_stick(
                 [radius.logit for radius in rings.boundaries], rings.states
@@ -471,12 +485,12 @@ class CoupledSearch(ZoneSearch):
             yield Candidate(_WIDE_DISK, "one stick disk")
 
     def _is_possible(self, zones: Layout) -> bool:
-        """Return whether there is slip, and the edge may be as it is.
+        """Return whether zones of these states are possible.
 
-        That of a smooth surface sticks if there is tangential compliance.
+        Two zones, stick and slip, are, unless the edge must stick. More take tangential compliance.
         """
         if len(zones.states) == 2:
-            return not self._smooth
+            return not self._smooth_edge_sticks
         return len(zones.states) > 2 and self.parameters.beta > 0.0
 
     @property
@@ -488,7 +502,7 @@ class CoupledSearch(ZoneSearch):
         lawful = [outcome for outcome in outcomes if not outcome.violation_text]
         if lawful:
             return min(lawful, key=lambda outcome: outcome.apparent_violation)
-        if self._smooth and self._stick_disk_below_range:
+        if self._smooth_edge_sticks and self._stick_disk_below_range:
             return self._full_slip()
         unresolved = (
             f"the edge sticks over some {self._edge_stick_width:.0e}, too little to resolve"
@@ -527,7 +541,7 @@ class CoupledSearch(ZoneSearch):
         onset_distance = 1.0 - self.parameters.friction / self.stick.critical
         if zones.states != _DISK_STATES or onset_distance >= NARROW_SLIP_BAND:
             return zones
-        violated = self._violated_by_full_stick
+        violated = self._slip_where_full_stick_violates
         if (
             violated.states != zones.states
             or violated.logits[0] < zones.logits[0] + NARROW_SLIP_BAND
@@ -545,7 +559,7 @@ class CoupledSearch(ZoneSearch):
         """
         from spectral_contact.contact.edge_stick import expected_error, with_edge_stick
 
-        if not self._smooth or self._stick_disk_below_range:
+        if not self._smooth_edge_sticks or self._stick_disk_below_range:
             return None
         expected = expected_error(self.parameters)
         if expected > max(EDGE_MATCHING_SLACK * self.tolerance, EDGE_MATCHING_ERROR):
@@ -573,10 +587,11 @@ class CoupledSearch(ZoneSearch):
     def larger_radii(self, logit: float) -> list[float]:
         """Return stick radii, larger than that of a solution, that may be solutions as well.
 
-        They are accurate to some percent of their distance from the edge. Where full stick exceeds
-        the friction at the edge no scene is known that has any, so that they are looked for only
-        where the edge sticks in full stick, or opens. Smaller ones do not matter: a contact that
-        grows, or whose friction does, begins at small disks and reaches the smallest one first.
+        They are accurate to some percent of their distance from the edge. They are looked for if
+        ``|q|/p`` at the edge is below f in full stick, or the contact would open there
+        (`edge_ratio` is None): in other scenes no second radius is known. Smaller ones do not
+        matter: a contact that grows, or whose friction does, begins at small disks and reaches the
+        smallest one first.
 
         Parameters
         ----------
@@ -609,7 +624,7 @@ class CoupledSearch(ZoneSearch):
         if self.parameters.alpha == 0.0:
             outcome = self._with_central_asymptote(outcome)
         outcome = as_full_slip(outcome, self.parameters.friction)
-        if self._smooth:  # add the part of the load that a sticking edge carries
+        if self._smooth_edge_sticks:  # add the part of the load that a sticking edge carries
             shear_error = outcome.shear_error + sqrt(self._edge_stick_width)
             outcome = replace(outcome, shear_error=shear_error)
         self.record(SLIP_FIELD, outcome, begin)

@@ -17,18 +17,27 @@ the same parts, so that the same operators act on it. The equations are (docs/th
     alpha p + N p - kappa int_s^1 q = delta     where p is unknown,
     beta q + T q - kappa g[p] = 0               in stick.
 
-**What Galerkin's method tests.** With the half-integrals F and G of p and q, and the drive
-``R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)`` of the pressure, the equations ask that
+**What Galerkin's method tests.** F and G are the half-integrals of p and q over what lies outside
+of t, and R is the drive of the pressure:
 
-    W(t) = 2 delta - F(t) + 2 kappa int ... and E(t) = kappa R(t) - G(t),
+    F(t) = int_t^1 s p ds / sqrt(s^2 - t^2),     G(t) = int_t^1 q ds / sqrt(s^2 - t^2),
+    R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2).
 
-tested with the half-integrals of all functions, are what the compliances take.
+At the Galerkin nodes t of each part
 
-**Boundaries.** E is taken as its value E(b) at the boundary that the mesh of a part is graded to,
-and an increment from there, in which nothing cancels. E(b) may differ from what p and q make it by
-a *defect* at every boundary. At given boundaries the equations are linear in the defects, and these
-are chosen to make the traction continuous. A boundary is where it should be when its defect is
-zero. Without tangential compliance E(b) itself is zero.
+    W(t) = 2 delta - F(t) + 2 kappa [int_0^1 q ds - t int_0^t q ds / sqrt(t^2 - s^2)],
+    E(t) = kappa R(t) - G(t)
+
+are multiplied with the half-integral of each test function and summed over the nodes. The equations
+ask that these sums equal ``alpha p`` and ``beta q``, tested with the same functions.
+
+**Boundaries.** On a part whose mesh is graded to a boundary b between zones, E is the sum of E(b)
+and an increment from there, in which nothing cancels. On a part that is graded to the edge of the
+contact (its boundary has the number -1) there is no such value, and the increment is E itself. To
+the E(b) that p and q give, a number is added at each boundary, the *defect*: an artificial load
+that lets the traction be continuous even where the boundary is misplaced. At given boundaries the
+equations are linear in the defects. A boundary is where it should be when its defect is zero.
+Without tangential compliance defects are not used: E(b) is zero.
 """
 
 from __future__ import annotations
@@ -53,13 +62,16 @@ from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: Degrees that the displacement in slip is given beyond those of the pressure: the far end of a
-#: part is a singularity at a distance of ln 2 in ``x`` from the first panel.
+#: Degrees that the displacement in slip has beyond those of the pressure. It is singular at the far
+#: end of a part, ln 2 in ``x`` before the first panel, so that its series converges slowly there.
 _DISPLACEMENT_DEGREES = 8
 
 
 class PointwiseResidual(NamedTuple):
-    """W and E at the nodes of every part; E of the parts up to the last one that sticks."""
+    """W and E at the nodes of every part, before compliances are subtracted.
+
+    E is there for the parts up to the last one that sticks.
+    """
 
     normal: list[Array]
     tangential: list[Array]
@@ -75,11 +87,22 @@ class BoundaryRows(NamedTuple):
 class ContactSystem(ContactFields):
     """The equations of two fields on zones with given boundaries.
 
-    Parameters are those of `ContactFields`.
+    Parameters are those of `ContactFields`. Among its attributes are used here:
+
+    - `states` of the zones, 0 for stick and +1 or -1 for slip with that sign of the traction;
+    - `bounds`, the ends of the zones: the centre, the boundaries and the edge, so that zone i lies
+      between the entries i and i + 1; `radii` are the boundaries alone;
+    - `parameters`: the compliances alpha and beta, the coupling kappa, and the friction f;
+    - `unknowns`, the length of a vector, and `pressure_terms`, how many of its first coefficients
+      belong to the pressure;
+    - `pulls`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
+    - `known_pressure` and `known_slip`: coefficients of known pressures, and of u in slip under
+      them; `known_variation` is the first less the value at the centre, whose drive is constant.
 
     Attributes
     ----------
     operators : ContactOperators
+        Integrals of the fields of every part at the nodes of every other.
     """
 
     def __init__(
@@ -170,7 +193,7 @@ class ContactSystem(ContactFields):
         return residual
 
     def _shear_increment(self, i: int, values: Array) -> Array:
-        """Return ``E(t) - E(b)`` at the nodes of a part."""
+        """Return ``E(t) - E(b)`` at the nodes of a part, or E(t) where there is no b."""
         if not self.pressure_known:
             traction = {k: self.shear_on(k, values) for k in self.operators.outer_shear[i].blocks}
             pressure = {
