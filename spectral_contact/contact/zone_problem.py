@@ -256,11 +256,16 @@ class FreeBoundaryProblem:
         layout = self.initial_layout()
         newton = self._newton(spaces, changes=True)
         negligible = NEGLIGIBLE_SHARE * self.boundary_tolerance
+        boundary_tol = max(negligible, RESIDUAL_NOISE)
+        if self.parameters.beta == 0.0:
+            # a misplaced boundary leaves a traction that is singular there, of which no estimate
+            # of the fields knows: the boundary is found to rounding
+            boundary_tol = RESIDUAL_NOISE
         assert layout.jacobian is not None
         start = newton.start(np.array(layout.logits), layout.jacobian)
         iterate = newton.solve(
             start,
-            max(negligible, RESIDUAL_NOISE),
+            boundary_tol,
             max(negligible, 2.0 * ROUNDING),
             warm_start=self.warm_start,
         )

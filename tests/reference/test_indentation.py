@@ -266,7 +266,7 @@ def test_an_exact_sphere_is_pinned_at_its_equator():
     sphere = profiles.Sphere(1.0)
     near = solve(Scene(0.3, 0.5, profile=sphere, load=3.25), 1e-10)
     assert near.contact_radius < 1.0
-    with pytest.raises(Exception, match=r"load = 3\.27: must be what a contact"):
+    with pytest.raises(Exception, match=r"load = 3\.27: must be that of a contact radius"):
         solve(Scene(0.3, 0.5, profile=sphere, load=3.27), 1e-10)
 
 

@@ -109,7 +109,7 @@ def test_greenwood_and_tripp():
     by_load = solve(Scene(0.3, layer=SPHERES, profile=BALL, load=44.168134490717), 1e-11)
     assert by_load.approach == pytest.approx(approach, rel=3e-12)
     assert by_load.stiffness == pytest.approx(solution.stiffness, rel=1e-11)
-    with pytest.raises(NotComputedError, match="every gap"):
+    with pytest.raises(NotComputedError, match="no contact edge"):
         solution.contact_radius  # noqa: B018
     assert solution.pressure(1.0) < 1e-16 * solution.pressure(0.0)
 

@@ -67,7 +67,7 @@ def test_a_contact_without_edge():
 
 
 def test_what_it_does_not_know_of_layers_is_refused():
-    with pytest.raises(NotComputedError, match="without edge"):
+    with pytest.raises(NotComputedError, match="without a contact edge"):
         reference(Scene(0.3, layer=LAWS[3], profile=profiles.Cone(1.2), load=1.0), 15)
     with pytest.raises(NotComputedError, match="bends"):
         reference(Scene(0.3, layer=TABLE, profile=BALL, load=0.01), 15)

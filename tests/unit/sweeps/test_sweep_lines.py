@@ -149,4 +149,4 @@ def test_the_friction_of_a_radius_on_a_smooth_surface(logit):
     with mpmath.workdps(40):
         c = mpmath.sqrt(1 / (1 + mpmath.exp(-logit)))
         true = 2 * mpmath.atanh(c) / c / mpmath.ellipk(1 - c**2)
-    assert abs(friction / float(true) - 1.0) <= solved.best.value.shifts[0] < 1e-11
+    assert abs(friction / float(true) - 1.0) <= solved.best.value.logit_errors[0] < 1e-11
