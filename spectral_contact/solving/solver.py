@@ -158,8 +158,13 @@ def _from_looser(
 
 
 def _zone_unknown(solution: Solution) -> bool:
-    """Return whether there is slip in places, and a zone may be missing beside it."""
-    return _zone_missing(solution) and len(solution.zones) >= 2
+    """Return whether a zone may be missing: beside slip in places, or from full stick that fails.
+
+    Next to the threshold of slip, whether the search sees a narrow zone at the edge can hang on
+    rounding: with the oldest packages that are allowed, friction 1e-7 below it, rtol 1e-11 ended in
+    full stick and not converged, where 1e-12 found the zone (5e-12 still does not).
+    """
+    return _zone_missing(solution) and (len(solution.zones) >= 2 or not solution.converged)
 
 
 def _zone_missing(solution: Solution) -> bool:
