@@ -87,16 +87,15 @@ class PanelForm:
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
-        points = [GradedMesh(*end, panels).sampling() for end, (panels, _) in ends]
-        self.z: Array = np.concatenate([part.z for part in points])
+        self._points = [GradedMesh(*end, panels).sampling() for end, (panels, _) in ends]
+        self.z: Array = np.concatenate([part.z for part in self._points])
         self.tail_extent = parts.ends[-1][2] * used[-1][0].end
         self.central = len(used[0][1])
 
     @cached_property
     def y(self) -> Array:
         """``1 - s**2`` at the sampling points."""
-        ends = zip(self._parts.ends, self._used, strict=True)
-        return np.concatenate([GradedMesh(*end, panels).sampling().y for end, (panels, _) in ends])
+        return np.concatenate([part.y for part in self._points])
 
     def part_samples(self) -> list[PartSamples]:
         """Return where the sampling points of every part are."""

@@ -42,21 +42,18 @@ Without tangential compliance defects are not used: E(b) is zero.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import PressureField, Radius
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
 from spectral_contact.spectral.node_operators import NodeOperators
-from spectral_contact.spectral.panels import DiscreteSpace
-from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import GradedMesh
 from spectral_contact.threads import cached_property
 
@@ -98,25 +95,12 @@ class ContactSystem(ContactFields):
     - `pulls`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
     - `known_pressure` and `known_slip`: coefficients of known pressures, and of u in slip under
       them; `known_variation` is the first less the value at the centre, whose drive is constant.
-
-    Attributes
-    ----------
-    operators : ContactOperators
-        Integrals of the fields of every part at the nodes of every other.
     """
 
-    def __init__(
-        self,
-        radii: tuple[Radius, ...],
-        states: tuple[int, ...],
-        spaces: Sequence[DiscreteSpace],
-        parameters: Parameters,
-        pressures: Sequence[PressureField] = (),
-        *,
-        truncated: bool = False,
-    ) -> None:
-        super().__init__(radii, states, spaces, parameters, pressures, truncated=truncated)
-        self.operators = ContactOperators(self)
+    @cached_property
+    def operators(self) -> ContactOperators:
+        """Integrals of the fields of every part at the nodes of every other."""
+        return ContactOperators(self)
 
     @cached_property
     def boundary_rows(self) -> BoundaryRows:
