@@ -369,15 +369,19 @@ def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:
     """Return the matrix nearest to a Jacobian that maps the last steps to the changes they made.
 
     With the steps S and the changes Y as columns, ``J + (Y - J S) S^+`` (Broyden's update for
-    several steps).
+    several steps). Entries of ``Y - J S`` that are rounding are taken as zero, as in Dennis and
+    Schnabel, Numerical Methods for Unconstrained Optimization and Nonlinear Equations, algorithm
+    A8.3.1: over a short step rounding would pass for a steep slope.
     """
-    lengths = [float(np.linalg.norm(step)) for step, _ in secants]
-    steps = np.array([step / n for (step, _), n in zip(secants, lengths, strict=True)]).T
-    changes = np.array([change / n for (_, change), n in zip(secants, lengths, strict=True)]).T
+    steps = np.array([step for step, _ in secants]).T
+    changes = np.array([change for _, change in secants]).T
     if not np.isfinite(changes).all():
         return jacobian
-    inverse = np.linalg.pinv(steps, rcond=MIN_STEP_ANGLE)
-    return np.asarray(jacobian + (changes - jacobian @ steps) @ inverse)
+    unexplained = changes - jacobian @ steps
+    unexplained[np.abs(unexplained) < RESIDUAL_NOISE] = 0.0
+    lengths = np.linalg.norm(steps, axis=0)
+    inverse = np.linalg.pinv(steps / lengths, rcond=MIN_STEP_ANGLE)
+    return np.asarray(jacobian + unexplained / lengths @ inverse)
 
 
 def _feasible_fraction(logits: Array, step: Array) -> float:

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from spectral_contact.contact.error_estimate import relative_size
-from spectral_contact.contact.free_boundary import FieldSolution, FreeBoundary, corrected
+from spectral_contact.contact.free_boundary import (
+    FieldSolution,
+    FreeBoundary,
+    _broyden,
+    corrected,
+)
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.stick_radius import fd_jacobian
@@ -188,3 +193,17 @@ def test_fields_are_corrected_with_the_factors_of_other_boundaries(make, known):
     assert found.fields.boundary_residual == pytest.approx(
         exact.fields.boundary_residual, rel=1e-7, abs=1e-9
     )
+
+
+def test_rounding_of_the_residual_is_no_slope():
+    """Slip of a width of 2e-12 had a Jacobian of 1e-8, and an estimate too small by 3000."""
+    jacobian = np.array([[2e-12]])
+    step = np.array([1e-7])
+    assert _broyden(jacobian, [(step, jacobian @ step + 1e-15)]) == jacobian
+
+
+def test_the_last_steps_give_the_jacobian_of_a_linear_residual():
+    exact = np.array([[1.0, 2.0], [-0.5, 3.0]])
+    steps = (np.array([0.1, 0.02]), np.array([-0.003, 0.04]))
+    secants = [(step, exact @ step) for step in steps]
+    assert _broyden(np.eye(2), secants) == pytest.approx(exact, rel=1e-12)
