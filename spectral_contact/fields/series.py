@@ -278,15 +278,21 @@ class DiskSeries:
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""
         scaled = s / self.outer.value
-        d = np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
-        value = np.zeros(np.shape(s))
+        value = self.even_part(
+            np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
+        )
+        if self.exponent != 0.0:
+            value = value * np.maximum(scaled, np.finfo(float).tiny) ** self.exponent
+        return np.asarray(scaled**self.power * value)
+
+    def even_part(self, d: Array) -> Array:
+        """Return ``weight + series`` at ``d = 1 - (s/outer)**2``, exactly as close to `outer`."""
+        value = np.zeros(np.shape(d))
         if self.series is not None:
             value = value + self.series(d)
         if self.weight is not None:
             value = value + self.weight(d)
-        if self.exponent != 0.0:
-            value = value * np.maximum(scaled, np.finfo(float).tiny) ** self.exponent
-        return np.asarray(scaled**self.power * value)
+        return value
 
     def times(self, factor: float) -> DiskSeries:
         """Return the field multiplied by a number."""
@@ -311,12 +317,21 @@ class AnnulusSeries:
         below = np.maximum(self.outer.below(s, from_edge), 0.0)
         half = (above + below) / 2.0
         half = np.where(half > 0.0, half, 1.0)
-        value = np.where(
+        return np.asarray(s**self.power * self.even_part(above / half, below / half))
+
+    def even_part(self, above: Array, below: Array) -> Array:
+        """Return the field over ``s**power``.
+
+        Parameters
+        ----------
+        above, below : ndarray
+            Distances in ``s**2`` from both ends, over half the width of the annulus.
+        """
+        return np.where(
             above <= below,
-            self.toward_inner(np.clip(above / half, 0.0, 1.0)),
-            self.toward_outer(np.clip(below / half, 0.0, 1.0)),
+            self.toward_inner(np.clip(above, 0.0, 1.0)),
+            self.toward_outer(np.clip(below, 0.0, 1.0)),
         )
-        return np.asarray(s**self.power * value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -97,7 +97,12 @@ class GrownFields:
             deep = (edge + _DEEP_QUADRATURE * digits) / -math.log(_RATIO)
             graded = min(1 + int(deep), graded)
         rule = graded_rule(_POINTS, graded, _RATIO)
-        self.history = _History(growth, rule, math.ceil((digits + _WIDTH) / math.log(_GAIN)))
+        self.history = _History(
+            growth,
+            rule,
+            _both_ends(_POINTS, graded, _RATIO),
+            math.ceil((digits + _WIDTH) / math.log(_GAIN)),
+        )
         self._slip_rule = _both_ends(*(_ROOT_SLIP_GRADED if smooth else _SLIP_GRADED))
         self.stick, self._count = stick, count
         self._inner = self._cuts(-math.inf, math.log(stick.value))
@@ -229,10 +234,16 @@ def _largest_radii(family: GradedMesh) -> Array:
 
 
 class _History:
-    """A growth, and what it adds up to."""
+    """A growth, and what it adds up to.
 
-    def __init__(self, growth: Growth, rule: tuple[Array, Array], degree: int) -> None:
-        self.growth, self.rule, self.degree = growth, rule, degree
+    `rule` is for what sticks, graded to when it stuck. `slip_rule` is for what slips: with coupling
+    the pressure of a flat punch has a root at the edge and one at its stick radius.
+    """
+
+    def __init__(
+        self, growth: Growth, rule: tuple[Array, Array], slip_rule: tuple[Array, Array], degree: int
+    ) -> None:
+        self.growth, self.rule, self.slip_rule, self.degree = growth, rule, slip_rule, degree
 
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
         """Return the panels towards an end of a part that extends so far in ``s**2``."""
@@ -274,7 +285,7 @@ class _History:
             near = (panel.stretch.before(log_r) < room) | (stuck - end < panel.high - panel.low)
             slipped = (begin < end) & panel.slips
             for rows, by in (
-                (slipped & near, rule or self.rule),
+                (slipped & near, rule or self.slip_rule),
                 (slipped & ~near, graded_rule(*_SMOOTH)),
             ):
                 if rows.any():
@@ -352,6 +363,8 @@ def _both_ends(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
 
 def _crossed(panel: Panel, log_r: Array) -> Array:
     """Return where the stick radius is these radii."""
+    if panel.alike:
+        return np.asarray(log_r - panel.stick[0])
     low, high = -np.ones(len(log_r)), np.ones(len(log_r))
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2.0

@@ -343,7 +343,8 @@ class Grower:
             stretch = self._counted(todo.pop(), today)
             panel = self._panel(stretch)
             off = panel.error * _share(panel, today, load)
-            if off > _MARGIN * self.tolerance and stretch.extent > _SHORTEST:
+            can_improve = stretch.extent > _SHORTEST and panel.error > self.weight.rounding
+            if off > _MARGIN * self.tolerance and can_improve:
                 todo += stretch.cut(2)[::-1]
             else:
                 self.weight.keep()
@@ -390,8 +391,9 @@ class Grower:
 
     def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
         """Return a stretch with as many points as leave out little enough."""
-        # loads grow at least like the third power of the radius, where flat punches differ
-        allowed = _MARGIN * self.tolerance * math.exp(today - stretch.high)
+        # by how much less than today's an early load counts at the centre, where it counts most
+        power = min(max(self.powers[0] - 2.0, 0.0), 1.0) if self.powers[0] else 1.0
+        allowed = _MARGIN * self.tolerance * math.exp(power * (today - stretch.high))
         room = 2.0 * (self.end - stretch.high) / stretch.extent
         gained = min(math.asinh(2.0 * math.pi / stretch.extent), math.acosh(1.0 + room))
         past = any(math.log(b) < stretch.low + _NEXT for b in (self.onset, *self.breaks[1:]) if b)

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import (
+    AnnulusSeries,
+    DiskSeries,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
 from spectral_contact.solving.stretch import (
     FieldTable,
     RadiusStretch,
@@ -178,9 +184,7 @@ class Panel:
         """
 
         def values(one: Solution, x: Array) -> Array:
-            c, d, inside = stick_radius(one), np.exp(-x), np.sqrt(-np.expm1(-x))
-            found = _field(one, name, c.value * inside, c.from_edge + c.value * d / (1.0 + inside))
-            return found / inside if name == "traction" else found
+            return _in_stick_disk(one, name, np.exp(-x))
 
         return self._table(name, values, 0.0, _DEEP)
 
@@ -191,9 +195,7 @@ class Panel:
         """
 
         def values(one: Solution, x: Array) -> Array:
-            y = stick_radius(one).rest / (1.0 + np.exp(x))
-            s = np.sqrt(1.0 - y)
-            return _field(one, name, s, y / (1.0 + s))
+            return _in_slip_zone(one, name, np.exp(x))
 
         with np.errstate(divide="ignore"):
             x = np.log1p(-share) - np.log(share)
@@ -282,6 +284,46 @@ def stick_radius(flat: Solution) -> Radius:
     return Radius(zone.outer, zone.outer_from_edge)
 
 
+def _in_stick_disk(flat: Solution, name: str, d: Array) -> Array:
+    """Return a field of a flat punch at ``d = 1 - (s/c)**2``; the traction over ``s/c``.
+
+    A series in d is evaluated there. To subtract a radius from c would cost its square roots half
+    of their digits.
+    """
+    piece = _zone_piece(flat, name, 0)
+    if piece is not None and isinstance(piece.field, DiskSeries):
+        return piece.factor * piece.field.even_part(d)
+    stick, scaled = stick_radius(flat), np.sqrt(1.0 - d)
+    from_edge = stick.from_edge + stick.value * d / (1.0 + scaled)
+    values = _field(flat, name, stick.value * scaled, from_edge)
+    return values / scaled if name == "traction" else values
+
+
+def _in_slip_zone(flat: Solution, name: str, ratio: Array) -> Array:
+    """Return a field of a flat punch between the stick radius and the edge.
+
+    `ratio` is the distance in ``s**2`` from the stick radius over that from the edge.
+    """
+    below = 2.0 / (1.0 + ratio)
+    y = stick_radius(flat).rest * below / 2.0
+    s = np.sqrt(1.0 - y)
+    piece = _zone_piece(flat, name, 1)
+    if piece is not None and isinstance(piece.field, AnnulusSeries):
+        return np.asarray(
+            piece.factor * s**piece.field.power * piece.field.even_part(ratio * below, below)
+        )
+    return _field(flat, name, s, y / (1.0 + s))
+
+
+def _zone_piece(flat: Solution, name: str, zone: int) -> ZonePiece | None:
+    """Return a field of a flat punch in one of its zones, if it has an expression for each."""
+    field = getattr(flat, f"{name}_field")
+    if not isinstance(field, ZonalField) or not zone < len(field.pieces) == len(flat.zones):
+        return None
+    return field.pieces[zone]
+
+
 def _field(flat: Solution, name: str, s: Array, from_edge: Array) -> Array:
+    """Return a field of a flat punch at radii; zero if there is none."""
     field = getattr(flat, f"{name}_field")
     return np.zeros(len(s)) if field is None else np.asarray(field(s, from_edge))

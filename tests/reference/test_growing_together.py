@@ -10,6 +10,7 @@ from oracles.spence import Collocation
 
 from spectral_contact import NotComputedError, Scene, plan, profiles, solve
 from spectral_contact.equations import residuals
+from spectral_contact.spectral.jacobi import graded_rule
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
 TABLE = profiles.Sampled.from_points((0.0, 0.3, 0.6, 1.3), (0.0, 0.04, 0.2, 1.2))
@@ -221,3 +222,44 @@ def test_next_to_an_equator_a_contact_is_refused_where_the_flat_punch_pulls():
     for name in ("load", "approach", "total_shear"):
         error = abs(getattr(near, name) / getattr(better, name) - 1.0)
         assert error <= getattr(near.error, name) + getattr(better.error, name)
+
+
+def superposed(flat, name, load, power, r):
+    """Return a field of a self-similar history, by quadrature over the flat punch's radius."""
+    points, weights = graded_rule(20, 50, 0.2)
+    stick = flat.stick_radius
+    friction = flat.scene.friction if name == "traction" else 1.0
+    total = 0.0
+    for low, high in ((r, stick), (stick, 1.0)):
+        own = name if high == stick else "pressure"  # a traction in slip is friction times that
+        half = (high - low) / 2.0
+        for s, from_edge in (
+            (low + half * points, 1.0 - low - half * points),
+            (high - half * points, 1.0 - high + half * points),
+        ):
+            values = getattr(flat, f"{own}_field")(s, from_edge)
+            factor = friction if own != name else 1.0
+            total += factor * half * float(weights @ (values * (r / s) ** (power - 2) / s))
+    return power * load * total
+
+
+@pytest.mark.parametrize(("profile", "power"), [(PARABOLA, 3), (profiles.Cone(1.2), 2)])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_fields_on_a_smooth_surface_are_superposed_to_the_stick_radius(profile, power, rtol):
+    """The pressure has a root there, from the side that slips; it was off by 1e-5."""
+    friction = 0.298714615962  # of Spence's c/a = 1/2
+    found = solved(profile, 0.0, 0.0, friction, rtol)
+    flat = solve(Scene(0.0, 0.0, 0.0, friction, coupling=True), 1e-11)
+    mean = found.load / math.pi
+    for r in (1e-3, 0.1, 0.3, 0.49):
+        for name in ("pressure", "traction"):
+            truth = superposed(flat, name, found.load, power, r)
+            off = abs(float(getattr(found, name)(r)) - truth) / mean
+            assert off <= getattr(found.error, name), (name, r)
+
+
+def test_the_problem_of_spence_is_solved_to_ten_digits():
+    found = solved(PARABOLA, 0.0, 0.0, 0.298714615962, 1e-10)
+    assert found.converged
+    assert max(found.error.pressure, found.error.traction) < 1e-10
+    assert found.stick_radius == pytest.approx(0.5, abs=1e-11)
