@@ -13,9 +13,10 @@ Second-order terms, what corrections leave, and rounding are added to all.
 
 E is the residual of the tangential equation before the compliance is subtracted, and its *defect*
 at a boundary is a number added to the E(b) that the fields give (`spectral.contact_system`). The
-*boundary residual* is minus the defect over the drive ``kappa R`` there, a number without unit.
+*boundary residual* is minus the defect over ``kappa R`` there, the value that stick prescribes for
+the half-integral G of the traction: a number without unit.
 With tangential compliance the defects make the traction continuous; without it they are what makes
-E(b) zero, so that the residual is E(b) itself over the drive.
+E(b) zero, so that the residual is ``E(b)/(kappa R)``.
 """
 
 from __future__ import annotations
@@ -151,13 +152,13 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
     changes = []
     for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
         part = system.parts[field.part]
-        extent = part.family.reach
+        extent = part.mesh.reach
         leading = inf
         if field.part in singular_parts:
             leading = leading_depth(alpha, beta, extent)
         cutoff = inf
         if part.boundary >= 0:
-            cutoff = rounding_depth(part.family.boundary, extent)
+            cutoff = rounding_depth(part.mesh.boundary, extent)
         changes.append(
             relative_panel_changes(
                 field.panels,
@@ -182,7 +183,7 @@ class ZoneSolution(ScalarResults):
 
     Attributes
     ----------
-    stuck : list of StickZone
+    stick_zones : list of StickZone
         Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
     zone_width_error : float
         Largest relative error of the width of a slip zone.
@@ -199,7 +200,7 @@ class ZoneSolution(ScalarResults):
         Estimates of the errors of the logits of the boundaries.
     """
 
-    stuck: list[StickZone]
+    stick_zones: list[StickZone]
     zone_width_error: float
     residual_error: float
     jacobian: Array
@@ -227,9 +228,9 @@ class ZoneSolution(ScalarResults):
         for zone, state in enumerate(self.system.states):
             if state:
                 annulus = self.system.slip_annulus(zone)
-                halves = self.system.residual_in_slip(self.solution[:, :2], annulus)
-                zones.append(SlipZone(annulus, state, [half[:, 0] for half in halves]))
-                changes = (float(np.abs(half[:, 1]).max()) for half in halves)
+                residuals = self.system.residual_in_slip(self.solution[:, :2], annulus)
+                zones.append(SlipZone(annulus, state, [residual[:, 0] for residual in residuals]))
+                changes = (float(np.abs(residual[:, 1]).max()) for residual in residuals)
                 largest_change = max(largest_change, *changes)
         return zones, largest_change
 
@@ -316,8 +317,8 @@ class ZoneEstimate:
         step = float((self.inverse @ residual).max(initial=0.0))
         if step > ROUNDING and self.system.parameters.beta > 0.0:
             return min(relative_size(self.solution, self.end_perturbation.change), 2.0 * step)
-        one_disk = self.system.pressure_known and len(self.system.radii) == 1
-        return step * (1.0 if one_disk else 2.0)
+        uncoupled_disk = self.system.pressure_known and len(self.system.radii) == 1
+        return step * (1.0 if uncoupled_disk else 2.0)
 
     @cached_property
     def second_order(self) -> float:
@@ -367,12 +368,12 @@ class ZoneEstimate:
             radius_errors(float(error), radius)
             for error, radius in zip(self.logit_errors, system.radii, strict=True)
         )
-        stuck, residual_error = self._displacement_source()
+        stick_zones, residual_error = self._displacement_source()
         pressures, shears = system.series(self.values)
         value = ZoneSolution(
             approach=self.solution.approach,
             total_shear=system.total_shear(self.values),
-            stuck=stuck,
+            stick_zones=stick_zones,
             approach_error=max(abs(effect.approach) for effect in self.effects) + integral_floor,
             shear_error=self._shear_change() + integral_floor,
             pressure_error=pressure_error,
@@ -441,7 +442,7 @@ class ZoneEstimate:
                 residuals = [np.abs(effect.boundary_residual) for effect in self.effects]
                 bound = np.max(residuals, axis=0) + 2.0 * np.abs(solution.boundary_residual)
                 response = pi * np.array([radius.square for radius in self.system.radii])
-            defects = solution.approach * np.abs(solution.drive) * bound
+            defects = solution.approach * np.abs(solution.stick_target) * bound
             return (changes + float(np.abs(response) @ defects)) / abs(total_shear(self.values))
         distances = np.array([radius.rest for radius in self.system.radii])
         curvature = 2.0 * float((self.logit_errors**2 * distances).max(initial=0.0))
@@ -463,12 +464,12 @@ class ZoneEstimate:
         of_approach = energies.sum(axis=0) / fields.load_integral(fields.values)
         products = np.sqrt(energies * dual_energies).sum(axis=0)
         of_shear = products / abs(system.total_shear(fields.values))
-        approach_error, own_shear_error = (
+        approach_error, field_shear_error = (
             float(panels[:-1] @ rates + panels[-1]) + self.noise
             for panels in (of_approach, of_shear)
         )
         # the shear is that for unit load, and has the error of the approach, too
-        shear_error = approach_error + own_shear_error + STICK_INTEGRAL_ROUNDING
+        shear_error = approach_error + field_shear_error + STICK_INTEGRAL_ROUNDING
         value = replace(solution.value, approach_error=approach_error, shear_error=shear_error)
         solution = replace(solution, value=value)
         if self.pointwise:
@@ -492,19 +493,19 @@ class ZoneEstimate:
         defects = scale * np.column_stack([solution.defects, self.effects[0].defects])
         columns = np.column_stack([self.values, self.changes[0]])
         residual = system.pointwise_residual(columns, np.array([scale, 0.0]), defects).tangential
-        stuck = _stuck(system, [values[:, 0] for values in residual])
-        stuck_changes = _stuck(system, [values[:, 1] for values in residual])
-        jumps = np.abs(system.jump_rows @ self.end_perturbation.change)
-        steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jumps
+        stick_zones = _stick_zones(system, [values[:, 0] for values in residual])
+        changes = _stick_zones(system, [values[:, 1] for values in residual])
+        jump_sizes = np.abs(system.jump_rows @ self.end_perturbation.change)
+        steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jump_sizes
         largest = max(
-            largest_displacement(stuck_changes, *ends)
+            largest_displacement(changes, *ends)
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
             if state
         )
         if system.pressure_known and len(system.radii) == 1:
             # calibrated for one disk only (FUNCTIONAL_SAFETY): others take the change itself
             largest *= float(self.field_errors.rates[np.argmax(self.field_errors.indicators)])
-        return stuck, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
+        return stick_zones, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
 
 
 def _zone_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
@@ -530,7 +531,7 @@ def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]
     ]
 
 
-def _stuck(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
+def _stick_zones(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones, from E at the nodes."""
     parts: dict[int, list[tuple[OffsetRadii, Array]]] = {}
     # E is given up to the outermost part that sticks
@@ -540,7 +541,7 @@ def _stuck(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
         if part.state == 0:
             # far from the nodes their sum is one over the fewer sampling points
             weighted = nodes.interpolate_transpose((pi * weights * values)[:, None])[:, 0]
-            parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
+            parts.setdefault(part.zone, []).append((part.mesh.points(nodes.samples), weighted))
     return [StickZone(system.bounds[zone + 1], tuple(pieces)) for zone, pieces in parts.items()]
 
 

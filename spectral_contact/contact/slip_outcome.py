@@ -154,7 +154,7 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     if stick.critical < inf:
         excess = max(stick.critical / parameters.friction - 1.0, 0.0)
     return PartialSlip(
-        zones=(Zone.between("stick", CENTRE, EDGE),),
+        zones=(Zone.from_radii("stick", CENTRE, EDGE),),
         pressure=stick.pressure,
         traction=ZonalField((ZonePiece(EDGE, stick.traction),)),
         slip=ZonalField((ZonePiece(EDGE, None),)),
@@ -178,7 +178,7 @@ def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
     return replace(
         outcome,
-        zones=(Zone.between("slip", CENTRE, EDGE),),
+        zones=(Zone.from_radii("slip", CENTRE, EDGE),),
         traction=ZonalField(tuple(replace(piece, factor=friction) for piece in pieces)),
         total_shear=friction,
         shear_error=2.0 * ROUNDING,
@@ -215,7 +215,7 @@ def zones_outcome(
     # E in slip, and the bound on what its error does to the displacement
     slip_zones, slip_residual_error = solved.slip_samples
     if point_disk:  # no E in stick, no error of it, and no error of boundaries over zone width
-        solved = replace(solved, stuck=[], residual_error=0.0, zone_width_error=0.0)
+        solved = replace(solved, stick_zones=[], residual_error=0.0, zone_width_error=0.0)
     normal = solved if contact is None else contact
     solved = replace(
         solved,
@@ -262,17 +262,18 @@ def _verify(
     excess : float
         The largest ``|q|/(f p) - 1`` in stick, or 0.
     """
-    beta, friction = parameters.beta, parameters.friction
+    beta = parameters.beta
+    friction = parameters.friction
     states = solved.system.states
     bounds = list(pairwise(solved.system.bounds))
-    displacement = slip_displacement(solved.stuck, slip_zones, pressure, beta, friction)
+    displacement = slip_displacement(solved.stick_zones, slip_zones, pressure, beta, friction)
 
     zones: list[Zone] = []
     traction_pieces: list[ZonePiece] = []
     slip_pieces: list[ZonePiece] = []
     displacement_fields = iter(displacement.fields)
     for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
-        zones.append(Zone.between("slip" if state else "stick", inner, outer))
+        zones.append(Zone.from_radii("slip" if state else "stick", inner, outer))
         if state:
             zone_pressure = (
                 pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
@@ -286,7 +287,7 @@ def _verify(
     absolute_error = solved.residual_error + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
     if beta > 0.0:  # p is largest at the outer boundary of the outermost slip zone
         last_slip = max(k for k, state in enumerate(states) if state)
-        max_pressure = float(pressure.at(np.array(bounds[last_slip][1].rest)))
+        max_pressure = float(pressure.evaluate(np.array(bounds[last_slip][1].rest)))
         absolute_error += beta * friction * max_pressure * solved.pressure_error
     largest = max(displacement.largest, TINY)
     field_error = inf_if_unresolved(absolute_error / largest)

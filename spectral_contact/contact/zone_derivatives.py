@@ -223,7 +223,7 @@ class _SolutionDerivatives:
         if not rigid:  # the defects that keep the traction continuous
             jumps = system.jump_rows
             defects = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + partial.jumps))
-        residual: Array = defects / fields.drive[:, None]
+        residual: Array = defects / fields.stick_target[:, None]
         logits: Array = np.asarray(-np.linalg.solve(self.by_logits[:, :-2].T, residual))
         scale = fields.approach
         load = fields.load_integral(fields.values)

@@ -37,10 +37,10 @@ from spectral_contact.contact.tuning import (
     JACOBIAN_FIELD_TOL,
     JACOBIAN_RANGE,
     MAX_STARTS,
-    MIN_EDGE_ZONE_SHARE,
+    MIN_EDGE_ZONE_WIDTH,
     MIN_LOGIT,
     MIN_RESTART_TOL,
-    NEGLIGIBLE_SHARE,
+    NEGLIGIBLE_FRACTION,
     PROBE_TOL,
     RESIDUAL_NOISE,
     RESTART_FACTOR,
@@ -139,7 +139,7 @@ class FreeBoundaryProblem:
             If the zone at the edge is too narrow to represent.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_SHARE * self.parameters.alpha:
+        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_WIDTH * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
         pressures: list[PressureField] = []
         if self._known is not None:
@@ -255,7 +255,7 @@ class FreeBoundaryProblem:
         spaces = self.split(resolution)
         layout = self.initial_layout()
         newton = self._newton(spaces, changes=True)
-        negligible = NEGLIGIBLE_SHARE * self.boundary_tolerance
+        negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
         boundary_tol = max(negligible, RESIDUAL_NOISE)
         if self.parameters.beta == 0.0:
             # a misplaced boundary leaves a traction that is singular there, of which no estimate

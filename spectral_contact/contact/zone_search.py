@@ -163,26 +163,26 @@ class ZoneSearch(ABC):
         Its `trials` are all candidates that were solved for.
         """
         outcomes: list[PartialSlip] = []
-        tried: set[tuple[int, ...]] = set()
+        trial_states: set[tuple[int, ...]] = set()
         # Newton's method for boundaries that do not exist ends at the edge, in overflow
         with np.errstate(all="ignore"):
             for candidate in self._candidates():
                 if candidate.from_like_scene:
                     outcomes += self._try(candidate)
-                elif candidate.zones.states not in tried:
+                elif candidate.zones.states not in trial_states:
                     if candidate.zones.logits:  # a disk without a radius may come again with one
-                        tried.add(candidate.zones.states)
-                    outcomes += self._try_with_missing_stick(candidate, tried)
+                        trial_states.add(candidate.zones.states)
+                    outcomes += self._try_with_missing_stick(candidate, trial_states)
                 if outcomes and outcomes[-1].verified:
                     return self._with_trials(outcomes[-1])
         return self._with_trials(self._least_wrong(outcomes))
 
     def _try_with_missing_stick(
-        self, candidate: Candidate, tried: set[tuple[int, ...]]
+        self, candidate: Candidate, trial_states: set[tuple[int, ...]]
     ) -> list[PartialSlip]:
         """Try a candidate, then its zones with the stick whose absence refuted it, and so on.
 
-        The states of what is solved for are added to those that were tried.
+        The states of the zones that are solved for are added to `trial_states`.
         """
         outcomes: list[PartialSlip] = []
         while self._is_possible(candidate.zones):
@@ -190,7 +190,7 @@ class ZoneSearch(ABC):
             if not new:
                 break
             outcomes += new
-            tried.add(candidate.zones.states)
+            trial_states.add(candidate.zones.states)
             enlarged = None if new[0].verified else new[0].with_missing_stick
             if enlarged is None:
                 break
@@ -340,8 +340,8 @@ class UncoupledSearch(ZoneSearch):
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         if not outcomes:  # slip is about to start, and too narrow to be solved for
             return full_stick_outcome(self.stick, self.parameters)
-        lawful = [outcome for outcome in outcomes if outcome.consistent]
-        best = min(lawful or outcomes, key=lambda outcome: outcome.apparent_violation)
+        consistent = [outcome for outcome in outcomes if outcome.consistent]
+        best = min(consistent or outcomes, key=lambda outcome: outcome.apparent_violation)
         if best.missing:  # a zone may be missing, which no estimate of its neighbours includes
             best = replace(best, zones_error=max(best.zones_error, 1.0))
         return best
@@ -350,8 +350,8 @@ class UncoupledSearch(ZoneSearch):
         if candidate.from_like_scene:
             return self._solve_from_like_scene(candidate.zones)
         zones = candidate.zones
-        one_disk = zones.states == _DISK_STATES
-        if one_disk and not zones.logits:
+        is_disk = zones.states == _DISK_STATES
+        if is_disk and not zones.logits:
             # a first radius, from the limits of little and of much friction
             zones = zones._replace(logits=(limiting_logit(self.parameters),))
         begin = perf_counter()
@@ -362,11 +362,11 @@ class UncoupledSearch(ZoneSearch):
                 return self._full_slip()
             raise
         solved: ZoneSolution = self.record(
-            PARTIAL_SLIP if one_disk else ZONE_SEARCH, refinement, begin
+            PARTIAL_SLIP if is_disk else ZONE_SEARCH, refinement, begin
         )
         begin = perf_counter()
         outcome = zones_outcome(solved, self.parameters, self.contact)
-        if one_disk:
+        if is_disk:
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
@@ -405,14 +405,14 @@ class UncoupledSearch(ZoneSearch):
         """Solve for boundaries and fields, to what the tolerance bounds."""
         if self.pointwise:
             return self._refine_fields(self.tolerance, zones)
-        loose = self._refine_fields(self.tolerance**FIELD_TOLERANCE_EXPONENT, zones)
-        solved = loose.best.value
+        integral_refinement = self._refine_fields(self.tolerance**FIELD_TOLERANCE_EXPONENT, zones)
+        solved = integral_refinement.best.value
         if max(solved.shear_error, solved.radius_error) <= self.tolerance:
-            return loose
+            return integral_refinement
         try:
             return self._refine_fields(self.tolerance, solved.layout)
         except NoBoundariesError:  # from there Newton's method finds nothing better
-            return loose
+            return integral_refinement
 
     def _refine_fields(self, tolerance: float, zones: Layout) -> Refinement[ZoneSolution]:
         """Solve for boundaries and fields, the fields to a tolerance.
@@ -442,7 +442,7 @@ class CoupledSearch(ZoneSearch):
         Where stick at a smooth edge is so narrow that a closed form is more accurate than panels,
         the closed form comes first; the candidates follow if it misses the tolerance.
         """
-        closed_form = self._one_disk_with_edge_stick()
+        closed_form = self._disk_with_edge_stick()
         if closed_form is not None and _largest_error(closed_form) <= self.tolerance:
             return self._with_trials(closed_form)
         try:
@@ -499,9 +499,9 @@ class CoupledSearch(ZoneSearch):
         return min_stick_radius(self.parameters) ** 2 < exp(MIN_SMOOTH_LOGIT)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
-        lawful = [outcome for outcome in outcomes if not outcome.violation_text]
-        if lawful:
-            return min(lawful, key=lambda outcome: outcome.apparent_violation)
+        unrefuted = [outcome for outcome in outcomes if not outcome.violation_text]
+        if unrefuted:
+            return min(unrefuted, key=lambda outcome: outcome.apparent_violation)
         if self._smooth_edge_sticks and self._stick_disk_below_range:
             return self._full_slip()
         unresolved = (
@@ -552,7 +552,7 @@ class CoupledSearch(ZoneSearch):
         narrower = exp(zones.logits[0] - violated.logits[0])
         return zones._replace(logits=violated.logits, jacobian=narrower * zones.jacobian)
 
-    def _one_disk_with_edge_stick(self) -> PartialSlip | None:
+    def _disk_with_edge_stick(self) -> PartialSlip | None:
         """Return one stick disk with stick at the edge in closed form, if the law holds on it.
 
         It is tried only where the closed form is expected to be accurate.

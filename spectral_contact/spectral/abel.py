@@ -87,7 +87,7 @@ class PointSources(Blockwise):
         self.d: Array = np.exp(-width * np.concatenate(in_panels))
 
 
-point_sources = bounded_cache("point sources", 128)(PointSources)
+point_sources = bounded_cache("point sources")(PointSources)
 
 
 class Moments(Blockwise):
@@ -111,7 +111,7 @@ class Moments(Blockwise):
         return self.left_times(densities * self._weights)
 
 
-moments_on = bounded_cache("moments with densities", 128)(Moments)
+moments_on = bounded_cache("moments with densities")(Moments)
 
 
 def _kernel_factor(u: Array) -> Array:
@@ -264,12 +264,12 @@ def abel_right_tail(
 
     The tail ends at the distance `end`; `root` says that it is polynomial in ``sqrt(d)``.
     """
-    rise = 1.0 + 2.0 * power
-    nodes, weights = power_rule(terms + TAIL_EXTRA, rise)
+    exponent = 1.0 + 2.0 * power
+    nodes, weights = power_rule(terms + TAIL_EXTRA, exponent)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
     sine = np.sin(phi * nodes)  # d' = d sin(phi)**2 removes both square roots
     source = np.minimum(d[:, None] * sine**2, end)
-    values = weights * phi * (sine / nodes) ** rise * d[:, None] ** (0.5 + power)
+    values = weights * phi * (sine / nodes) ** exponent * d[:, None] ** (0.5 + power)
     return np.asarray((values[:, None, :] @ tail_values(source, end, terms, root))[:, 0, :])
 
 
@@ -379,7 +379,7 @@ def abel_left(
             computed.append((offset, blocks))
         last = np.searchsorted(panel, i, "right")
         columns = i * terms + reversed_columns[:last]
-        matrix[rows, :last] = blocks.take(columns, axis=1) * scale[:last]
+        matrix[rows, :last] = blocks[:, columns] * scale[:last]
     return matrix
 
 
@@ -494,7 +494,7 @@ def abel_left_at_boundary(panels: int, width: float, degree: int, power: float =
 
 
 def left_increment(
-    whole: Array,
+    value: Array,
     boundary_value: Array,
     functions: NDArray[np.int_],
     d: Array,
@@ -505,12 +505,12 @@ def left_increment(
 ) -> Array:
     """Return ``abel_left(d) - abel_left(0)`` at distances `d` in [0, 1].
 
-    `whole` is the matrix `abel_left` at d of these functions, and `boundary_value` the one at the
+    `value` is the matrix `abel_left` at d of these functions, and `boundary_value` the one at the
     boundary. On panels at least two places farther from the boundary than a point, the difference
     of the kernels is integrated; on nearer panels both integrals are as small as the distance, and
     their difference is right.
     """
-    increment = whole - boundary_value
+    increment = value - boundary_value
     source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels + 1)

@@ -33,7 +33,7 @@ class Annulus:
     toward_outer: LogPanels
 
     @cached_property
-    def families(self) -> tuple[GradedMesh, GradedMesh]:
+    def meshes(self) -> tuple[GradedMesh, GradedMesh]:
         """The two halves: above the inner end, below the outer end."""
         half = gap(self.inner, self.outer) / 2.0
         return (
@@ -44,15 +44,15 @@ class Annulus:
     @cached_property
     def y(self) -> Array:
         """``1 - s**2`` at the sampling points of both halves."""
-        return np.concatenate([family.sampling().y for family in self.families])
+        return np.concatenate([mesh.sampling().y for mesh in self.meshes])
 
-    def halves(self, values: Array) -> list[Array]:
-        """Return values (..., points) at the sampling points of either half."""
+    def split(self, values: Array) -> list[Array]:
+        """Return values (..., points) at the sampling points of the inner and the outer half."""
         inner = len(self.toward_inner.distances)
         return [values[..., :inner], values[..., inner:]]
 
     def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
-        """Return Abel integrals of a function on the annulus at its own sampling points.
+        """Return Abel integrals of a function on the annulus at the sampling points of the annulus.
 
         Parameters
         ----------
@@ -67,23 +67,19 @@ class Annulus:
             On either half. In scaled distances what a half adds to itself depends on its panels
             alone.
         """
-        coefficients = [
-            family.expand(half) for family, half in zip(self.families, values, strict=True)
-        ]
+        coefficients = [mesh.expand(half) for mesh, half in zip(self.meshes, values, strict=True)]
         integrals = []
-        for k, family in enumerate(self.families):
-            own_panels = transforms(family.panels)
+        for k, mesh in enumerate(self.meshes):
+            of_panels = transforms(mesh.panels)
             # whether the integral runs away from the end of this half, over the other half, too
             away = (k == 0) == (side > 0)
             if away:
-                unit = own_panels.abel_left(coefficients[k])
+                unit = of_panels.abel_left(coefficients[k])
             else:
-                unit = own_panels.abel_right(coefficients[k])
-            integral = np.sqrt(family.reach) * unit
+                unit = of_panels.abel_right(coefficients[k])
+            integral = np.sqrt(mesh.reach) * unit
             if away:
                 other = 1 - k
-                integral += abel_integral_on(
-                    family, self.families[other], coefficients[other], side
-                )
+                integral += abel_integral_on(mesh, self.meshes[other], coefficients[other], side)
             integrals.append(integral)
         return integrals

@@ -194,8 +194,7 @@ class StripMatrix:
         return matrix
 
 
-# slip inside has 5 parts in some ten spaces, and other radii have 15 more; bytes bound all caches
-@bounded_cache("self blocks", 256)
+@bounded_cache("self blocks")
 def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direction: str) -> Block:
     """Return the integrals of the functions of a part at its own nodes, for unit extent (cached).
 
@@ -226,7 +225,7 @@ def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direc
     return Block(boundary_value, increment, value, sampled=False)
 
 
-@bounded_cache("half-integrals in strips", 128)
+@bounded_cache("half-integrals in strips")
 def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -> StripMatrix:
     """Return half-integrals of functions at the Galerkin nodes of their own part (cached).
 
@@ -258,7 +257,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -
             if node_degrees == degrees:
                 highest = min(highest_degree(node_count), panels.degree)
             blocks = _panel_half_integrals(node_count, highest, form)
-            unscaled = blocks.take(functions[column_of[j] : tail_column] - j * terms, axis=1)
+            unscaled = blocks[:, functions[column_of[j] : tail_column] - j * terms]
             on_panel = entries[
                 rows.start - first_row : rows.stop - first_row,
                 column_of[j] - first_column : tail_column - first_column,
@@ -270,7 +269,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -
     return StripMatrix((len(nodes.d), len(functions)), strips)
 
 
-@bounded_cache("half-integrals", 72)
+@bounded_cache("half-integrals")
 def _panel_half_integrals(count: int, highest: int, form: Form) -> Array:
     """Return half-integrals at the nodes of a panel, of the functions of it and of nearer panels.
 
@@ -285,7 +284,7 @@ def _panel_half_integrals(count: int, highest: int, form: Form) -> Array:
     return blocks.reshape(count, -1)
 
 
-@bounded_cache("half-integrals on two panels", 24)
+@bounded_cache("half-integrals on two panels")
 def _near_half_integrals(count: int, highest: int, width: float, power: float) -> Array:
     """Return the blocks of the panel of the nodes and of the next one toward the boundary."""
     from_start, _ = clustered_rule(count, width)
@@ -294,7 +293,7 @@ def _near_half_integrals(count: int, highest: int, width: float, power: float) -
     return abel_right_near_blocks(to_end, from_start, 2, width, highest, power)
 
 
-@bounded_cache("half-integrals at samples", 24)
+@bounded_cache("half-integrals at samples")
 def _far_half_integrals(form: Form) -> Array:
     """Return the blocks of all further panels toward the boundary, at the samples of a panel."""
     g, _ = gauss_rule(SAMPLES)
@@ -322,7 +321,7 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
 cached_disk_gram = bounded_cache("disk Gram", 48)(disk_gram)
 
 
-@bounded_cache("disk shears", 96)
+@bounded_cache("disk shears")
 def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
     nodes = graded_nodes(panels, degrees)
@@ -446,7 +445,7 @@ def _adjacent_block(
     return Block(boundary_value, -decrement, value, sampled=True)
 
 
-@bounded_cache("opposite half blocks", 128)
+@bounded_cache("opposite half blocks")
 def _opposite_half_block(
     panels: LogPanels, degrees: Degrees, target: LogPanels, placement: Placement, at_edge: bool
 ) -> Block:
@@ -466,8 +465,8 @@ def _opposite_half_block(
     reach = np.exp(-panels.width)
     chebyshev = chebvander(2.0 * moments.d / reach - 1.0, len(_OPPOSITE_NODES) - 1)
     integrals = moments.with_densities((chebyshev @ _OPPOSITE_EXPANSION).T)
-    others = integrals[:, panels.functions(degrees)[first_count:]]
-    reduction = block_diag(np.eye(first_count), others)
+    further_panels = integrals[:, panels.functions(degrees)[first_count:]]
+    reduction = block_diag(np.eye(first_count), further_panels)
 
     # the roots of the kernel from the boundary of the target, and from its nodes
     from_boundary = 2.0 - reach * (1.0 + _OPPOSITE_NODES) / 2.0
@@ -551,7 +550,7 @@ def _separated_block(
     return Block(boundary_value, increment, value, True, scale, reduction)
 
 
-@bounded_cache("reductions of far parts", 128)
+@bounded_cache("reductions of far parts")
 def _far_reduction(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at `FAR_NODES`.
 

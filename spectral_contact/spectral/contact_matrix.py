@@ -34,7 +34,7 @@ def _without_masses(system: ContactSystem) -> Array:
     if system.radii or system.pressure_known:
         return _assembled(system)
     [part] = system.parts
-    space = DiscreteSpace(part.family.panels, part.degrees)
+    space = DiscreteSpace(part.mesh.panels, part.degrees)
     matrix = _full_stick_matrix(space, system.parameters.beta == 0.0).copy()
     matrix[: system.pressure_terms, system.pressure_terms :] *= system.parameters.kappa
     matrix[system.pressure_terms :, : system.pressure_terms] *= system.parameters.kappa
@@ -60,12 +60,13 @@ def _assembled(system: ContactSystem) -> Array:
 
 def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add ``T q``, tested at the nodes of a part."""
-    part, rows = system.parts[i], system.operators.outer_stick[i]
+    part = system.parts[i]
+    rows = system.operators.outer_stick[i]
     columns = rows if system.pressure_known else system.operators.outer_shear[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_shear:
-        gram = cached_disk_gram(part.shear.panels, part.degrees, shear=True)
-        gram = part.family.boundary.value**3 * gram
+        gram = cached_disk_gram(part.shear_mesh.panels, part.degrees, shear=True)
+        gram = part.mesh.boundary.value**3 * gram
     products = rows.products(
         columns,
         system.operators.shear_tests[i],
@@ -78,11 +79,12 @@ def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
 
 def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add ``N p``, tested at the nodes of a part."""
-    part, outer = system.parts[i], system.operators.outer_pressure[i]
+    part = system.parts[i]
+    outer = system.operators.outer_pressure[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_normal:
-        gram = cached_disk_gram(part.family.panels, part.degrees, shear=False)
-        gram = part.family.boundary.value * gram
+        gram = cached_disk_gram(part.mesh.panels, part.degrees, shear=False)
+        gram = part.mesh.boundary.value * gram
     for k, j, product in outer.products(
         outer, system.operators.normal_tests[i], other_values=True, node_sums=gram
     ):
@@ -91,8 +93,10 @@ def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
 
 def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add what the traction does to a weighted normal equation at the nodes of a part."""
-    outer, inner = system.operators.outer_pressure[i], system.operators.inner_shear[i]
-    t, weights = system.operators.t[i], system.operators.normal_tests[i]
+    outer = system.operators.outer_pressure[i]
+    inner = system.operators.inner_shear[i]
+    t = system.operators.t[i]
+    weights = system.operators.normal_tests[i]
     coupling = 2.0 * system.parameters.kappa
     for k, j, product in outer.products(inner, weights * t):
         system.add_shear(matrix[system.pressure_places[k]], coupling * product, j)
@@ -100,23 +104,24 @@ def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> Non
     both = coupling * np.column_stack([weights * t, weights])
     for k, sums in outer.project(both):
         rows = matrix[system.pressure_places[k]]
-        for j, one in inner.blocks.items():
-            system.add_shear(rows, one.scale * sums[:, :1] * one.boundary_value, j)
+        for j, integrals in inner.blocks.items():
+            system.add_shear(rows, integrals.scale * sums[:, :1] * integrals.boundary_value, j)
         for j, pull in enumerate(system.pulls):
             system.add_shear(rows, -sums[:, 1:] * pull, j)
 
 
 def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add what the pressure does to a weighted tangential equation at the nodes of a part."""
-    outer, inner = system.operators.outer_stick[i], system.operators.inner_pressure[i]
+    outer = system.operators.outer_stick[i]
+    inner = system.operators.inner_pressure[i]
     factor = system.operators.shear_tests[i] * 2.0 * system.parameters.kappa / system.operators.t[i]
     for k, j, product in outer.products(inner, factor):
         matrix[system.shear_places[k], system.pressure_places[j]] -= product
-    falls = factor * system.operators.from_boundary[i] / system.parts[i].family.boundary.value
+    falls = factor * system.operators.from_boundary[i] / system.parts[i].mesh.boundary.value
     for k, sums in outer.project(falls[:, None]):
-        for j, one in inner.blocks.items():
+        for j, integrals in inner.blocks.items():
             rows = matrix[system.shear_places[k], system.pressure_places[j]]
-            rows += one.scale * sums * one.boundary_value
+            rows += integrals.scale * sums * integrals.boundary_value
 
 
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
@@ -143,11 +148,12 @@ def _add_moments(system: ContactSystem, matrix: Array) -> None:
 def _moments_within(system: ContactSystem, k: int) -> Array:
     """Return ``int phi s ds int psi s ds`` over what of psi lies outside of phi, on a part."""
     part = system.parts[k]
-    pressure, shear = part.family.panels, part.shear.panels
-    whole = outer_moments(pressure, shear, part.family.sign)
+    pressure = part.mesh.panels
+    shear = part.shear_mesh.panels
+    products = outer_moments(pressure, shear, part.mesh.sign)
     rows = pressure.functions(part.pressure_degrees)
     columns = shear.functions(part.shear_degrees)
-    return np.asarray((0.5 * part.family.reach) ** 2 * whole[np.ix_(rows, columns)])
+    return np.asarray((0.5 * part.mesh.reach) ** 2 * products[np.ix_(rows, columns)])
 
 
 @bounded_cache("full-stick matrices", 8)

@@ -55,9 +55,9 @@ class ContactOperators:
         # an equation is tested without further weights if it has a compliance or no boundary: then
         # its coupling is one of moments
         alpha, beta, _, _ = fields.parameters
-        whole = not fields.radii
-        self.unweighted_normal = alpha > 0.0 or whole
-        self.unweighted_shear = beta > 0.0 or whole or fields.pressure_known
+        full_stick = not fields.radii
+        self.unweighted_normal = alpha > 0.0 or full_stick
+        self.unweighted_shear = beta > 0.0 or full_stick or fields.pressure_known
         tested = fields.parts
         if fields.pressure_known:
             tested = tested[: fields.stick_parts[-1] + 1]
@@ -74,15 +74,15 @@ class ContactOperators:
         self.normal_tests: list[Array] = []
         self.shear_tests: list[Array] = []
         for part in parts:
-            family = part.family
-            b = family.boundary
-            nodes = graded_nodes(family.panels, part.degrees)
-            offset = family.sign * family.reach * nodes.d
+            mesh = part.mesh
+            b = mesh.boundary
+            nodes = graded_nodes(mesh.panels, part.degrees)
+            offset = mesh.sign * mesh.reach * nodes.d
             if part.zone == 0:
                 t = b.value * np.sqrt(nodes.rest)
             else:
                 t = np.sqrt(b.square + offset)
-            weights = nodes.weights * family.reach / (2.0 * np.pi) * t
+            weights = nodes.weights * mesh.reach / (2.0 * np.pi) * t
             emphasis = self._emphasis(part, offset)
             self.nodes.append(nodes)
             self.offsets.append(offset)
@@ -99,16 +99,16 @@ class ContactOperators:
         """
         if part.boundary < 0:
             return 1.0
-        beside = [p.family.reach for p in self._parts if p.boundary == part.boundary]
+        beside = [p.mesh.reach for p in self._parts if p.boundary == part.boundary]
         return np.maximum(min(beside) / np.abs(offset), 1.0)
 
     def _assemble(self) -> None:
         """Find the integrals of the fields of every part at the nodes of every other."""
         nodes = self.nodes
-        self.outer_pressure = [NodeOperators(one, {}) for one in nodes]
-        self.outer_shear = [NodeOperators(one, {}) for one in nodes]
-        self.inner_pressure = [NodeOperators(one, {}) for one in nodes]
-        self.inner_shear = [NodeOperators(one, {}) for one in nodes]
+        self.outer_pressure = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
+        self.outer_shear = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
+        self.inner_pressure = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
+        self.inner_shear = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
         for i in range(len(nodes)):
             for k in range(len(self._parts)):
                 if k >= i:
@@ -116,21 +116,24 @@ class ContactOperators:
                 if k <= i:
                     self._add_operators(i, k, -1, self.inner_pressure[i], self.inner_shear[i])
         self.outer_stick = [
-            NodeOperators(one.nodes, {k: b for k, b in one.blocks.items() if self._parts[k].sticks})
-            for one in self.outer_shear
+            NodeOperators(
+                outer.nodes, {k: b for k, b in outer.blocks.items() if self._parts[k].sticks}
+            )
+            for outer in self.outer_shear
         ]
 
     def _add_operators(
         self, i: int, k: int, side: int, pressure: NodeOperators, shear: NodeOperators
     ) -> None:
         """Add the integrals of the fields of part k at the nodes of part i."""
-        part, target = self._parts[k], self._parts[i]
-        place = (target.family, target.degrees, side)
+        part = self._parts[k]
+        target = self._parts[i]
+        place = (target.mesh, target.degrees, side)
         wants_shear = side > 0 or not self._pressure_known
         wants_pressure = side < 0 or not self._pressure_known
         of_shear: Block | None = None
         if wants_shear:
-            of_shear = block(part.shear, part.shear_degrees, *place)
+            of_shear = block(part.shear_mesh, part.shear_degrees, *place)
             assert of_shear is not None
             shear.blocks[k] = of_shear
         if wants_pressure:
@@ -140,14 +143,14 @@ class ContactOperators:
         self, part: MeshPart, place: tuple[GradedMesh, Degrees, int], of_shear: Block | None
     ) -> Block:
         """Return the integrals of p, which are those of u where the functions are the same."""
-        if of_shear is not None and part.shear is part.family:
+        if of_shear is not None and part.shear_mesh is part.mesh:
             if part.shear_degrees == part.pressure_degrees:
                 return of_shear
             if of_shear.sampled:
-                panels = part.family.panels
+                panels = part.mesh.panels
                 columns = panels.functions(part.shear_degrees)
                 functions = panels.functions(part.pressure_degrees)
                 return of_shear.of(np.searchsorted(columns, functions))
-        found = block(part.family, part.pressure_degrees, *place)
-        assert found is not None
-        return found
+        of_pressure = block(part.mesh, part.pressure_degrees, *place)
+        assert of_pressure is not None
+        return of_pressure

@@ -18,7 +18,7 @@ the same parts, so that the same operators act on it. The equations are (docs/th
     beta q + T q - kappa g[p] = 0               in stick.
 
 **What Galerkin's method tests.** F and G are the half-integrals of p and q over what lies outside
-of t, and R is the drive of the pressure:
+of t, and kappa R is the value that stick prescribes for G:
 
     F(t) = int_t^1 s p ds / sqrt(s^2 - t^2),     G(t) = int_t^1 q ds / sqrt(s^2 - t^2),
     R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2).
@@ -77,7 +77,7 @@ class PointwiseResidual(NamedTuple):
 class BoundaryRows(NamedTuple):
     """``kappa R(b)`` and ``E(b)`` at every boundary, as rows that act on vectors."""
 
-    drive: Array
+    stick_target: Array
     shortfall: Array
 
 
@@ -94,7 +94,7 @@ class ContactSystem(ContactFields):
       belong to the pressure;
     - `pulls`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
     - `known_pressure` and `known_slip`: coefficients of known pressures, and of u in slip under
-      them; `known_variation` is the first less the value at the centre, whose drive is constant.
+      them; `known_variation` is the first less the value at the centre, whose R is constant.
     """
 
     @cached_property
@@ -105,19 +105,21 @@ class ContactSystem(ContactFields):
     @cached_property
     def boundary_rows(self) -> BoundaryRows:
         """``kappa R(b)`` and ``E(b)`` at every boundary."""
-        drive = np.zeros((len(self.radii), self.unknowns))
-        shortfall = np.zeros_like(drive)
+        stick_target = np.zeros((len(self.radii), self.unknowns))
+        shortfall = np.zeros_like(stick_target)
         for i, part in enumerate(self.parts[: len(self.operators.nodes)]):
-            if part.boundary < 0 or part.family.sign > 0:
+            if part.boundary < 0 or part.mesh.sign > 0:
                 continue
             j = slice(part.boundary, part.boundary + 1)
-            factor = 2.0 * self.parameters.kappa / part.family.boundary.value
+            factor = 2.0 * self.parameters.kappa / part.mesh.boundary.value
             for k, inner in self.operators.inner_pressure[i].blocks.items():
-                self.add_pressure(drive[j], factor * inner.scale * inner.boundary_value[None], k)
-            shortfall[j] = drive[j]
+                self.add_pressure(
+                    stick_target[j], factor * inner.scale * inner.boundary_value[None], k
+                )
+            shortfall[j] = stick_target[j]
             for k, outer in self.operators.outer_shear[i].blocks.items():
                 self.add_shear(shortfall[j], -outer.scale * outer.boundary_value[None], k)
-        return BoundaryRows(drive, shortfall)
+        return BoundaryRows(stick_target, shortfall)
 
     # residuals
 
@@ -152,10 +154,11 @@ class ContactSystem(ContactFields):
         for i, part in enumerate(self.parts):
             t = self.operators.t[i][:, None]
             from_boundary = self.operators.from_boundary[i][:, None]
-            outer, inner = self.operators.outer_pressure[i], self.operators.inner_shear[i]
+            outer = self.operators.outer_pressure[i]
+            inner = self.operators.inner_shear[i]
             swept = inner.boundary_values(u)
             at_boundary = 2.0 * approach - outer.boundary_values(p)
-            at_boundary += 2.0 * kappa * (pull - part.family.boundary.value * swept)
+            at_boundary += 2.0 * kappa * (pull - part.mesh.boundary.value * swept)
             # both sides take the same value to the last digit: a step there would act on the fields
             # like 1/sqrt(d)
             at_boundary = at_boundaries.setdefault(part.boundary, at_boundary)
@@ -183,8 +186,8 @@ class ContactSystem(ContactFields):
             pressure = {
                 k: self.pressure_on(k, values) for k in self.operators.inner_pressure[i].blocks
             }
-            drive = self._drive_increment(i, pressure)
-            return np.asarray(drive - self.operators.outer_shear[i].increments(traction))
+            target_increment = self._target_increment(i, pressure)
+            return np.asarray(target_increment - self.operators.outer_shear[i].increments(traction))
         known = self._known_increments[i] @ values[: self.pressure_terms]
         if not values[self.pressure_terms :].any():
             return np.asarray(known)
@@ -194,23 +197,23 @@ class ContactSystem(ContactFields):
     @cached_property
     def _known_increments(self) -> list[Array]:
         """``E(t) - E(b)`` at the nodes of the parts by the known pressures, without stick."""
-        found = []
+        increments = []
         for i, outer in enumerate(self.operators.outer_shear):
             graded_to_boundary = self.parts[i].boundary >= 0
             pressure = self.known_variation if graded_to_boundary else self.known_pressure
-            increment = self._drive_increment(i, pressure)
-            slips = {k: one for k, one in outer.blocks.items() if not self.parts[k].sticks}
+            increment = self._target_increment(i, pressure)
+            slips = {k: b for k, b in outer.blocks.items() if not self.parts[k].sticks}
             if slips:
                 increment = increment - NodeOperators(outer.nodes, slips).increments(
                     self.known_slip
                 )
-            found.append(increment)
-        return found
+            increments.append(increment)
+        return increments
 
-    def _drive_increment(self, i: int, pressure: list[Array] | dict[int, Array]) -> Array:
+    def _target_increment(self, i: int, pressure: list[Array] | dict[int, Array]) -> Array:
         """Return ``kappa (R(t) - R(b))`` at the nodes of a part."""
         inner = self.operators.inner_pressure[i]
-        boundary = self.parts[i].family.boundary.value
+        boundary = self.parts[i].mesh.boundary.value
         falls = (
             self.operators.from_boundary[i][:, None] / boundary * inner.boundary_values(pressure)
         )
@@ -252,11 +255,11 @@ class ContactSystem(ContactFields):
         """
         for field in self.fields:
             part = self.parts[field.part]
-            family = part.shear if field.is_shear else part.family
+            mesh = part.shear_mesh if field.is_shear else part.mesh
             compliance = self.parameters.beta if field.is_shear else self.parameters.alpha
             if compliance > 0.0:
                 coefficients = None if values is None else values[field.place]
-                mass = family.mass(field.degrees, coefficients, shear=field.is_shear)
+                mass = mesh.mass(field.degrees, coefficients, shear=field.is_shear)
                 yield field.place, compliance * mass
 
     # displacement in slip
@@ -265,9 +268,9 @@ class ContactSystem(ContactFields):
         """Return the meshes of the displacement in a slip zone: those of p, with more degrees."""
         toward_inner, toward_outer = (
             replace(
-                part.family.panels,
+                part.mesh.panels,
                 power=0.0,
-                degree=part.family.panels.degree + _DISPLACEMENT_DEGREES,
+                degree=part.mesh.panels.degree + _DISPLACEMENT_DEGREES,
             )
             for part in self.parts[2 * zone - 1 : 2 * zone + 1]
         )
@@ -276,7 +279,7 @@ class ContactSystem(ContactFields):
 
     def residual_in_slip(self, values: Array, annulus: Annulus) -> list[Array]:
         """Return E at the sampling points of both halves of an annulus, of vectors as columns."""
-        return [self._residual_at_samples(values, half) for half in annulus.families]
+        return [self._residual_at_samples(values, half) for half in annulus.meshes]
 
     def _residual_at_samples(self, values: Array, target: GradedMesh) -> Array:
         """Return E at the sampling points of a mesh."""
@@ -284,10 +287,10 @@ class ContactSystem(ContactFields):
         outer = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
             place = (target, target.panels)
-            inside = block(part.family, part.pressure_degrees, *place, -1, differences=False)
+            inside = block(part.mesh, part.pressure_degrees, *place, -1, differences=False)
             if inside is not None:
                 inner += inside.apply(self.pressure_on(k, values))
-            outside = block(part.shear, part.shear_degrees, *place, 1, differences=False)
+            outside = block(part.shear_mesh, part.shear_degrees, *place, 1, differences=False)
             if outside is not None:
                 outer += outside.apply(self.shear_on(k, values))
         t = np.sqrt(target.sampling().z)[:, None]

@@ -135,9 +135,10 @@ class Symmetric(Factored):
     """A symmetric positive definite system with its Cholesky factor.
 
     A known pressure is no unknown of the matrix. The functions that coarser spaces lack come last,
-    so that the leading parts of the factor are those of the coarser spaces. If one disk sticks
-    under a known pressure, its matrix is that of the unit disk, which is cached, with the
-    compliance ``beta / c`` and the factor ``c**5`` for the radius c.
+    so that the leading parts of the factor are those of the coarser spaces. If one disk of radius c
+    sticks under a known pressure, its matrix is ``c**5`` times that of the unit disk with the
+    compliance ``beta / c``, because the kernels are homogeneous (docs/theory, Abel factorisation);
+    that of the unit disk is cached.
     """
 
     def __init__(self, system: ContactSystem) -> None:
@@ -147,10 +148,10 @@ class Symmetric(Factored):
         known = system.pressure_terms if system.pressure_known else 0
         if system.pressure_known and len(system.stick_parts) == 1:
             [field] = system.fields
-            radius = system.parts[0].family.boundary.value
+            radius = system.parts[0].mesh.boundary.value
             space = unit_space(field.panels, field.degrees, shear=True)
             self._matrix_scale = radius**5
-            self._coarse_unknowns = (space.unknowns_two_less, space.unknowns_one_less)
+            self._coarse_unknowns = (space.coarsest_unknowns, space.coarse_unknowns)
             self._order = known + space.place
             self._cholesky = space.factor(system.parameters.beta / radius).cholesky
             return
@@ -188,6 +189,6 @@ class Symmetric(Factored):
         energies = np.empty_like(values)
         energies[self._order] = difference**2 * self._cholesky.diagonal
         [part] = self.system.parts
-        terms = [*(n + 1 for n in part.degrees), part.family.panels.tail_terms]
+        terms = [*(n + 1 for n in part.degrees), part.mesh.panels.tail_terms]
         starts = np.cumsum([0, *terms[:-1]])
         return np.asarray(np.add.reduceat(energies.reshape(2, -1), starts, axis=1))

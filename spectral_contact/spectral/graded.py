@@ -138,7 +138,7 @@ class GradedNodes:
         return np.concatenate([*results, values[start:]])
 
 
-graded_nodes = bounded_cache("graded nodes", 128)(GradedNodes)
+graded_nodes = bounded_cache("graded nodes")(GradedNodes)
 
 
 class PlainNodes:
@@ -160,16 +160,17 @@ class PlainNodes:
         return far_values(self.d)
 
 
-@bounded_cache("clustered rules", 24)
+@bounded_cache("clustered rules")
 def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
     """Return a rule on (0, width) for functions with square roots at both ends (cached)."""
     g, w = gauss_rule(points)
     phi = np.pi / 4 * (1.0 + g)
-    sine, cosine = np.sin(phi), np.cos(phi)
+    sine = np.sin(phi)
+    cosine = np.cos(phi)
     return width * sine**2, width * (w * np.pi / 2.0 * sine * cosine)
 
 
-@bounded_cache("from samples", 24)
+@bounded_cache("from samples")
 def from_samples(points: int, width: float) -> Array:
     """Return the matrix from the samples of a panel to its nodes, as many as `points` (cached)."""
     local = 2.0 * clustered_rule(points, width)[0] / width - 1.0
@@ -196,12 +197,12 @@ def far_values(d: Array) -> Array:
 
 def _node_count(degree: int) -> int:
     """Return how many nodes integrate products of half-integrals of this degree to rounding."""
-    return NODE_STEP * ceil(degree / 8 + 1)
+    return NODE_STEP * ceil(2 * degree / NODE_STEP + 1)
 
 
 def highest_degree(count: int) -> int:
     """Return the highest degree for which `_node_count` is this count: its inverse."""
-    return count // 2 - 8
+    return (count - NODE_STEP) // 2
 
 
 def inverse_root_sums(

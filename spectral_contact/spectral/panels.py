@@ -102,21 +102,22 @@ class LogPanels:
         """Number of sampling points on the tail."""
         return self.tail_terms + 1
 
-    @bounded_cache("functions in use", 512)
+    @bounded_cache("functions in use")
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
-        own = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
-        return np.append(own, np.arange(self.size - self.tail_terms, self.size))
+        on_panels = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
+        return np.append(on_panels, np.arange(self.size - self.tail_terms, self.size))
 
-    @bounded_cache("top degrees", 512)
+    @bounded_cache("top degrees")
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
         """Return places among these of so many top degrees of every panel, and of the tail's last.
 
         Constants are none of them. They are kept.
         """
-        functions, highest = self.functions(degrees), np.repeat(degrees, np.add(degrees, 1))
-        own = functions[: -self.tail_terms] % (self.degree + 1)
-        tops = np.flatnonzero(own > highest - np.minimum(count, highest))
+        functions = self.functions(degrees)
+        highest = np.repeat(degrees, np.add(degrees, 1))
+        degree = functions[: -self.tail_terms] % (self.degree + 1)
+        tops = np.flatnonzero(degree > highest - np.minimum(count, highest))
         return np.append(tops, len(functions) - 1)
 
     @property
@@ -138,12 +139,12 @@ class LogPanels:
         return self.end * (1.0 + g) / 2.0
 
     @property
-    @bounded_cache("sampling points", 48)
+    @bounded_cache("sampling points")
     def distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
         return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
 
-    @bounded_cache("rules on tails", 256)
+    @bounded_cache("rules on tails")
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there (cached).
 
@@ -178,29 +179,30 @@ class LogPanels:
     ) -> Array:
         """Return that mass times coefficients of these functions, as columns, without making it."""
         table, product = np.zeros((2, self.size, values.shape[1]))
-        used, inner = self.functions(degrees), slice(-self.tail_terms)
+        used = self.functions(degrees)
+        inner = slice(-self.tail_terms)
         table[used] = values
-        own = table[inner].reshape(self.panels, self.degree + 1, -1)
+        on_panels = table[inner].reshape(self.panels, self.degree + 1, -1)
         (first, tail), (second, rising_tail) = self._masses()
         extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
-        each = constant * extents * (first @ own) + rising * extents**2 * (second @ own)
+        each = constant * extents * (first @ on_panels) + rising * extents**2 * (second @ on_panels)
         product[inner] = each.reshape(-1, values.shape[1])
         last = slice(-self.tail_terms, None)
         product[last] = (constant * tail + rising * rising_tail) @ table[last]
         return np.asarray(product[used])
 
-    @bounded_cache("masses", 256)
+    @bounded_cache("masses")
     def _masses(self) -> list[PartMass]:
         """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
         d, weights, tail = self.tail_rule()
-        found = []
+        masses = []
         for decay in (1, 2):
             falling = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
             on_tail = (tail.T * (weights * d ** (decay - 1))) @ tail
-            found.append(PartMass((values.T * falling) @ values, on_tail))
-        return found
+            masses.append(PartMass((values.T * falling) @ values, on_tail))
+        return masses
 
 
 class DiscreteSpace(NamedTuple):

@@ -1,4 +1,4 @@
-"""Where functions live: families of panels to a boundary, their points, and the parts of a disk."""
+"""Where functions live: panels graded to a boundary, their points, and the parts of a disk."""
 
 from __future__ import annotations
 
@@ -75,7 +75,8 @@ class GradedMesh(NamedTuple):
 
         Or that times values, if there are any: coefficients of the functions as columns.
         """
-        half, rising = self.reach / 2.0, self.sign * self.reach
+        half = self.reach / 2.0
+        rising = self.sign * self.reach
         density = (half * self.boundary.square, half * rising) if shear else (half, 0.0)
         if values is None:
             return self.panels.mass(degrees, *density)
@@ -100,7 +101,8 @@ class GradedMesh(NamedTuple):
     def expand(self, values: Array) -> Array:
         """Return coefficients, (..., size), through values at the sampling points, (..., n)."""
         table, tail = sampled_coefficients(self.panels, values)
-        p, shape = self.panels, values.shape[:-1]
+        p = self.panels
+        shape = values.shape[:-1]
         inner = table[..., : p.degree + 1].reshape(*shape, -1)
         return np.concatenate([inner, tail[..., : p.tail_terms]], axis=-1)
 
@@ -129,12 +131,12 @@ class DiskPartition:
     def __post_init__(self) -> None:
         last = CENTRE
         for inner, outer in pairwise((CENTRE, *self.breaks, EDGE)):
-            whole = inner is CENTRE and not self.pointed
-            halves = [(outer, -1)] if whole else [(inner, 1), (outer, -1)]
-            extent = gap(inner, outer) / len(halves)
-            self.ends.extend((boundary, sign, extent) for boundary, sign in halves)
+            is_disk = inner is CENTRE and not self.pointed
+            sides = [(outer, -1)] if is_disk else [(inner, 1), (outer, -1)]
+            extent = gap(inner, outer) / len(sides)
+            self.ends.extend((boundary, sign, extent) for boundary, sign in sides)
             last = last if inner in self.turns else inner
-            self.inner.extend([last] * len(halves))
+            self.inner.extend([last] * len(sides))
 
 
 def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:

@@ -51,9 +51,9 @@ class NodalSpace(ABC):
         Places of the unknowns among the coefficients, and the panels that they belong to.
     size, panels : int
         Length of a vector of coefficients, and number of panels.
-    unknowns_two_less, unknowns_one_less : int
-        How many unknowns the space has with two degrees less on every panel, and with one degree
-        less: these come first.
+    coarsest_unknowns, coarse_unknowns : int
+        Numbers of unknowns of the two coarser spaces: with two degrees less on every panel, and
+        with one degree less. These unknowns come first.
     gram, mass : ndarray, shape (unknowns, unknowns)
         Gram matrix of the half-integrals, and mass matrix, in the order of `index`.
     """
@@ -67,8 +67,8 @@ class NodalSpace(ABC):
     panel: NDArray[np.int_]
     size: int
     panels: int
-    unknowns_two_less: int
-    unknowns_one_less: int
+    coarsest_unknowns: int
+    coarse_unknowns: int
     gram: cached_property[Array]
     mass: cached_property[Array]
 
@@ -190,15 +190,15 @@ class Regularised:
         """
         space = self.space
         index = space.index
-        # what the half-integral of the coefficients lacks of the target
-        misfit = target
+        # the target less the half-integral of the coefficients
+        remaining_target = target
         coefficients = np.zeros(space.size)
         rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
         for correction in range(rounds):
-            if isinstance(misfit, float):
-                residual = misfit * space.constant_moments
+            if isinstance(remaining_target, float):
+                residual = remaining_target * space.constant_moments
             else:
-                residual = space.moments(misfit)
+                residual = space.moments(remaining_target)
             if load is not None:
                 residual -= self.compliance * load[index]
             if correction and self.compliance != 0.0:
@@ -206,7 +206,7 @@ class Regularised:
             step = self.cholesky.solve(residual)
             coefficients[index] = coefficients[index] + step if correction else step
             if correction + 1 < rounds:
-                misfit = target - space.half_integral(coefficients)
+                remaining_target = target - space.half_integral(coefficients)
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
@@ -223,8 +223,8 @@ class Regularised:
             2 or 1.
         """
         space = self.space
-        coarse_unknowns = space.unknowns_two_less if degrees == 2 else space.unknowns_one_less
-        difference = self.cholesky.coarse_difference(coefficients[space.index], coarse_unknowns)
+        unknowns = space.coarsest_unknowns if degrees == 2 else space.coarse_unknowns
+        difference = self.cholesky.coarse_difference(coefficients[space.index], unknowns)
         change = np.zeros(len(coefficients))
         change[space.index] = difference
         energies = np.bincount(

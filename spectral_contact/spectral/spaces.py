@@ -75,8 +75,8 @@ class Space(NodalSpace):
         self.index = order.index
         self.panel = order.panel
         self.place = order.place
-        self.unknowns_two_less = order.unknowns_two_less
-        self.unknowns_one_less = order.unknowns_one_less
+        self.coarsest_unknowns = order.coarsest_unknowns
+        self.coarse_unknowns = order.coarse_unknowns
         self._nodes = nodes = [graded_nodes(*space) for space in spaces]
         points = [mesh.points(n.d) for mesh, n in zip(meshes, nodes, strict=True)]
         # nodes that are graded to the rim of a disk have their distance from its centre, too
@@ -180,8 +180,8 @@ class _Order:
         Numbers of coefficients and of panels of all parts.
     index, panel : ndarray of int, shape (unknowns,)
         Where the unknowns are among the coefficients, and the panels that they belong to.
-    unknowns_two_less, unknowns_one_less : int
-        How many unknowns have two degrees less on every panel, and one degree less.
+    coarsest_unknowns, coarse_unknowns : int
+        Numbers of unknowns of the spaces with two degrees less on every panel, and with one less.
     columns : list of slice
         Where the functions of every part are, one part after the other.
     place : ndarray of int, shape (unknowns,)
@@ -211,8 +211,8 @@ class _Order:
         # in how many of the two coarser spaces a function is missing
         missing = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
         self.place = np.argsort(missing, kind="stable")
-        self.unknowns_two_less = int((missing < 1).sum())
-        self.unknowns_one_less = int((missing < 2).sum())
+        self.coarsest_unknowns = int((missing < 1).sum())
+        self.coarse_unknowns = int((missing < 2).sum())
         self.columns = [slice(*ends) for ends in pairwise(starts)]
         self.index = np.concatenate(index)[self.place]
         self.panel = np.concatenate(panel)[self.place]
@@ -222,7 +222,7 @@ class _Order:
         return matrix[np.ix_(self.place, self.place)]
 
 
-_order = bounded_cache("orders of functions", 96)(_Order)
+_order = bounded_cache("orders of functions")(_Order)
 _space = bounded_cache("spaces", 96)(Space)
 
 

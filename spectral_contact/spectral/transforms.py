@@ -47,9 +47,11 @@ class Transforms:
 
     def abel_right(self, coefficients: Array) -> Array:
         """Return the `abel_right` integral, (..., sampling points), of functions (..., size)."""
-        panels, terms = self.panels, self.panels.degree + 1
+        panels = self.panels
+        terms = self.panels.degree + 1
         blocks, tail = self._right_blocks
-        count, shape = panels.panels, coefficients.shape[:-1]
+        count = panels.panels
+        shape = coefficients.shape[:-1]
         values = coefficients[..., count * terms :] @ tail.T
         from_panels = coefficients[..., : count * terms].reshape(*shape, count, terms) @ blocks
         sums = from_panels[..., -1, :].copy()
@@ -62,9 +64,11 @@ class Transforms:
 
     def abel_left(self, coefficients: Array) -> Array:
         """Return the `abel_left` integral, (..., sampling points), of functions (..., size)."""
-        panels, terms = self.panels, self.panels.degree + 1
+        panels = self.panels
+        terms = self.panels.degree + 1
         blocks, tail = self._left_blocks
-        count, shape = panels.panels, coefficients.shape[:-1]
+        count = panels.panels
+        shape = coefficients.shape[:-1]
         series = coefficients[..., : count * terms].reshape(*shape, count, terms)
         scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
         from_panels = scaled @ blocks

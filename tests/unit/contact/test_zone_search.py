@@ -24,7 +24,7 @@ def value(name, result, begin):
 def uncoupled(alpha, beta, friction, warm_start=None):
     """Return the search of a scene; the friction is over kappa."""
     parameters = Parameters(alpha, beta, 1.0, friction)
-    contact = solve_normal(alpha, 1e-8, 5000, goal="drive").best.value
+    contact = solve_normal(alpha, 1e-8, 5000, goal="traction").best.value
     infinite = parameters._replace(friction=math.inf)
     stick = full_stick(solve_stick(infinite, 1e-8, 5000, known=contact), contact).best.value
     return UncoupledSearch(parameters, stick, 1e-6, 5000, value, contact, warm_start=warm_start)
