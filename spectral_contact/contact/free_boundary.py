@@ -92,7 +92,7 @@ class FieldSolution:
         """Return the direct solution with the factors, as a start in their system or another."""
         system = system or factors.system
         no_defects = np.zeros(len(system.radii))
-        direct = cls(system, factors, factors.first[:, 0], no_defects)
+        direct = cls(system, factors, factors.unit_solutions[:, 0], no_defects)
         return direct._continuous(direct.values, no_defects)
 
     def _continuous(self, values: Array, defects: Array) -> FieldSolution:
@@ -109,8 +109,8 @@ class FieldSolution:
         system = self.system
         rows = system.jump_rows
         if system.parameters.beta == 0.0 or not len(rows):
-            return np.asarray(-system.boundary_rows.shortfall @ values), values
-        responses = self.factors.responses
+            return np.asarray(-system.boundary_rows.residual @ values), values
+        responses = self.factors.defect_responses
         defects = -np.linalg.solve(rows @ responses, rows @ values)
         return np.asarray(defects), np.asarray(values + responses @ defects)
 
@@ -152,14 +152,14 @@ class FieldSolution:
         safety that an estimate takes.
         """
         defects = -factor * self.defects
-        return self._at_unit_load(defects, self.factors.responses @ defects)
+        return self._at_unit_load(defects, self.factors.defect_responses @ defects)
 
     def coarse_differences(self) -> list[Perturbation]:
         """Return the solution less that of a coarser space, twice.
 
         The coarser spaces have two degrees less on every panel, and one degree less.
         """
-        changes = self.factors.change(self.values, self.system)
+        changes = self.factors.coarse_differences(self.values, self.system)
         return [self._at_unit_load(*self.without_jumps(change)) for change in changes]
 
     def _at_unit_load(self, defects: Array, change: Array) -> Perturbation:

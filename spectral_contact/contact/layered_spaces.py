@@ -101,7 +101,7 @@ class PanelForm:
         """Return where the sampling points of every part are."""
         found, start = [], 0
         for (_, sign, extent), (panels, _) in zip(self._parts.ends, self._used, strict=True):
-            distances = panels.distances
+            distances = panels.sampling_distances
             ends = np.exp(-panels.width * np.arange(panels.panels + 1))
             on_panels = np.repeat(-np.diff(ends), panels.samples)
             widths = np.concatenate([on_panels, np.full(panels.tail_points, panels.end)])
@@ -122,7 +122,7 @@ class PanelForm:
         for (boundary, _, _), value in each:
             values.setdefault(boundary, []).append(value)
         jumps = [max(values[boundary]) - min(values[boundary]) for (boundary, _, _), _ in each]
-        counts = [len(panels.distances) for panels, _ in self._used]
+        counts = [len(panels.sampling_distances) for panels, _ in self._used]
         return np.repeat(jumps, counts)
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:

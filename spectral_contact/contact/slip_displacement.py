@@ -7,8 +7,8 @@ With the residual of full stick ``E = kappa R - G``, which slip leaves, the disp
 zero in stick by the tangential equation (docs/theory.md). It is computed for kappa = 1: friction is
 ``f / kappa`` and displacements are ``u / kappa``. Each slip zone is an annulus with two halves,
 whose panels are graded toward its boundaries: a `GradedMesh` is the panels of one half, and
-`OffsetRadii` are radii given by offsets from an anchor in ``y = 1 - s**2`` (`rest` of a `Radius`),
-so that radii next to a boundary keep their digits; z is ``s**2``.
+`OffsetRadii` are radii given by offsets of ``z = s**2`` from an anchor, so that radii next to a
+boundary keep their digits; ``y = 1 - s**2`` is `rest` of a `Radius`.
 """
 
 from __future__ import annotations
@@ -177,7 +177,7 @@ def _integral_at_samples(zone: StickZone, mesh: GradedMesh) -> Array:
     points = mesh.sampling()
     if mesh.sign > 0:
         return _integral_at(zone, points)
-    reach = -mesh.reach
+    reach = -mesh.extent
     nodes = OffsetRadii(mesh.boundary, reach * (1.0 + FAR_NODES) / 2.0)
     coefficients = FAR_EXPANSION @ _integral_at(zone, nodes)
     return np.asarray(
@@ -225,7 +225,7 @@ def free_displacement(
     rate = 0.5 if contact.compliance == 0.0 else 1.0
     depth = max(-np.log(contact.compliance or 1.0), 0.0)
     panels = starting_resolution(depth, tolerance, rate=rate).panels
-    y = panels.distances
+    y = panels.sampling_distances
     load_inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, y)
     # near the centre the difference cancels: there g/s is half the mean of p inside s
     values = np.where(y < 0.5, load_inside / (1.0 - y), mean_inside(contact.pressure, y) / 2.0)

@@ -88,7 +88,7 @@ def smooth_contact(
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.
     """
-    inner = zip(parts.ends, parts.inner, strict=True)
+    inner = zip(parts.ends, parts.profile_breaks, strict=True)
     pieces = [_KnownPart(profile, radius, end, one, k == 0) for k, (end, one) in enumerate(inner)]
     moment = energy = 0.0
     for one in pieces:
@@ -151,7 +151,7 @@ class _KnownPart:
         values = self._rates(t, points) / t
         series = sampled_series(panels, values)
         last = np.abs(series.coefficients[:, -2:]).sum(axis=1)
-        lost = last * np.sqrt(mesh.reach * series.ends[:-1])
+        lost = last * np.sqrt(mesh.extent * series.ends[:-1])
         return _Density(panels, mesh.expand(values), lost)
 
     def seen_from(self, target: OffsetRadii) -> Array:
@@ -188,9 +188,9 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
     found, worst, mean = [], 0.0, 4.0 / pi * moment
     for k, (piece, density) in enumerate(zip(pieces, densities, strict=True)):
         mesh, panels = piece.mesh, piece.mesh.panels
-        distances = panels.distances
+        distances = panels.sampling_distances
         at_edge = mesh.boundary is EDGE
-        values = np.sqrt(mesh.reach) * density.on_its_own(mesh.sign)
+        values = np.sqrt(mesh.extent) * density.on_its_own(mesh.sign)
         if at_edge:
             series = sampled_series(panels, 2.0 / pi * values / np.sqrt(distances))
             found.append(replace(series, power=0.5))

@@ -191,7 +191,7 @@ class CoupledRun(Run):
         """
         self.refusal = f"no zones were found that obey the friction law ({error})"
         violation = stick.critical / self.parameters.friction - 1.0  # of full stick
-        best = error.best
+        best = error.least_wrong
         if best is None or best.violation > violation:
             self.store_all_stick()
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

@@ -189,7 +189,7 @@ class GrownFields:
 
     def _series(self, values: Callable[[Array], Array], mesh: GradedMesh, power: int) -> LogSeries:
         """Return a field over ``s**power`` on a half of a part."""
-        points = mesh.points(mesh.panels.distances)
+        points = mesh.points(mesh.panels.sampling_distances)
         near_edge = points.y < 0.5
         outer, inner = np.where(near_edge, points.y, 0.0), np.where(near_edge, 1.0, points.z)
         shift = (np.log1p(-outer) + np.log(inner)) / 2.0
@@ -222,7 +222,7 @@ def _logarithmic(series: LogSeries) -> LogSeries:
 
 def _largest_radii(mesh: GradedMesh) -> Array:
     d = np.exp(-_WIDTH * np.arange(mesh.panels.panels))
-    squares = mesh.boundary.square + mesh.reach * (d if mesh.sign > 0 else 0.0 * d)
+    squares = mesh.boundary.square + mesh.extent * (d if mesh.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))
 
 

@@ -1,4 +1,4 @@
-"""Functions on an annulus: in two halves, each with a mesh that is graded to its end."""
+"""Functions on an annulus, as the displacement in a slip zone: two halves with a mesh each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ class Annulus:
     inner, outer : Radius
         The ends of the annulus.
     toward_inner, toward_outer : LogPanels
-        Panels of the two halves, graded to the inner and to the outer end.
+        Panels of the two halves, graded to the inner and to the outer end; without endpoint weight
+        or root tail.
     """
 
     inner: Radius
@@ -34,7 +35,7 @@ class Annulus:
 
     @cached_property
     def meshes(self) -> tuple[GradedMesh, GradedMesh]:
-        """The two halves: above the inner end, below the outer end."""
+        """The meshes of the two halves: outside the inner end, inside the outer end."""
         half = gap(self.inner, self.outer) / 2.0
         return (
             GradedMesh(self.inner, 1, half, self.toward_inner),
@@ -48,36 +49,39 @@ class Annulus:
 
     def split(self, values: Array) -> list[Array]:
         """Return values (..., points) at the sampling points of the inner and the outer half."""
-        inner = len(self.toward_inner.distances)
-        return [values[..., :inner], values[..., inner:]]
+        count = len(self.toward_inner.sampling_distances)
+        return [values[..., :count], values[..., count:]]
 
     def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
-        """Return Abel integrals of a function on the annulus at the sampling points of the annulus.
+        """Return Abel integrals of a function f on the annulus at its sampling points t.
+
+        They are ``1/2 int f dz / sqrt(|z - t**2|)`` with ``z = s**2``, over radii s of the annulus
+        on one side of t.
 
         Parameters
         ----------
         values : sequence of ndarray, shape (..., points)
             Values of the function at the sampling points of either half.
         side : int
-            +1 for the half-integral, over radii outside of the point, -1 for the inner integral.
+            +1 for radii outside of t, -1 for radii inside of t.
 
         Returns
         -------
         list of ndarray, shape (..., points)
-            On either half. In scaled distances what a half adds to itself depends on its panels
-            alone.
+            On either half.
         """
         coefficients = [mesh.expand(half) for mesh, half in zip(self.meshes, values, strict=True)]
         integrals = []
         for k, mesh in enumerate(self.meshes):
             of_panels = transforms(mesh.panels)
-            # whether the integral runs away from the end of this half, over the other half, too
+            # whether the radii on this side include the other half
             away = (k == 0) == (side > 0)
             if away:
                 unit = of_panels.abel_left(coefficients[k])
             else:
                 unit = of_panels.abel_right(coefficients[k])
-            integral = np.sqrt(mesh.reach) * unit
+            # in distances scaled by the extent an integral depends on the panels alone
+            integral = np.sqrt(mesh.extent) * unit
             if away:
                 other = 1 - k
                 integral += abel_integral_on(mesh, self.meshes[other], coefficients[other], side)

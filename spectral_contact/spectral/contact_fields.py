@@ -35,7 +35,7 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
-#: Degrees that ``p / s`` is given on a panel beyond those of p.
+#: How many degrees ``p/s`` has on a panel beyond those of p.
 _EXTRA_DEGREES = 4
 
 
@@ -45,13 +45,14 @@ class MeshPart(NamedTuple):
     Attributes
     ----------
     zone : int
-        Number of the zone, from the centre outward.
+        Number of the zone, from the centre outward: the disk is one part, other zones are two.
     state : int
         0 for stick, +1 or -1 for slip with this sign of the traction.
     boundary : int
         Number of the boundary that the mesh is graded to; -1 for the edge of the contact.
     mesh, shear_mesh : GradedMesh
-        The mesh with the functions of p, and with those of u. They differ in the endpoint weight.
+        Panels graded to the boundary, with the functions of p, and with those of u. They differ in
+        the endpoint weight.
     degrees : tuple of int
         Highest degree of an unknown on every panel.
     pressure_degrees, shear_degrees : tuple of int
@@ -81,7 +82,9 @@ class UnknownField(NamedTuple):
     part : int
         Number of the part.
     panels : LogPanels
+        In the logarithm of the distance to the boundary, with a polynomial tail.
     degrees : tuple of int
+        Highest degree on every panel.
     functions : ndarray of int
         The functions of the panels that are in use.
     place : slice
@@ -110,7 +113,7 @@ class ContactFields:
     A *vector* holds `pressure_terms` coefficients of the pressure, then those of u on the parts
     that stick, outward. If the pressure is unknown the first are its coefficients on the parts; if
     it is known they are the factors of the known pressures: 1 for the pressure itself, and 0 or 1
-    for its changes.
+    for its contributions.
 
     Parameters
     ----------
@@ -123,11 +126,12 @@ class ContactFields:
         zone around it.
     parameters : Parameters
     pressures : sequence of PressureField
-        The known pressure of unit load and its changes, whose load is zero, on the same panels. If
-        there is none the pressure is unknown.
+        The known pressure, of unit load, and perhaps its two contributions of the top two degrees
+        of its own space and of the top one, whose load is zero; on the same panels. If there is
+        none the pressure is unknown.
     truncated : bool
-        Whether two changes of a known pressure, by two degrees less in its own space and by one,
-        are to lose as many degrees on the parts of this mesh, too.
+        Whether these contributions take in the top degrees of the known pressure on the parts of
+        this mesh, too, which the coarser spaces do not represent.
 
     Attributes
     ----------
@@ -175,7 +179,7 @@ class ContactFields:
                 # without compliance the traction is singular at an edge that sticks
                 singular = self.parameters.beta == 0.0 and boundary < 0
                 power = -0.5 if singular else 0.0
-            # a tail of roots is that of a traction at the rim of a disk
+            # only the traction at the rim of a disk has a tail of roots
             mesh = GradedMesh(*end, replace(panels, root_tail=False))
             shear_mesh = mesh
             if power != panels.power or panels.root_tail:
@@ -208,7 +212,8 @@ class ContactFields:
         self.pressure_places: list[slice] = []
         #: coefficients of the known pressures on the parts, and of ``u = state f p/s`` in slip
         self.known_pressure: list[Array] = []
-        #: the first less its value at the centre, on the parts graded to a boundary between zones
+        #: `known_pressure` less the value of the pressure at the centre, on the parts graded to a
+        #: boundary between zones, which are all but the last
         self.known_variation: list[Array] = []
         self.known_slip: dict[int, Array] = {}
         #: maps from p to ``p/s`` on the parts that slip under an unknown pressure
@@ -236,6 +241,7 @@ class ContactFields:
         self.unknowns = place
 
     def _unknown(self, k: int, panels: LogPanels, start: int, *, is_shear: bool) -> UnknownField:
+        """Return the unknown field on a part whose place in a vector begins at `start`."""
         degrees = self.parts[k].degrees
         functions = panels.functions(degrees)
         place = slice(start, start + len(functions))
@@ -255,7 +261,7 @@ class ContactFields:
             values = PressureField.several(pressures, points.y)
             variation = values - central
             if panels.power != 0.0:
-                values = values / panels.distances**panels.power
+                values = values / panels.sampling_distances**panels.power
             self.known_pressure.append(_expansion(part, values, truncated=truncated))
             if part.boundary >= 0:
                 self.known_variation.append(_expansion(part, variation, truncated=truncated))
@@ -326,7 +332,10 @@ class ContactFields:
 
     @cached_property
     def top_degree_indices(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-        """Places in a vector of the top two degrees of every panel, and of the top one."""
+        """Places in a vector of the top two degrees of every panel and of the top one.
+
+        Both include the last function of every tail. A known pressure has no place.
+        """
         two_degrees, top_degree = (
             np.concatenate(
                 [field.place.start + field.panels.top(field.degrees, n) for field in self.fields]
@@ -339,13 +348,15 @@ class ContactFields:
         """Assemble ``int p s ds`` and ``int q ds`` of the parts, and the load of a vector."""
         #: of p and of u on every part
         self.loads: list[Array] = []
-        self.pulls: list[Array] = []
+        self.shear_loads: list[Array] = []
         for part in self.parts:
-            half = 0.5 * part.mesh.reach
+            half = 0.5 * part.mesh.extent
             of_pressure = moments(part.mesh.panels)
             of_shear = moments(part.shear_mesh.panels)
             self.loads.append(half * of_pressure[part.mesh.panels.functions(part.pressure_degrees)])
-            self.pulls.append(half * of_shear[part.shear_mesh.panels.functions(part.shear_degrees)])
+            self.shear_loads.append(
+                half * of_shear[part.shear_mesh.panels.functions(part.shear_degrees)]
+            )
         self.load_row = np.zeros(self.pressure_terms)
         if self.pressure_known:
             self.load_row[0] = 1.0 / (2.0 * np.pi)
@@ -369,7 +380,7 @@ class ContactFields:
             else:
                 on_panels = moments_on(part.shear_mesh.panels, part.degrees)
                 s = np.sqrt(part.shear_mesh.points(on_panels.d).z)
-                moment = 2.0 * np.pi * part.shear_mesh.reach * on_panels.with_densities(s[None])
+                moment = 2.0 * np.pi * part.shear_mesh.extent * on_panels.with_densities(s[None])
                 self.add_shear(row, moment, k)
         return np.asarray(row[0])
 
@@ -379,7 +390,7 @@ class ContactFields:
 
     @cached_property
     def jump_rows(self) -> Array:
-        """The jump of ``q - f p`` from slip to stick at every boundary."""
+        """Jumps of the traction at the boundaries, q in stick less ``+-f p`` in slip, as rows."""
         rows = np.zeros((len(self.radii), self.unknowns))
         for k in self.stick_parts:
             part = self.parts[k]
@@ -389,6 +400,7 @@ class ContactFields:
             row = rows[j : j + 1]
             at_tail = _tail_at_boundary(part.shear_mesh.panels)
             row[:, self._tail_of(k)] = part.mesh.boundary.value * at_tail
+            # one of the two zones sticks, and its state is 0
             friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
             at_boundary = np.zeros((1, len(self.loads[k])))
             at_tail = _tail_at_boundary(part.mesh.panels)
@@ -405,8 +417,8 @@ class ContactFields:
 def _expansion(part: MeshPart, values: Array, *, truncated: bool) -> Array:
     """Return coefficients on a part, as columns, through values at its sampling points, as rows.
 
-    If it is truncated, the second and third column lose the top two degrees and the top one of
-    every panel of the first.
+    The first column is the known pressure, or what follows from it. If `truncated`, its top two
+    degrees on every panel join the second column, and its top one the third.
     """
     panels = part.mesh.panels
     degrees = part.pressure_degrees

@@ -28,7 +28,7 @@ from spectral_contact.spectral.tuning import (
 
 Array = NDArray[np.float64]
 
-#: The estimate sheds two degrees and must keep one.
+#: Error estimates compare with spaces that lack two degrees of every panel, and one must be left.
 LEAST_DEGREE = 2
 
 clear_with_caches(
@@ -39,15 +39,15 @@ clear_with_caches(
 
 
 class BasisRule(NamedTuple):
-    """Points and weights, and the functions of a basis at the points."""
+    """Points and weights of a rule, and a basis at the points, (points, functions)."""
 
     points: Array
     weights: Array
     basis: Array
 
 
-class PartMass(NamedTuple):
-    """Masses of the functions of a panel, and of those of the tail."""
+class MassBlocks(NamedTuple):
+    """Mass matrices of the functions of the first panel, and of those of the tail."""
 
     panel: Array
     tail: Array
@@ -110,9 +110,9 @@ class LogPanels:
 
     @bounded_cache("top degrees")
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
-        """Return places among these of so many top degrees of every panel, and of the tail's last.
+        """Return where, among `functions`, the top `count` degrees of every panel are.
 
-        Constants are none of them. They are kept.
+        Constants are not among them, and the last function of the tail is (cached).
         """
         functions = self.functions(degrees)
         highest = np.repeat(degrees, np.add(degrees, 1))
@@ -128,19 +128,22 @@ class LogPanels:
         """
         return max(self.degree + SAMPLING_EXTRA, LEAST_SAMPLING_POINTS)
 
-    def sampling(self, points: int | None = None) -> Array:
-        """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`."""
-        g, _ = gauss_rule(points or self.samples)
+    def sampling(self, count: int | None = None) -> Array:
+        """Return ``x`` of `count` Gauss-Legendre points on every panel, by default `samples`.
+
+        The shape is (panels, count).
+        """
+        g, _ = gauss_rule(count or self.samples)
         return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:
-        """Return the distances of Gauss-Legendre sampling points on the tail, shape (n,)."""
+        """Return the distances of Gauss-Legendre points on a tail that is polynomial in d, (n,)."""
         g, _ = gauss_rule(self.tail_points)
         return self.end * (1.0 + g) / 2.0
 
     @property
     @bounded_cache("sampling points")
-    def distances(self) -> Array:
+    def sampling_distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
         return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
 
@@ -148,7 +151,7 @@ class LogPanels:
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there (cached).
 
-        For integrands with the endpoint weight: in ``d = end v**2`` it is ``v**(2 power)``.
+        The weights are for integrands that contain ``d**power``; the polynomials do not contain it.
         """
         v, w = power_rule(self.tail_terms + TAIL_EXTRA, 1.0 + 2.0 * self.power)
         d = self.end * v**2
@@ -158,11 +161,12 @@ class LogPanels:
     def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Array:
         """Return ``int_0^1 phi psi (constant + rising d) dd``, block diagonal.
 
-        Of the functions up to these degrees on the panels, and of the tail.
+        The functions are those up to these degrees on the panels, and those of the tail. With an
+        endpoint weight the matrix is zero: such panels serve where there is no compliance.
         """
         last = sum(degrees) + len(degrees)
         mass = np.zeros((last + self.tail_terms,) * 2)
-        if self.power != 0.0:  # not square integrable: such panels serve zero compliance
+        if self.power != 0.0:
             return mass
         masses = self._masses()
         extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
@@ -177,7 +181,10 @@ class LogPanels:
     def mass_times(
         self, degrees: tuple[int, ...], values: Array, constant: float, rising: float = 0.0
     ) -> Array:
-        """Return that mass times coefficients of these functions, as columns, without making it."""
+        """Return `mass` times coefficients of these functions, as columns, without the matrix.
+
+        Without endpoint weight.
+        """
         table, product = np.zeros((2, self.size, values.shape[1]))
         used = self.functions(degrees)
         inner = slice(-self.tail_terms)
@@ -192,8 +199,8 @@ class LogPanels:
         return np.asarray(product[used])
 
     @bounded_cache("masses")
-    def _masses(self) -> list[PartMass]:
-        """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
+    def _masses(self) -> list[MassBlocks]:
+        """Return masses with the density 1, and with the density d (cached)."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
         d, weights, tail = self.tail_rule()
@@ -201,7 +208,7 @@ class LogPanels:
         for decay in (1, 2):
             falling = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
             on_tail = (tail.T * (weights * d ** (decay - 1))) @ tail
-            masses.append(PartMass((values.T * falling) @ values, on_tail))
+            masses.append(MassBlocks((values.T * falling) @ values, on_tail))
         return masses
 
 

@@ -1,9 +1,11 @@
 """Positive definite problems: solutions for many right-hand sides, and those in coarser spaces.
 
-Most are the regularised least-squares problem of a space. The first-kind part of ``(c M + K) a =
-H^T W target - c load`` cancels in the normal equations, which loses ``eps/sqrt(c)`` at the edge;
-one correction with the residual taken in the half-integral, where nothing cancels, restores it
-(corrected seminormal equations).
+Most are the regularised least-squares problem of a space (docs/theory): with the compliance c, the
+mass matrix M, the half-integrals H of the functions at the nodes, the weights W of the nodes and
+the Gram matrix ``K = H^T W H``, the coefficients a solve ``(c M + K) a = H^T W target - c load``.
+Next to the edge ``target - H a`` is small, and forming ``K a`` loses ``eps/sqrt(c)``; one
+correction with the residual ``H^T W (target - H a) - c M a`` restores it (corrected seminormal
+equations).
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ class Change:
     ----------
     coefficients : ndarray, shape (size,)
     energies : ndarray, shape (panels + 1,)
-        Diagonal part of its energy on every panel, and on the tail.
+        Diagonal part of its energy, by the numbers `NodalSpace.panel`.
     """
 
     coefficients: Array
@@ -37,18 +39,22 @@ class Change:
 
 
 class NodalSpace(ABC):
-    """Functions with the half-integrals that they have at nodes.
+    """Functions p, and their half-integrals ``F(t) = int_t^1 p s ds / sqrt(s^2 - t^2)`` at nodes t.
 
     Attributes
     ----------
     t, y : ndarray, shape (nodes,)
         Nodes of the half-integral, and ``1 - t**2`` without cancellation.
     past : ndarray, shape (nodes,)
-        ``t**2 - b**2`` without cancellation for the last break b before t, 0 if there is none.
+        ``t**2 - b**2`` without cancellation for the largest break b of the profile inside t, 0 if
+        there is none; profiles are evaluated with it.
     weights, measure : ndarray, shape (nodes,)
-        Weights of ``dt``, and of the measure of inner products.
+        Weights of ``dt``, and of ``dt / pi`` or, for shear, ``t**2 dt / pi``, the measure in which
+        half-integrals are multiplied.
     index, panel : ndarray of int, shape (unknowns,)
-        Places of the unknowns among the coefficients, and the panels that they belong to.
+        Places of the unknowns among the coefficients, and the number of the panel of each, through
+        all parts. A tail has the number `panels` if there is one part, else that of the last panel
+        of its part.
     size, panels : int
         Length of a vector of coefficients, and number of panels.
     coarsest_unknowns, coarse_unknowns : int
@@ -79,7 +85,10 @@ class NodalSpace(ABC):
 
     @cached_property
     def constant_moments(self) -> Array:
-        """Moments of the density 1: the load of a pressure is 4 pi times its product with them."""
+        """Moments of the density 1.
+
+        The load ``2 pi int p s ds = 4 int F dt`` of a pressure is 4 pi times its product with them.
+        """
         return self.moments(np.ones(len(self.weights)))
 
     def moments(self, density: Array) -> Array:
@@ -93,12 +102,14 @@ class NodalSpace(ABC):
     def project(self, weighted: Array) -> Array:
         """Return the sums over the nodes of the half-integrals times weighted values.
 
+        This is the transpose of `half_integral` for the unknowns.
+
         The result is in the order of `index`; several weighted values are rows, as in `moments`.
         """
 
     @abstractmethod
     def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
+        """Return the half-integral at the nodes; coefficients (size,) are 0 outside the space."""
 
     def factor(self, compliance: float) -> Regularised:
         """Factor ``compliance * mass + gram``."""
@@ -108,8 +119,8 @@ class NodalSpace(ABC):
 class Cholesky:
     """The Cholesky factor of a matrix, which is overwritten.
 
-    The factor is as accurate as that of the matrix scaled to unit diagonal: rounding errors are
-    relative to the diagonal, whatever its range.
+    Rounding errors are relative to the diagonal: the factor is as accurate as that of the matrix
+    scaled to unit diagonal.
 
     Parameters
     ----------
@@ -127,7 +138,7 @@ class Cholesky:
         self.diagonal: Array = matrix.diagonal().copy()
         # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
         # replaces the lower triangle; the upper one stays as it is, and
-        # `coarse_difference` needs it.
+        # `coarse_change` needs it.
         self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
@@ -141,14 +152,14 @@ class Cholesky:
             step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
         return np.asarray(step.T)
 
-    def coarse_difference(self, solution: Array, coarse_unknowns: int) -> Array:
+    def coarse_change(self, solution: Array, coarse_unknowns: int) -> Array:
         """Return the solution in a coarser space less the solution.
 
         The coarser space has the first `coarse_unknowns` unknowns alone, with the same right-hand
         side. It takes no other factorisation, and nothing cancels.
         """
         last = solution[coarse_unknowns:]
-        # with the whole factor, as the leading block would have to be copied
+        # with all of the factor: its leading block would have to be copied
         step = np.zeros(len(solution))
         step[:coarse_unknowns] = self._factor[:coarse_unknowns, coarse_unknowns:] @ last
         step, _ = lapack.dtrtrs(self._factor, step, lower=1, overwrite_b=1)
@@ -224,7 +235,7 @@ class Regularised:
         """
         space = self.space
         unknowns = space.coarsest_unknowns if degrees == 2 else space.coarse_unknowns
-        difference = self.cholesky.coarse_difference(coefficients[space.index], unknowns)
+        difference = self.cholesky.coarse_change(coefficients[space.index], unknowns)
         change = np.zeros(len(coefficients))
         change[space.index] = difference
         energies = np.bincount(

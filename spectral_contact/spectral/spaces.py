@@ -81,18 +81,18 @@ class Space(NodalSpace):
         points = [mesh.points(n.d) for mesh, n in zip(meshes, nodes, strict=True)]
         # nodes that are graded to the rim of a disk have their distance from its centre, too
         squares = [
-            mesh.reach * n.rest if mesh.sign < 0 and mesh.reach == mesh.boundary.square else p.z
+            mesh.extent * n.rest if mesh.sign < 0 and mesh.extent == mesh.boundary.square else p.z
             for mesh, n, p in zip(meshes, nodes, points, strict=True)
         ]
         self.t = np.sqrt(np.concatenate(squares))
         self.y = np.concatenate([p.y for p in points])
         self.past = np.concatenate(
             [
-                np.zeros(len(p.offset)) if inner is CENTRE else -p.before(inner)
-                for p, inner in zip(points, parts.inner, strict=True)
+                np.zeros(len(p.offset)) if last is CENTRE else -p.before(last)
+                for p, last in zip(points, parts.profile_breaks, strict=True)
             ]
         )
-        extents = [mesh.reach * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
+        extents = [mesh.extent * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
         self.weights = np.concatenate(extents) / (2.0 * self.t)
         self.measure = self.weights / pi * (self.t**2 if shear else 1.0)
         #: where the nodes of the parts are cut apart

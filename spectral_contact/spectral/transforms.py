@@ -84,7 +84,7 @@ class Transforms:
         panels = self.panels
         to_end = panels.width - self._x[0]
         blocks = abel_right_blocks(to_end, panels.panels, panels.width, panels.degree)
-        return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.distances, panels.end)
+        return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.sampling_distances, panels.end)
 
     @cached_property
     def _left_blocks(self) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_v
 
 def half_integral(mesh, points):
     """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)``, shape (points, size)."""
-    p, e = mesh.panels, points.before(mesh.boundary) / mesh.reach
+    p, e = mesh.panels, points.before(mesh.boundary) / mesh.extent
     matrix = np.zeros((len(e), p.size))
     if mesh.sign < 0:
         rows = e > 0.0
@@ -18,12 +18,12 @@ def half_integral(mesh, points):
         matrix[rows] = abel_exterior(e[rows], p.panels, p.width, p.degree)
         rows = (e < 0.0) & (e >= -1.0)
         matrix[rows] = abel_left(-e[rows], p.panels, p.width, p.degree)
-    return matrix * np.sqrt(mesh.reach)
+    return matrix * np.sqrt(mesh.extent)
 
 
 def inner_integral(mesh, points):
     """Return ``1/2 int_{z < s^2} psi dz / sqrt(s^2 - z)``, shape (points, size)."""
-    p, e = mesh.panels, points.before(mesh.boundary) / mesh.reach
+    p, e = mesh.panels, points.before(mesh.boundary) / mesh.extent
     matrix = np.zeros((len(e), p.size))
     if mesh.sign < 0:
         rows = e <= 0.0
@@ -33,7 +33,7 @@ def inner_integral(mesh, points):
     else:
         rows = e < 0.0
         matrix[rows] = abel_right(-e[rows], p.panels, p.width, p.degree)
-    return matrix * np.sqrt(mesh.reach)
+    return matrix * np.sqrt(mesh.extent)
 
 
 def sources(mesh):
@@ -47,4 +47,4 @@ def sources(mesh):
     tail = tail_values(p.end * share, p.end, p.tail_terms, p.root_tail)
     matrix[d.size :, -p.tail_terms :] = (0.5 * p.end * w)[:, None] * tail
     points = mesh.points(np.concatenate([d.ravel(), p.end * share]))
-    return points, 0.5 * mesh.reach * matrix
+    return points, 0.5 * mesh.extent * matrix

@@ -97,7 +97,7 @@ def test_an_error_tells_what_refuted_each_candidate(monkeypatch):
     tried = str(caught.value).split("; ")
     assert all(text.endswith(fails) for text in tried)
     assert any("an active set on rings" in text for text in tried)
-    assert caught.value.best is None
+    assert caught.value.least_wrong is None
 
 
 def test_states_are_tried_once_but_a_disk_without_radius(monkeypatch):

@@ -76,11 +76,11 @@ def test_points_keep_the_digits_of_their_offsets():
 def test_meshes_meet_in_the_middle(annulus):
     inner, outer = annulus.meshes
     assert (inner.sign, outer.sign) == (1, -1)
-    assert inner.reach == outer.reach
-    assert_allclose(2 * inner.reach, gap(annulus.inner, annulus.outer), rtol=1e-15)
+    assert inner.extent == outer.extent
+    assert_allclose(2 * inner.extent, gap(annulus.inner, annulus.outer), rtol=1e-15)
     ends = inner.points(np.array([0.0, 1.0])), outer.points(np.array([0.0, 1.0]))
-    assert_array_equal(ends[0].before(annulus.inner), [0.0, -inner.reach])
-    assert_array_equal(ends[1].before(annulus.outer), [0.0, outer.reach])
+    assert_array_equal(ends[0].before(annulus.inner), [0.0, -inner.extent])
+    assert_array_equal(ends[1].before(annulus.outer), [0.0, outer.extent])
     assert (inner.panels, outer.panels) == PANELS
 
 
@@ -101,8 +101,8 @@ def expansion(annulus):
 def sampled(annulus):
     inner, outer = annulus.meshes
     return [
-        function(inner.sampling().offset / (2 * inner.reach)),
-        function(1 + outer.sampling().offset / (2 * outer.reach)),
+        function(inner.sampling().offset / (2 * inner.extent)),
+        function(1 + outer.sampling().offset / (2 * outer.extent)),
     ]
 
 
@@ -226,7 +226,7 @@ def basis(mesh):
 def test_moments_with_smooth_densities(mesh):
     moments = moments_on(mesh.panels, (mesh.panels.degree,) * mesh.panels.panels)
     points = mesh.points(moments.d)
-    base, reach = square(mesh.boundary), mp.mpf(mesh.reach)
+    base, reach = square(mesh.boundary), mp.mpf(mesh.extent)
     for column, polynomial, ends in basis(mesh):
         for m in (0, 2):
 
@@ -234,8 +234,8 @@ def test_moments_with_smooth_densities(mesh):
                 return reach / 2 * polynomial(d) * (base + mesh.sign * reach * d) ** m
 
             exact = float(mp.quad(integrand, mp.linspace(*ends, 4)))
-            scale = mesh.reach / 2 * float(ends[1] - ends[0])
-            found = mesh.reach * moments.with_densities(points.z[None] ** m)
+            scale = mesh.extent / 2 * float(ends[1] - ends[0])
+            found = mesh.extent * moments.with_densities(points.z[None] ** m)
             assert abs(found[0, column] - exact) < 4e-15 * scale
 
 
@@ -244,7 +244,7 @@ def test_moments_with_smooth_densities(mesh):
 
 def test_expansion_and_series_are_inverse():
     mesh = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
-    d = mesh.sampling().offset / mesh.reach
+    d = mesh.sampling().offset / mesh.extent
     coefficients = mesh.expand(function(d))
     assert coefficients.shape == (mesh.panels.size,)
     series = series_of(mesh.panels, coefficients)
@@ -265,7 +265,7 @@ def test_unresolved_looks_at_the_last_coefficients():
 
 def test_truncated_is_what_expand_drops():
     mesh = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
-    d = mesh.sampling().offset / mesh.reach
+    d = mesh.sampling().offset / mesh.extent
     inside = -np.log(d) < 3.0
     # Legendre polynomials of the panel coordinate, one within the basis and one beyond it
     kept, dropped = (eval_legendre(n, 2.0 * (-np.log(d) % 1.0) - 1.0) * inside for n in (6, 7))

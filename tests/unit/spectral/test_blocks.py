@@ -75,7 +75,7 @@ def test_differences_keep_their_digits_next_to_the_boundary(i, k):
     _, _, more = at_nodes(integrals, rule)
     # of a point source, from the sum and not from the difference
     d = rule.d[rule.d < 1e-6]
-    z = nodes.sign * nodes.reach * d
+    z = nodes.sign * nodes.extent * d
     points, matrix = sources(mesh)
     apart = np.abs(points.before(nodes.boundary))[None]
     moved = apart - z[:, None] if outside else apart + z[:, None]

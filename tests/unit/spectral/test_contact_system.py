@@ -153,7 +153,7 @@ def test_the_residual_in_slip_is_that_of_all_parts(known):
     values = random_vector(system)
     fields = both_fields(system, values)
     annulus = system.slip_annulus(1)
-    found = system.residual_in_slip(values[:, None], annulus)
+    found = system.residual_on_annulus(values[:, None], annulus)
     for mesh, residual in zip(annulus.meshes, found, strict=True):
         points = mesh.sampling()
         expected = np.zeros(len(points.offset))
@@ -182,7 +182,7 @@ def test_rows_at_boundaries_are_integrals_there(states, known):
                 outer += float((half_integral(part.mesh, at_boundary) @ shear)[0])
         drive = 2.0 * PARAMETERS.kappa * inner / radius.value
         assert rows.stick_target[j] @ values == pytest.approx(drive, rel=1e-10)
-        assert rows.shortfall[j] @ values == pytest.approx(drive - outer, rel=1e-10, abs=1e-12)
+        assert rows.residual[j] @ values == pytest.approx(drive - outer, rel=1e-10, abs=1e-12)
 
 
 @known_or_not
@@ -226,7 +226,7 @@ def test_no_jump_of_a_continuous_traction(states, known):
 @pytest.mark.parametrize(
     ("states", "alpha", "beta", "known"), [case for case in CASES if case[0] != FULL_STICK]
 )
-def test_defects_make_the_traction_continuous_or_the_shortfall_zero(states, alpha, beta, known):
+def test_defects_make_the_traction_continuous_or_the_residual_zero(states, alpha, beta, known):
     system = contact_system(states, known, PARAMETERS._replace(alpha=alpha, beta=beta))
     fields = solved(system)
     residual = system.residual(fields.values[:, None], np.ones(1), fields.defects[:, None])[:, 0]
@@ -237,7 +237,7 @@ def test_defects_make_the_traction_continuous_or_the_shortfall_zero(states, alph
         jumps = np.abs(system.jump_rows) @ np.abs(fields.values)
         assert (np.abs(system.jump_rows @ fields.values) <= 1e-12 * jumps).all()
     else:
-        expected = system.boundary_rows.shortfall @ fields.values
+        expected = system.boundary_rows.residual @ fields.values
         assert fields.defects == pytest.approx(-expected, rel=1e-6, abs=1e-12)
 
 
@@ -290,7 +290,7 @@ def test_under_a_known_pressure_slip_bears_its_load():
 
 def test_parts_fill_the_contact():
     system = contact_system((0, 1, 0, -1), known=False)
-    assert sum(part.mesh.reach for part in system.parts) == pytest.approx(1.0, rel=1e-14)
+    assert sum(part.mesh.extent for part in system.parts) == pytest.approx(1.0, rel=1e-14)
     assert [part.zone for part in system.parts] == [0, 1, 1, 2, 2, 3, 3]
     assert [part.boundary for part in system.parts] == [0, 0, 1, 1, 2, 2, -1]
     assert system.stick_parts == [0, 3, 4]
@@ -309,7 +309,7 @@ def test_a_coarse_difference_is_what_a_solve_without_top_degrees_lacks(states, k
     for _ in range(3):
         solution += factors.step(system.residual(solution, np.ones(1), defects))
     for change, top in zip(
-        factors.change(solution[:, 0], system), system.top_degree_indices, strict=True
+        factors.coarse_differences(solution[:, 0], system), system.top_degree_indices, strict=True
     ):
         coarse = solution[:, 0] - change
         kept = np.setdiff1d(np.arange(system.unknowns), top)
