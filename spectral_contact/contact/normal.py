@@ -90,8 +90,8 @@ class _NormalProblem:
             error = pressure_error
             worst_rate = float(rates[indicators.argmax()])
             if self.changes_wanted:
-                for contribution in (change, factored.change(solution, degrees=1)):
-                    top = contribution.coefficients * approach
+                for coarse_change in (change, factored.change(solution, degrees=1)):
+                    top = -coarse_change.coefficients * approach
                     field = PressureField(None, series_of(panels, top))
                     changes.append(NormalContact(compliance, 0.0, field, panels, top))
         else:

@@ -426,7 +426,7 @@ def _expansion(part: MeshPart, values: Array, *, truncated: bool) -> Array:
     if truncated:
         for column, count in ((1, 2), (2, 1)):
             top = panels.top(degrees, count)[:-1]  # without the tail's
-            coefficients[top, column] -= coefficients[top, 0]
+            coefficients[top, column] += coefficients[top, 0]
     return coefficients
 
 
