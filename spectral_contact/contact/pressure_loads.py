@@ -57,6 +57,5 @@ def _integral(series: LogSeries, y: Array) -> Array:
     values = series(points.ravel()).reshape(points.shape)
     integrals = (values * weights) @ (gauss_weights / 2.0)
     # from the far end of panel k to y = 0
-    remainder = np.zeros(panels + 1)
-    remainder[:-1] = np.cumsum(integrals[panels:0:-1])[::-1]
+    remainder = np.append(np.cumsum(integrals[panels:0:-1])[::-1], 0.0)
     return np.asarray(integrals[panels + 1 :] + remainder[panel[panels + 1 :]])

@@ -107,7 +107,7 @@ def _first_space(width: float, layer: float, digits: float, rate: float) -> Disc
     if layer > 1.0:
         top = top + NORMAL_BEND_DEGREES * digits * bend_weight(panels, layer)
     x = width * np.arange(panels)
-    # share of the digits that exp(-rate (x - layer)) has not settled to
+    # fraction of the digits that exp(-rate (x - layer)) has not settled to
     unsettled = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
     # exp(-x) itself bends on a panel, which takes two degrees more
     degrees = np.ceil(np.minimum(top * unsettled + 2.0, top)).astype(int)

@@ -115,7 +115,7 @@ ONSET_BAND = 1e-4
 
 # Refinement
 
-#: Refinement aims at this share of the tolerance, so that one more solve is rarely needed. Its
+#: Refinement aims at this fraction of the tolerance, so that one more solve is rarely needed. Its
 #: cost: validation/cost/bench_solve.py.
 REFINEMENT_MARGIN = 0.15
 #: Most degrees that one refinement adds to a panel. Its cost: validation/cost/bench_solve.py.
@@ -125,9 +125,9 @@ MAX_ADDED_DEGREES = 8
 MAX_DEGREE = 40
 #: Most spaces that a refinement tries: not measured again.
 MAX_SPACES = 12
-#: Where refinement of unknown zones stalls, it begins again with the first space of this share of
-#: the tolerance, this many times in all, and never with that of a tolerance below the last of the
-#: three: not measured again. validation/net.py lists scenes that no longer converge.
+#: Where refinement of unknown zones stalls, it begins again with the first space of this fraction
+#: of the tolerance, this many times in all, and never with that of a tolerance below the last of
+#: the three: not measured again. validation/net.py lists scenes that no longer converge.
 RESTART_FACTOR = 0.1
 MAX_STARTS = 3
 MIN_RESTART_TOL = 1e-12
@@ -217,17 +217,17 @@ WIDE_LOGIT_STEP = 0.05
 #: Largest step of a difference for the Jacobian, over the width of the narrowest zone: with 0.03 or
 #: 0.5 no digit of 25 scenes changes.
 MAX_DIFFERENCE_STEP = 0.2
-#: The Jacobian is valid while boundaries move by less than this share of the narrowest zone: not
+#: The Jacobian is valid while boundaries move by less than this fraction of the narrowest zone: not
 #: measured again. validation/honesty/honesty_thresholds.py counts scenes that are refused.
 JACOBIAN_RANGE = 0.1
 #: A last zone that is narrower than this times alpha is taken for none: 1e-12 loses annuli of
 #: 4e-12, and with 1e-16 no digit of them changes: validation/honesty/honesty_thresholds.py.
 MIN_EDGE_ZONE_WIDTH = 1e-14
-#: The matrix is factored anew when a correction is more than this share of the one before. Its
+#: The matrix is factored anew when a correction is more than this fraction of the one before. Its
 #: cost: validation/cost/bench_coupled.py.
 MAX_CONTRACTION = 0.2
-#: A step of the boundaries stalls if it leaves more than this share of the boundary residual, and
-#: the search ends after more than so many stalled steps in a row. Not measured again;
+#: A step of the boundaries stalls if it leaves more than this fraction of the boundary residual,
+#: and the search ends after more than so many stalled steps in a row. Not measured again;
 #: validation/honesty/honesty_thresholds.py counts scenes that are refused.
 STALLED_RESIDUAL_RATIO = 0.5
 MAX_STALLED_STEPS = 8
@@ -235,14 +235,14 @@ MAX_STALLED_STEPS = 8
 #: measured again.
 MAX_NEWTON_STEPS = 40
 MAX_CORRECTIONS = 30
-#: Broyden's update drops combinations of steps whose singular value is below this share of the
+#: Broyden's update drops combinations of steps whose singular value is below this fraction of the
 #: largest one: steps that are nearly parallel show one derivative only. Not measured again.
 MIN_STEP_ANGLE = 0.03
 
 # Derivatives by parameters
 
 #: Half the width of the interval of the nodes at which the boundary residual is evaluated for its
-#: Jacobian, as a share of the narrowest zone. The factors of the middle still serve, and
+#: Jacobian, as a fraction of the narrowest zone. The factors of the middle still serve, and
 #: polynomials through DERIVATIVE_NODES nodes are right to 1e-12: validation/honesty/sensitivity.py.
 DERIVATIVE_SPAN = 0.06
 DERIVATIVE_NODES = 8

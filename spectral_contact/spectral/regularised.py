@@ -189,10 +189,11 @@ class Regularised:
         target : ndarray, shape (nodes,), or float
             What the half-integral should be; a number is a constant.
         load : ndarray, shape (size,), optional
-            Inner products of the basis with a known part of the solution, the lift.
+            Inner products of the basis with the lift, a known part of the solution.
         correct : bool
-            Whether to correct with the half-integral residual. Integral quantities do not need
-            it, nor does a solution whose singular part is in the lift.
+            Whether to correct with the half-integral residual below UNCORRECTED_COMPLIANCE.
+            Integral quantities do not need it, nor does a solution whose singular part is in the
+            lift.
 
         Returns
         -------
