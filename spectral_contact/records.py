@@ -161,7 +161,7 @@ class Zone:
         _make_plain(self)
 
     @classmethod
-    def between(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
+    def from_radii(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
         """Return the zone between two radii.
 
         Raises

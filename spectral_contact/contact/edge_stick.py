@@ -124,8 +124,8 @@ class EdgeStick(NamedTuple):
             self.amplitude * self.width ** (self.theta - 0.5) * self.pressure_factor_at_width
         )
 
-    def factor_beyond(self, eta: Array) -> Array:
-        """Return ``P(eta) eta**(1/2 - theta)`` at eta beyond 1: the pressure over its power law."""
+    def exterior_factor(self, eta: Array) -> Array:
+        """Return ``P(eta) eta**(1/2 - theta)`` at eta above 1: the pressure over its power law."""
         exponent = 0.5 - self.theta
         incomplete = betainc(exponent, 1.0 + self.theta, 1.0 / eta)
         return np.asarray(self.pressure_factor_at_width * incomplete * eta**exponent)
@@ -228,7 +228,7 @@ def _with_fields_of_stick(
     def pressure_outside_rim(d: Array) -> Array:
         y = width + extent_to_rim * d
         unmatched = outer_pressure(np.minimum(y / extent, 1.0))
-        return np.asarray(unmatched * stick.factor_beyond(y / width))
+        return np.asarray(unmatched * stick.exterior_factor(y / width))
 
     def slip_outside_rim(d: Array) -> Array:
         distance = np.minimum((width + extent_to_rim * d) / extent, 1.0)
@@ -247,13 +247,13 @@ def _with_fields_of_stick(
         return stick.pressure_within(d / 2.0, 1.0 - d / 2.0) * np.sqrt(d)
 
     depth = log(extent_to_rim / width) + _DEPTH_BELOW_WIDTH
-    slip_halves = (
+    slip_series = (
         sampled(slip_outside_disk, _DEPTH_BELOW_WIDTH),
         sampled(slip_outside_rim, depth),
     )
-    slip = AnnulusSeries(inner, rim, *slip_halves, power=0)
+    slip = AnnulusSeries(inner, rim, *slip_series, power=0)
     # without the values next to the boundaries, where slip vanishes and its sense is rounding
-    values = np.concatenate([half.at_ends()[:-1] for half in slip_halves])
+    values = np.concatenate([series.at_ends()[:-1] for series in slip_series])
     wrong = max(float(values.max() / np.abs(values).max()), 0.0)
     slip_pressure = AnnulusSeries(
         inner, rim, inner_pressure, sampled(pressure_outside_rim, depth), power=0
@@ -280,8 +280,8 @@ def _with_fields_of_stick(
         outcome,
         zones=(
             outcome.zones[0],
-            Zone.between("slip", inner, rim),
-            Zone.between("stick", rim, EDGE),
+            Zone.from_radii("slip", inner, rim),
+            Zone.from_radii("stick", rim, EDGE),
         ),
         pressure=ZonalField(
             (*disk_pressure, ZonePiece(rim, slip_pressure), ZonePiece(EDGE, edge_pressure))

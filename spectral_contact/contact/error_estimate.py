@@ -9,13 +9,16 @@ top degree alone (`FieldSolution.coarse_differences`). From them follow
 - the errors of approach and shear: their changes, and what the boundaries make. In full stick with
   an unknown pressure they are energies of the changes.
 
-Second-order terms, what corrections leave, and rounding are added to all.
+Second-order terms, rounding, and the error that corrections with the factors of nearby boundaries
+leave in the fields (`free_boundary.corrected`) are added to all.
 
 E is the residual of the tangential equation before the compliance is subtracted, and its *defect*
-at a boundary is a number added to the E(b) that the fields give (`spectral.contact_system`). The
-*boundary residual* is minus the defect over the drive ``kappa R`` there, a number without unit.
+at a boundary b is the number that has to be added to E(b) for the traction to be continuous there
+(`spectral.contact_system`). The
+*boundary residual* is minus the defect over ``kappa R`` there, the value that stick prescribes for
+the half-integral G of the traction: a number without unit.
 With tangential compliance the defects make the traction continuous; without it they are what makes
-E(b) zero, so that the residual is E(b) itself over the drive.
+E(b) zero, so that the residual is ``E(b)/(kappa R)``.
 """
 
 from __future__ import annotations
@@ -102,7 +105,7 @@ def _field_errors(
         k = field.part
         panels = field.panels
         if has_root and k == last and field.is_shear == root_is_shear:
-            # an error of the tail, which no degree of a panel lowers: it is no indicator
+            # an error of the tail of the mesh, which no degree of a panel lowers: no indicator
             at_edge = abs(series_of(panels, field.coefficients(values)).at_ends()[-1])
             tail_change = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
             root_error = ROOT_EDGE_SAFETY * float(tail_change / at_edge)
@@ -122,8 +125,8 @@ def _field_errors(
 def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
 
-    They are the fields themselves. Where p or ``u = q/s`` changes sign in full stick they are
-    ``sqrt(p^2 + u^2)`` for p and ``sqrt(u^2 + (kappa p)^2)`` for u.
+    The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
+    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``.
     """
     sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
@@ -151,13 +154,13 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
     changes = []
     for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
         part = system.parts[field.part]
-        extent = part.family.reach
+        extent = part.mesh.extent
         leading = inf
         if field.part in singular_parts:
             leading = leading_depth(alpha, beta, extent)
         cutoff = inf
         if part.boundary >= 0:
-            cutoff = rounding_depth(part.family.boundary, extent)
+            cutoff = rounding_depth(part.mesh.boundary, extent)
         changes.append(
             relative_panel_changes(
                 field.panels,
@@ -171,7 +174,14 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
 
 
 def relative_size(fields: FieldSolution, change: Array) -> float:
-    """Return the largest relative change of the fields on any panel."""
+    """Return the largest relative change of the fields on any panel.
+
+    Parameters
+    ----------
+    fields : FieldSolution
+    change : ndarray, shape (unknowns,)
+        A change of `fields.values`, for unit approach as these are.
+    """
     changes = relative_changes(fields.system, fields.values, change)
     return max(float(relative.max()) for relative in changes)
 
@@ -182,16 +192,19 @@ class ZoneSolution(ScalarResults):
 
     Attributes
     ----------
-    stuck : list of StickZone
-        Quadrature of ``t^2 E dt`` over the stick zones, for the displacement outside them.
-    zone_width_error : float
-        Largest relative error of the width of a slip zone.
+    stick_zones : list of StickZone
+        Quadrature of ``t^2 E dt`` over every stick zone, the source of the displacement in the slip
+        zones around it.
+    slip_width_error : float
+        Largest relative error of ``b^2 - a^2`` for a slip zone between a and b; it bounds the error
+        of slip next to the ends (`friction_law.slip_error_from_boundaries`).
     residual_error : float
         Estimate of the largest error of E where it drives the displacement in slip.
     jacobian : ndarray
         Derivatives of the boundary residual by the logits.
     pressures, shears : list of LogSeries, dict of LogSeries
-        p on the disk and toward both ends of every zone around it, and q/s where they stick.
+        For unit load, p on every part of the mesh, outward: on the disk, then on the two halves of
+        every zone around it; and q/s on those that stick, by the number of the part.
     system : ContactSystem
     solution : ndarray, shape (unknowns, 3)
         The vector of the system, and the contributions of the top two degrees and of the top one.
@@ -199,8 +212,8 @@ class ZoneSolution(ScalarResults):
         Estimates of the errors of the logits of the boundaries.
     """
 
-    stuck: list[StickZone]
-    zone_width_error: float
+    stick_zones: list[StickZone]
+    slip_width_error: float
     residual_error: float
     jacobian: Array
     pressures: list[LogSeries]
@@ -219,17 +232,17 @@ class ZoneSolution(ScalarResults):
     def slip_samples(self) -> tuple[list[SlipZone], float]:
         """The slip zones with E at their sampling points, and the largest change of E there.
 
-        The displacement is an integral of E from these points; it changes by a quarter of that
-        change at most.
+        The displacement is ``(1/(pi s)) int t^2 E dt / sqrt(s^2 - t^2)`` from these points; as the
+        integral of 1 is ``s/4``, it changes by a quarter of that change at most.
         """
         zones = []
         largest_change = 0.0
         for zone, state in enumerate(self.system.states):
             if state:
                 annulus = self.system.slip_annulus(zone)
-                halves = self.system.residual_in_slip(self.solution[:, :2], annulus)
-                zones.append(SlipZone(annulus, state, [half[:, 0] for half in halves]))
-                changes = (float(np.abs(half[:, 1]).max()) for half in halves)
+                residuals = self.system.residual_on_annulus(self.solution[:, :2], annulus)
+                zones.append(SlipZone(annulus, state, [residual[:, 0] for residual in residuals]))
+                changes = (float(np.abs(residual[:, 1]).max()) for residual in residuals)
                 largest_change = max(largest_change, *changes)
         return zones, largest_change
 
@@ -253,13 +266,14 @@ class ZoneEstimate:
     effects : list of Perturbation
         Effects of the top two degrees, and of the top one.
     changes : list of ndarray
-        The same as changes of `values`.
+        The changes of `values` by these effects, for unit load.
     field_errors : FieldErrors
         Estimates for p and q/s, from the changes alone.
     remaining : float
         Estimate of the relative error that corrections left of the fields.
     noise : float
-        Rounding of integral quantities, and the share of `remaining` that they take.
+        Error of integral quantities by rounding, and by `remaining`, of which they take the factor
+        MIN_CONTRACTION.
 
     Raises
     ------
@@ -306,18 +320,18 @@ class ZoneEstimate:
     def boundary_error(self) -> float:
         """The relative error of the fields by the errors of the boundaries.
 
-        If the step of the logits that the residual asks for is above rounding, and beta > 0, it is
-        the size of `end_perturbation`, at most twice the step. Otherwise it is the step for one
-        disk under a known pressure, and twice the step for other zones. In 120 scenes of one disk
-        q/s changed by at most half the step or, where the residual was rounding, by at most 16
-        times the residual (validation/honesty/honesty.py).
+        With the Newton step of the logits above rounding and beta > 0 this error is the size of
+        `end_perturbation`, but at most twice the step. Otherwise it is the step if there is one
+        disk under a known pressure, and twice the step if there are other zones. In 120 scenes of
+        one disk q/s changed by at most half the step or, where the residual was rounding, by at
+        most 16 times the residual (validation/honesty/honesty.py).
         """
         residual = np.abs(self.solution.boundary_residual)
         step = float((self.inverse @ residual).max(initial=0.0))
         if step > ROUNDING and self.system.parameters.beta > 0.0:
             return min(relative_size(self.solution, self.end_perturbation.change), 2.0 * step)
-        one_disk = self.system.pressure_known and len(self.system.radii) == 1
-        return step * (1.0 if one_disk else 2.0)
+        uncoupled_disk = self.system.pressure_known and len(self.system.radii) == 1
+        return step * (1.0 if uncoupled_disk else 2.0)
 
     @cached_property
     def second_order(self) -> float:
@@ -367,19 +381,19 @@ class ZoneEstimate:
             radius_errors(float(error), radius)
             for error, radius in zip(self.logit_errors, system.radii, strict=True)
         )
-        stuck, residual_error = self._displacement_source()
+        stick_zones, residual_error = self._displacement_source()
         pressures, shears = system.series(self.values)
         value = ZoneSolution(
             approach=self.solution.approach,
             total_shear=system.total_shear(self.values),
-            stuck=stuck,
+            stick_zones=stick_zones,
             approach_error=max(abs(effect.approach) for effect in self.effects) + integral_floor,
             shear_error=self._shear_change() + integral_floor,
             pressure_error=pressure_error,
             traction_error=traction_error,
             radius_error=boundary_errors[0][0] if boundary_errors else 0.0,
             zones_error=largest_boundary_error(system.radii, boundary_errors),
-            zone_width_error=_zone_width_error(system, boundary_errors),
+            slip_width_error=_slip_width_error(system, boundary_errors),
             residual_error=residual_error,
             jacobian=self.iterate.jacobian,
             pressures=pressures,
@@ -400,13 +414,13 @@ class ZoneEstimate:
     def _traction_rounding_factor(self) -> float:
         """The factor by which q/s at the centre rounds more than TRACTION_ROUNDING.
 
+        It rounds most at the centre, and where a small compliance hardly regularises it. With
+        C = UNCORRECTED_COMPLIANCE and the stick radius c the cases are
+
         =====================================================  ======================
-        case                                                   factor
-        =====================================================  ======================
-        full stick, coupled, or one disk under a known
-        pressure, with b = beta (over the stick radius)
-        - below UNCORRECTED_COMPLIANCE                         RIGID_ROUNDING_FACTOR
-        - one disk, below UNCORRECTED_COMPLIANCE**4            CENTRE_ROUNDING_FACTOR
+        coupled full stick, beta < C                           RIGID_ROUNDING_FACTOR
+        one disk, pressure known, C**4 < beta/c < C            RIGID_ROUNDING_FACTOR
+        one disk, pressure known, beta/c <= C**4               CENTRE_ROUNDING_FACTOR
         other full stick, coupled or on a smooth surface       CENTRE_ROUNDING_FACTOR
         others                                                 1
         =====================================================  ======================
@@ -427,21 +441,22 @@ class ZoneEstimate:
         """Return the relative error of the shear by the changes and by the boundaries.
 
         Under a known pressure the errors of the boundary residual, as defects, change the shear by
-        its response to them. Without tangential compliance there is no response; the traction
-        inside a boundary is then bounded by that of a defect on the whole disk. With an unknown
-        pressure the shear is stationary in the boundaries, and their error enters squared.
+        its response to them. Without tangential compliance the fields do not respond; their error
+        is then bounded by the traction that a defect on all of the disk inside b would cause. With
+        an unknown pressure the shear is stationary in the boundaries, and their error enters
+        squared.
         """
         total_shear = self.system.total_shear
         solution = self.solution
         changes = max(abs(total_shear(change)) for change in self.changes)
         if self.system.pressure_known:
             bound = self.residual_bound
-            response = self.system.shear_row @ solution.factors.responses
+            response = self.system.shear_row @ solution.factors.defect_responses
             if self.system.parameters.beta == 0.0:
                 residuals = [np.abs(effect.boundary_residual) for effect in self.effects]
                 bound = np.max(residuals, axis=0) + 2.0 * np.abs(solution.boundary_residual)
                 response = pi * np.array([radius.square for radius in self.system.radii])
-            defects = solution.approach * np.abs(solution.drive) * bound
+            defects = solution.approach * np.abs(solution.stick_target) * bound
             return (changes + float(np.abs(response) @ defects)) / abs(total_shear(self.values))
         distances = np.array([radius.rest for radius in self.system.radii])
         curvature = 2.0 * float((self.logit_errors**2 * distances).max(initial=0.0))
@@ -463,12 +478,12 @@ class ZoneEstimate:
         of_approach = energies.sum(axis=0) / fields.load_integral(fields.values)
         products = np.sqrt(energies * dual_energies).sum(axis=0)
         of_shear = products / abs(system.total_shear(fields.values))
-        approach_error, own_shear_error = (
+        approach_error, field_shear_error = (
             float(panels[:-1] @ rates + panels[-1]) + self.noise
             for panels in (of_approach, of_shear)
         )
         # the shear is that for unit load, and has the error of the approach, too
-        shear_error = approach_error + own_shear_error + STICK_INTEGRAL_ROUNDING
+        shear_error = approach_error + field_shear_error + STICK_INTEGRAL_ROUNDING
         value = replace(solution.value, approach_error=approach_error, shear_error=shear_error)
         solution = replace(solution, value=value)
         if self.pointwise:
@@ -492,23 +507,23 @@ class ZoneEstimate:
         defects = scale * np.column_stack([solution.defects, self.effects[0].defects])
         columns = np.column_stack([self.values, self.changes[0]])
         residual = system.pointwise_residual(columns, np.array([scale, 0.0]), defects).tangential
-        stuck = _stuck(system, [values[:, 0] for values in residual])
-        stuck_changes = _stuck(system, [values[:, 1] for values in residual])
-        jumps = np.abs(system.jump_rows @ self.end_perturbation.change)
-        steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jumps
+        stick_zones = _stick_zones(system, [values[:, 0] for values in residual])
+        changes = _stick_zones(system, [values[:, 1] for values in residual])
+        jump_sizes = np.abs(system.jump_rows @ self.end_perturbation.change)
+        steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jump_sizes
         largest = max(
-            largest_displacement(stuck_changes, *ends)
+            largest_displacement(changes, *ends)
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
             if state
         )
         if system.pressure_known and len(system.radii) == 1:
             # calibrated for one disk only (FUNCTIONAL_SAFETY): others take the change itself
             largest *= float(self.field_errors.rates[np.argmax(self.field_errors.indicators)])
-        return stuck, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
+        return stick_zones, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
 
 
-def _zone_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
-    """Return the largest relative error of the width of a slip zone, by those of its ends."""
+def _slip_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
+    """Return the largest relative error of ``b^2 - a^2`` for a slip zone between a and b."""
     bounds = system.bounds
     largest = 0.0
     end_errors = [0.0, *_square_errors(system.radii, errors), 0.0]
@@ -530,7 +545,7 @@ def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]
     ]
 
 
-def _stuck(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
+def _stick_zones(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones, from E at the nodes."""
     parts: dict[int, list[tuple[OffsetRadii, Array]]] = {}
     # E is given up to the outermost part that sticks
@@ -538,9 +553,10 @@ def _stuck(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
     inputs = zip(system.parts, operators.nodes, operators.shear_weights, residual, strict=False)
     for part, nodes, weights, values in inputs:
         if part.state == 0:
-            # far from the nodes their sum is one over the fewer sampling points
+            # `shear_weights` are those of t^2 dt / pi. Outside the zone the kernel is smooth: the
+            # sum over the nodes becomes a sum over the samples, which are fewer
             weighted = nodes.interpolate_transpose((pi * weights * values)[:, None])[:, 0]
-            parts.setdefault(part.zone, []).append((part.family.points(nodes.samples), weighted))
+            parts.setdefault(part.zone, []).append((part.mesh.points(nodes.samples), weighted))
     return [StickZone(system.bounds[zone + 1], tuple(pieces)) for zone, pieces in parts.items()]
 
 

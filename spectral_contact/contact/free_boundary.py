@@ -2,7 +2,7 @@ r"""Free boundaries: Newton's method for the boundaries between zones and the fi
 
 At given boundaries the equations are linear. Their solution has a continuous traction, and a defect
 of E at every boundary (`spectral.contact_system`). The *boundary residual* is minus that defect
-over the drive ``kappa R`` there, R being the Abel integral of the pressure inside of the boundary;
+over ``kappa R`` there, the value that stick prescribes for the half-integral G of the traction;
 boundaries are where it vanishes. They are found by Newton's method with Broyden's update of the
 Jacobian.
 
@@ -25,7 +25,6 @@ from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    FIELD_TO_STEP,
     MAX_CONTRACTION,
     MAX_CORRECTIONS,
     MAX_LOGIT_STEP,
@@ -33,6 +32,7 @@ from spectral_contact.contact.tuning import (
     MAX_STALLED_STEPS,
     MIN_CONTRACTION,
     MIN_STEP_ANGLE,
+    NEGLIGIBLE_FRACTION,
     RESIDUAL_NOISE,
     ROUNDING,
     STALLED_RESIDUAL_RATIO,
@@ -92,7 +92,7 @@ class FieldSolution:
         """Return the direct solution with the factors, as a start in their system or another."""
         system = system or factors.system
         no_defects = np.zeros(len(system.radii))
-        direct = cls(system, factors, factors.first[:, 0], no_defects)
+        direct = cls(system, factors, factors.unit_solutions[:, 0], no_defects)
         return direct._continuous(direct.values, no_defects)
 
     def _continuous(self, values: Array, defects: Array) -> FieldSolution:
@@ -107,11 +107,11 @@ class FieldSolution:
         With J the rows of the jumps and V the responses to unit defects, ``J (v + V d) = 0``.
         """
         system = self.system
-        jumps = system.jump_rows
-        if system.parameters.beta == 0.0 or not len(jumps):
-            return np.asarray(-system.boundary_rows.shortfall @ values), values
-        responses = self.factors.responses
-        defects = -np.linalg.solve(jumps @ responses, jumps @ values)
+        rows = system.jump_rows
+        if system.parameters.beta == 0.0 or not len(rows):
+            return np.asarray(-system.boundary_rows.residual @ values), values
+        responses = self.factors.defect_responses
+        defects = -np.linalg.solve(rows @ responses, rows @ values)
         return np.asarray(defects), np.asarray(values + responses @ defects)
 
     def corrected(self) -> tuple[FieldSolution, Array]:
@@ -136,13 +136,13 @@ class FieldSolution:
 
     @cached_property
     def boundary_residual(self) -> Array:
-        """The defects, relative to the drive ``kappa R`` at the boundaries, with opposite sign."""
-        return np.asarray(-self.defects / self.drive)
+        """The defects, relative to the stick target at the boundaries, with opposite sign."""
+        return np.asarray(-self.defects / self.stick_target)
 
     @property
-    def drive(self) -> Array:
-        """``kappa R`` at the boundaries."""
-        return np.asarray(self.system.boundary_rows.drive @ self.values)
+    def stick_target(self) -> Array:
+        """``kappa R(b)``, which stick prescribes for G(b), at the boundaries b, (boundaries,)."""
+        return np.asarray(self.system.boundary_rows.stick_target @ self.values)
 
     def boundary_perturbation(self, factor: float) -> Perturbation:
         """Return what removing the defects changes at given boundaries, times a factor.
@@ -152,14 +152,14 @@ class FieldSolution:
         safety that an estimate takes.
         """
         defects = -factor * self.defects
-        return self._at_unit_load(defects, self.factors.responses @ defects)
+        return self._at_unit_load(defects, self.factors.defect_responses @ defects)
 
     def coarse_differences(self) -> list[Perturbation]:
         """Return the solution less that of a coarser space, twice.
 
         The coarser spaces have two degrees less on every panel, and one degree less.
         """
-        changes = self.factors.change(self.values, self.system)
+        changes = self.factors.coarse_differences(self.values, self.system)
         return [self._at_unit_load(*self.without_jumps(change)) for change in changes]
 
     def _at_unit_load(self, defects: Array, change: Array) -> Perturbation:
@@ -168,7 +168,7 @@ class FieldSolution:
         return Perturbation(
             change + approach * self.values,
             defects + approach * self.defects,
-            -defects / self.drive,
+            -defects / self.stick_target,
             approach,
         )
 
@@ -341,7 +341,7 @@ class FreeBoundary:
         return replace(iterate, logits=logits, fields=fields, remaining=inf)
 
     def _corrected_for_step(self, iterate: Iterate, boundary_tol: float) -> Iterate:
-        """Correct the fields until their error is below FIELD_TO_STEP of the Newton step.
+        """Correct the fields until their error is below NEGLIGIBLE_FRACTION of the Newton step.
 
         A loose tolerance comes first, as the length of the step is not known before.
         """
@@ -350,7 +350,7 @@ class FreeBoundary:
             if iterate.remaining > tolerance:
                 iterate = self._corrected_to(iterate, tolerance)
             length = float(np.abs(iterate.newton_step).max())
-            needed = max(FIELD_TO_STEP * max(length, boundary_tol), ROUNDING)
+            needed = max(NEGLIGIBLE_FRACTION * max(length, boundary_tol), ROUNDING)
             if not iterate.remaining > needed or tolerance <= needed:
                 return iterate
             tolerance = needed

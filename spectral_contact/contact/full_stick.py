@@ -155,7 +155,8 @@ def _opening(pressure: LogSeries) -> float | None:
     """Return the distance ``1 - s`` from the edge at which the pressure first changes sign."""
     count = len(pressure.coefficients)
     depth = count * pressure.width
-    x = sample_depths(depth, 8 * count + 1)  # eight on a panel show every change of sign
+    # as many points as coefficients show every change of sign
+    x = sample_depths(depth, pressure.coefficients.size + 1)
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
         i = int(negative[0])

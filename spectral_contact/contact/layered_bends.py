@@ -143,7 +143,7 @@ def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Loo
     sample = np.concatenate([outward[0][:1], *outward])
     y = np.append(1.0, form.y[sample[1:]])
     values = form.sampling.values(overclosure)
-    w = np.append(field.at(y[:1]), values[sample[1:]])
+    w = np.append(field.evaluate(y[:1]), values[sample[1:]])
     width = np.append(1.0 - y[1], widths[sample[1:]])
     drop, power = np.zeros_like(w), np.zeros_like(w)
     drop[0], power[0] = abs(w[1] - w[0]), 1.0
@@ -157,7 +157,7 @@ def _looks(setting: LayeredSetting, form: PanelForm, overclosure: Array) -> _Loo
     vertex = (y[turning] + y[turning - 1]) / 2.0 - before * reach / (after - before)
     vertex = np.clip(vertex, y[turning + 1], y[turning - 1])
 
-    extreme = field.at(vertex)
+    extreme = field.evaluate(vertex)
     falls = np.minimum(np.abs(extreme - w[turning - 1]), np.abs(extreme - w[turning + 1]))
     order = np.argsort(-np.concatenate([y, vertex]), kind="stable")
     looks = _Looks(
@@ -199,7 +199,7 @@ def bends_of(
             first, last = decided[change], decided[change + 1]
 
             def excess(y: Array, knot: float = knot) -> Array:
-                return origin + a * field.at(y) - knot
+                return origin + a * field.evaluate(y) - knot
 
             ends = float(looks.y[last]), float(looks.y[first])
             found.append((first_sign_change(excess, *ends), knot))

@@ -318,7 +318,7 @@ class LayeredNewton:
         slope = setting.slope(sampling.values(fields.overclosure))
         w = cut(fields.overclosure)
         pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
-        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.unknowns_two_less))
+        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.coarsest_unknowns))
         moved = 0.0
         if setting.approach is None:
             moved = self._to_edge(w, step)
@@ -330,7 +330,7 @@ class LayeredNewton:
 
     def last_degrees(self, coefficients: Array) -> Array:
         """Return what the last two degrees of every panel have of a function."""
-        lost = self.functions.index[self.functions.unknowns_two_less :]
+        lost = self.functions.index[self.functions.coarsest_unknowns :]
         last = np.zeros_like(coefficients)
         last[lost] = coefficients[lost]
         return last

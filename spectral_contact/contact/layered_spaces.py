@@ -101,7 +101,7 @@ class PanelForm:
         """Return where the sampling points of every part are."""
         found, start = [], 0
         for (_, sign, extent), (panels, _) in zip(self._parts.ends, self._used, strict=True):
-            distances = panels.distances
+            distances = panels.sampling_distances
             ends = np.exp(-panels.width * np.arange(panels.panels + 1))
             on_panels = np.repeat(-np.diff(ends), panels.samples)
             widths = np.concatenate([on_panels, np.full(panels.tail_points, panels.end)])
@@ -122,7 +122,7 @@ class PanelForm:
         for (boundary, _, _), value in each:
             values.setdefault(boundary, []).append(value)
         jumps = [max(values[boundary]) - min(values[boundary]) for (boundary, _, _), _ in each]
-        counts = [len(panels.distances) for panels, _ in self._used]
+        counts = [len(panels.sampling_distances) for panels, _ in self._used]
         return np.repeat(jumps, counts)
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
@@ -138,7 +138,7 @@ class PanelForm:
         assert isinstance(old, PanelForm)
         counts = [[panels.panels for panels, _ in form._used] for form in (old, self)]
         if old._parts != self._parts or counts[0] != counts[1]:
-            return self.sampling.coefficients(old.field(before).at(self.y))
+            return self.sampling.coefficients(old.field(before).evaluate(self.y))
         rows, parts = [], split_parts(old._used, before)
         for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
             table = np.zeros((new.panels, new.degree + 1))
@@ -165,7 +165,7 @@ class PanelForm:
         """
         functions = self.space
         last = np.zeros_like(pressure)
-        last[functions.index[functions.unknowns_one_less :]] = 1.0
+        last[functions.index[functions.coarse_unknowns :]] = 1.0
         driving: tuple[Array, ...] = (pressure, change.coefficients, last * pressure)
         panels = self._used[0][0]
         if len(self._used) > 1:
@@ -178,7 +178,7 @@ class PanelForm:
         lost = 0.0
         if len(self._used) > 1:
             exact = self.sampling.values(pressure)
-            off = whole.pressure.at(self.y) - exact
+            off = whole.pressure.evaluate(self.y) - exact
             lost = float(np.abs(off).max()) / float(exact.min())
         return replace(whole, changes=(moved, lesser), rate=rate, pressure_error=lost)
 
@@ -190,8 +190,8 @@ class PanelForm:
 
     def _to_edge(self, panels: LogPanels, coefficients: Array) -> Array:
         """Return a function on panels of one part, through its values there."""
-        family = GradedMesh(EDGE, -1, 1.0, panels)
-        return family.expand(self.field(coefficients).at(family.sampling().y))
+        mesh = GradedMesh(EDGE, -1, 1.0, panels)
+        return mesh.expand(self.field(coefficients).evaluate(mesh.sampling().y))
 
     def at_edge(self, coefficients: Array) -> float:
         """Return the value at the edge."""

@@ -42,7 +42,7 @@ class _NormalProblem:
         self.compliance = compliance
         self.tolerance = tolerance
         self.pointwise = goal != "approach"
-        self.changes_wanted = goal == "drive"
+        self.changes_wanted = goal == "traction"
         has_weight = compliance < SMALL_COMPLIANCE and self.pointwise
         self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if has_weight else None
 
@@ -90,8 +90,8 @@ class _NormalProblem:
             error = pressure_error
             worst_rate = float(rates[indicators.argmax()])
             if self.changes_wanted:
-                for contribution in (change, factored.change(solution, degrees=1)):
-                    top = contribution.coefficients * approach
+                for coarse_change in (change, factored.change(solution, degrees=1)):
+                    top = -coarse_change.coefficients * approach
                     field = PressureField(None, series_of(panels, top))
                     changes.append(NormalContact(compliance, 0.0, field, panels, top))
         else:
@@ -114,7 +114,7 @@ class _NormalProblem:
 
 
 def solve_normal(
-    compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "drive"
+    compliance: float, tolerance: float, max_unknowns: int, *, goal: str = "traction"
 ) -> NormalContact | Refinement[NormalContact]:
     """Solve the normal problem.
 
@@ -126,15 +126,15 @@ def solve_normal(
         Bound on the relative error of the goal.
     max_unknowns : int
         Most unknowns of a space.
-    goal : {"drive", "pressure", "approach"}
+    goal : {"traction", "pressure", "approach"}
         What the tolerance bounds: the pressure, pointwise, with its `changes` for the tangential
         problem; the pressure without them; or the approach alone, which needs far fewer unknowns.
 
     Returns
     -------
     NormalContact or Refinement
-        On a smooth surface the weight ``1/sqrt(y)`` is the exact solution (3.6) and there is
-        nothing to refine.
+        On a smooth surface the weight ``1/(2 pi sqrt(y))`` is the exact solution, Eq. (3.6), with
+        the approach 1/8, and there is nothing to refine.
     """
     if compliance == 0.0:
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)

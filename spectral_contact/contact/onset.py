@@ -20,6 +20,8 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.tuning import (
     LEADING_TERM_DEPTH,
     NARROW_SLIP,
+    ONSET_SAMPLES,
+    PEAK_SAMPLES,
     SLIP_WIDENING,
     UNRESOLVED_SLIP,
 )
@@ -72,17 +74,17 @@ def slip_where_exceeded(
     def excess(x: Array) -> Array:
         """Return ``|q|/p - f``, at most f."""
         q = traction_at(x)
-        p = pressure.at(np.exp(-x))
+        p = pressure.evaluate(np.exp(-x))
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
         return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
 
     # the set may be tiny: the grid is fine around the radius where it begins
     peak = -log(stick.critical_y) if stick.critical_y > 0.0 else depth
-    offsets = np.exp(-sample_depths(EPSILON_DEPTH, 200))
+    offsets = np.exp(-sample_depths(EPSILON_DEPTH, PEAK_SAMPLES))
     around_peak = peak + np.concatenate([-offsets, [0.0], offsets])
     around_peak = around_peak[(around_peak > 0.0) & (around_peak < depth)]
-    x = np.unique(np.concatenate([sample_depths(depth, 4001), around_peak]))
+    x = np.unique(np.concatenate([sample_depths(depth, ONSET_SAMPLES), around_peak]))
 
     exceeds = excess(x) > 0.0
     changes = np.flatnonzero(exceeds[1:] != exceeds[:-1]).tolist()

@@ -30,7 +30,7 @@ def mean_inside(pressure: PressureField, y: Array) -> Array:
     """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""
     nodes, weights = gauss_rule(CENTRAL_LOAD_POINTS)
     points = 1.0 - (1.0 - y)[..., None] * (1.0 + nodes) / 2.0
-    return np.asarray(pressure.at(points) @ (weights / 2.0))
+    return np.asarray(pressure.evaluate(points) @ (weights / 2.0))
 
 
 def _integral(series: LogSeries, y: Array) -> Array:
@@ -56,7 +56,6 @@ def _integral(series: LogSeries, y: Array) -> Array:
     weights[in_tail] = distance[in_tail, None]
     values = series(points.ravel()).reshape(points.shape)
     integrals = (values * weights) @ (gauss_weights / 2.0)
-    # of all panels deeper than panel k
-    deeper = np.zeros(panels + 1)
-    deeper[:-1] = np.cumsum(integrals[panels:0:-1])[::-1]
-    return np.asarray(integrals[panels + 1 :] + deeper[panel[panels + 1 :]])
+    # from the far end of panel k to y = 0
+    remainder = np.append(np.cumsum(integrals[panels:0:-1])[::-1], 0.0)
+    return np.asarray(integrals[panels + 1 :] + remainder[panel[panels + 1 :]])

@@ -151,7 +151,7 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
         y = np.exp(-x)
         s = np.sqrt(-np.expm1(-x))
         if not same_panels:
-            return np.abs(s * series(y) / pressure.at(y))
+            return np.abs(s * series(y) / pressure.evaluate(y))
         q_over_s, p = PressureField.several([PressureField(None, series), pressure], y)
         return np.asarray(np.abs(s * q_over_s / p))
 

@@ -141,13 +141,13 @@ def within_budget(resolution: DiscreteSpace, max_unknowns: int) -> DiscreteSpace
 def _finer(
     resolution: DiscreteSpace, solution: SpaceSolution[T], tolerance: float, stalled: int
 ) -> DiscreteSpace:
-    """Return the next space: ``n`` more degrees with ``indicator * rate**n <= aim`` on each panel.
+    """Return the next space: n degrees more on each panel, with ``indicator * rate**n <= target``.
 
     Where the last space did not lower the error every panel takes two more: errors of panels above
     a thin layer change the field in the layer, and do not appear in their own indicators.
     """
-    aim = REFINEMENT_MARGIN * tolerance
-    need = np.log(np.maximum(solution.indicators / aim, 1.0)) / -np.log(solution.rates)
+    target = REFINEMENT_MARGIN * tolerance
+    need = np.log(np.maximum(solution.indicators / target, 1.0)) / -np.log(solution.rates)
     extra = np.clip(np.ceil(need), 2 * stalled, MAX_ADDED_DEGREES).astype(int)
     degrees = np.minimum(np.array(resolution.degrees) + extra, MAX_DEGREE)
     highest = int(degrees.max())

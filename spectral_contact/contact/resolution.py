@@ -99,7 +99,7 @@ def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) ->
     return _first_space(PANEL_WIDTH, ceil(2.0 * layer) / 2.0, -log(tolerance), rate)
 
 
-@bounded_cache("first spaces", 128)
+@bounded_cache("first spaces")
 def _first_space(width: float, layer: float, digits: float, rate: float) -> DiscreteSpace:
     # a multiple of four panels: few distinct meshes, whose operators are cached
     panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
@@ -107,7 +107,7 @@ def _first_space(width: float, layer: float, digits: float, rate: float) -> Disc
     if layer > 1.0:
         top = top + NORMAL_BEND_DEGREES * digits * bend_weight(panels, layer)
     x = width * np.arange(panels)
-    # share of the digits that exp(-rate (x - layer)) has not settled to
+    # fraction of the digits that exp(-rate (x - layer)) has not settled to
     unsettled = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
     # exp(-x) itself bends on a panel, which takes two degrees more
     degrees = np.ceil(np.minimum(top * unsettled + 2.0, top)).astype(int)
@@ -157,13 +157,13 @@ def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
     before = np.maximum(c2, c3)
     ratio = np.divide(last, before, out=np.ones(len(last)), where=before > 0.0)
     # the larger ones of both pairs may be c[n] and c[n-3], three degrees apart
-    three_apart = (c0 >= c1) & (c3 >= c2)
-    rate = np.where(three_apart, np.cbrt(ratio), np.sqrt(ratio))
+    over_three_degrees = (c0 >= c1) & (c3 >= c2)
+    rate = np.where(over_three_degrees, np.cbrt(ratio), np.sqrt(ratio))
     rate[rate < least_rates] = DEFAULT_DECAY_RATE
     return np.asarray(np.minimum(np.maximum(rate, MIN_DECAY_RATE), MAX_DECAY_RATE))
 
 
-@bounded_cache("last coefficients", 128)
+@bounded_cache("last coefficients")
 def _last_indices(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
     """Return the flat indices of the last four coefficients of every row, and the least rates.
 

@@ -7,8 +7,8 @@ With the residual of full stick ``E = kappa R - G``, which slip leaves, the disp
 zero in stick by the tangential equation (docs/theory.md). It is computed for kappa = 1: friction is
 ``f / kappa`` and displacements are ``u / kappa``. Each slip zone is an annulus with two halves,
 whose panels are graded toward its boundaries: a `GradedMesh` is the panels of one half, and
-`OffsetRadii` are radii given by offsets from an anchor in ``y = 1 - s**2`` (`rest` of a `Radius`),
-so that radii next to a boundary keep their digits; z is ``s**2``.
+`OffsetRadii` are radii given by offsets of ``z = s**2`` from an anchor, so that radii next to a
+boundary keep their digits; ``y = 1 - s**2`` is `rest` of a `Radius`.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ class SlipZone(NamedTuple):
     def weighted_residual(self) -> list[Array]:
         """``t E`` at the sampling points t of each half."""
         return [
-            np.sqrt(family.sampling().z) * residual
-            for family, residual in zip(self.annulus.families, self.residual, strict=True)
+            np.sqrt(mesh.sampling().z) * residual
+            for mesh, residual in zip(self.annulus.meshes, self.residual, strict=True)
         ]
 
 
@@ -136,28 +136,28 @@ def slip_displacement(
     for number, zone in enumerate(slip_zones):
         annulus = zone.annulus
         weighted = zone.weighted_residual
-        p = pressure.at(annulus.y) if beta > 0.0 else np.zeros(annulus.y.shape)
-        layer = annulus.halves(beta * zone.sign * friction * p)
+        p = pressure.evaluate(annulus.y) if beta > 0.0 else np.zeros(annulus.y.shape)
+        layer = annulus.split(beta * zone.sign * friction * p)
         integrals = annulus.integrals(weighted, -1)
-        halves: list[LogSeries] = []
+        series: list[LogSeries] = []
         zone_samples: list[Array] = []
-        for family, half_residual, integral, layer_displacement in zip(
-            annulus.families, weighted, integrals, layer, strict=True
+        for mesh, half_residual, integral, layer_displacement in zip(
+            annulus.meshes, weighted, integrals, layer, strict=True
         ):
             total = integral
             for stick_zone in _zones_inside(stick_zones, annulus.inner):
-                total += _integral_at_samples(stick_zone, family)
+                total += _integral_at_samples(stick_zone, mesh)
             for inner_zone in slip_zones[:number]:
-                for inner_family, values in zip(
-                    inner_zone.annulus.families, inner_zone.weighted_residual, strict=True
+                for inner_mesh, values in zip(
+                    inner_zone.annulus.meshes, inner_zone.weighted_residual, strict=True
                 ):
-                    total += abel_integral_on(family, inner_family, inner_family.expand(values), -1)
-            values_here = layer_displacement - total / (pi * np.sqrt(family.sampling().z))
-            halves.append(sampled_series(family.panels, values_here))
-            residual_error = family.truncated(half_residual, 0.5) / DISPLACEMENT_SMOOTHING
-            unresolved = max(unresolved, residual_error + family.unresolved(halves[-1]))
+                    total += abel_integral_on(mesh, inner_mesh, inner_mesh.expand(values), -1)
+            values_here = layer_displacement - total / (pi * np.sqrt(mesh.sampling().z))
+            series.append(sampled_series(mesh.panels, values_here))
+            residual_error = mesh.truncated(half_residual, 0.5) / DISPLACEMENT_SMOOTHING
+            unresolved = max(unresolved, residual_error + mesh.unresolved(series[-1]))
             zone_samples.append(zone.sign * values_here)
-        fields.append(AnnulusSeries(annulus.inner, annulus.outer, halves[0], halves[1], power=0))
+        fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(np.concatenate(zone_samples))
     largest = max(float(np.abs(values).max()) for values in samples)
     return SlipFields(fields, samples, largest, 2.0 * FUNCTIONAL_SAFETY * unresolved)
@@ -168,17 +168,17 @@ def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZon
     return [zone for zone in stick_zones if zone.outer.rest >= radius.rest]
 
 
-def _integral_at_samples(zone: StickZone, family: GradedMesh) -> Array:
+def _integral_at_samples(zone: StickZone, mesh: GradedMesh) -> Array:
     """Integrate ``t^2 E dt / sqrt(s^2 - t^2)`` over a stick zone, at samples s of half a slip zone.
 
     The zone lies inside. The outer half is farther from it than it is wide, so that a polynomial in
     ``s**2`` through few points is right to rounding there.
     """
-    points = family.sampling()
-    if family.sign > 0:
+    points = mesh.sampling()
+    if mesh.sign > 0:
         return _integral_at(zone, points)
-    reach = -family.reach
-    nodes = OffsetRadii(family.boundary, reach * (1.0 + FAR_NODES) / 2.0)
+    reach = -mesh.extent
+    nodes = OffsetRadii(mesh.boundary, reach * (1.0 + FAR_NODES) / 2.0)
     coefficients = FAR_EXPANSION @ _integral_at(zone, nodes)
     return np.asarray(
         chebyshev_sums(2.0 * points.offset / reach - 1.0, coefficients[:, None, None])[0]
@@ -225,7 +225,7 @@ def free_displacement(
     rate = 0.5 if contact.compliance == 0.0 else 1.0
     depth = max(-np.log(contact.compliance or 1.0), 0.0)
     panels = starting_resolution(depth, tolerance, rate=rate).panels
-    y = panels.distances
+    y = panels.sampling_distances
     load_inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, y)
     # near the centre the difference cancels: there g/s is half the mean of p inside s
     values = np.where(y < 0.5, load_inside / (1.0 - y), mean_inside(contact.pressure, y) / 2.0)

@@ -6,7 +6,9 @@ against the traction, ``p > 0``. `full_stick_outcome` and `as_full_slip` make th
 contact that sticks or slips everywhere.
 
 Symbols: p and q are pressure and traction, f is friction, beta the tangential compliance,
-``E = kappa R - G`` the residual of full stick in slip (docs/theory.md), ``y = 1 - s**2``.
+``E = kappa R - G`` the residual of full stick in slip (docs/theory.md), ``y = 1 - s**2``. All is
+for unit load. Without elastic coupling (`contact` is given) all is for kappa = 1, too: the friction
+of the parameters is f/kappa; traction, shear and slip are over kappa.
 """
 
 from __future__ import annotations
@@ -68,12 +70,12 @@ class PartialSlip(ScalarResults):
     zones : tuple of Zone
     pressure : PressureField or ZonalField
     traction, slip : ZonalField
-        The slip is the radial displacement, zero in stick.
+        q, which is ``+-f p`` in slip; and the radial displacement, zero in stick.
     slip_error : float
         Estimate of the error of the displacement, relative to its largest value; infinite if no
         digit of it is known.
     violation : float
-        By how much the friction law is violated, see `ErrorEstimates`.
+        The largest ``|q|/(f p) - 1`` in stick or, if larger, `wrong_slip`.
     wrong_slip : float
         The largest displacement in the direction of the traction, relative to the largest of all.
         It is part of the violation only if the slip error is finite; else it is noise.
@@ -85,7 +87,8 @@ class PartialSlip(ScalarResults):
         Intervals of y, outward, in which slip has the direction of the traction: there the surface
         sticks in truth.
     layout : Layout or None
-        The zones as a start for a like scene; None if their boundaries were not solved for.
+        The zones as a start for a like scene; None in full stick and full slip, whose boundaries
+        were not solved for.
     trials : tuple of Trial
         The zones that were tried, in order, with the verdict on each.
     """
@@ -105,7 +108,10 @@ class PartialSlip(ScalarResults):
 
     @property
     def verified(self) -> bool:
-        """Whether the friction law is known to hold, so that no other zones need be tried."""
+        """Whether the friction law is known to hold, so that no other zones need be tried.
+
+        The sign of the pressure is not part of it: see `violation_text`.
+        """
         return self.consistent and self._sense_is_known and not self.missing
 
     @property
@@ -123,12 +129,12 @@ class PartialSlip(ScalarResults):
 
     @property
     def _sense_is_known(self) -> bool:
-        """Whether slip is known to oppose the traction, or seems to for the most part."""
+        """Whether some digit of the slip is known, or the violation is at most 1/2."""
         return self.slip_error < inf or self.apparent_violation <= DOUBTFUL_VIOLATION
 
     @property
     def apparent_violation(self) -> float:
-        """The violation, with slip in the wrong sense counted even if no digit of it is known."""
+        """The larger one of `violation` and `wrong_slip`, even if no digit of the slip is known."""
         return max(self.violation, self.wrong_slip)
 
     @property
@@ -144,7 +150,7 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     """Return full stick in place of partial slip whose slip is too narrow to be resolved.
 
     Where f is below the critical friction, the traction of full stick exceeds f p by a relative
-    ``f_crit/f - 1`` at most, which is added to its error.
+    ``f_crit/f - 1`` at most, which is added to the errors of traction and shear.
     """
     from spectral_contact.contact.onset import unresolved_slip
 
@@ -154,7 +160,7 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     if stick.critical < inf:
         excess = max(stick.critical / parameters.friction - 1.0, 0.0)
     return PartialSlip(
-        zones=(Zone.between("stick", CENTRE, EDGE),),
+        zones=(Zone.from_radii("stick", CENTRE, EDGE),),
         pressure=stick.pressure,
         traction=ZonalField((ZonePiece(EDGE, stick.traction),)),
         slip=ZonalField((ZonePiece(EDGE, None),)),
@@ -173,12 +179,15 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
 
 
 def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
-    """Return slip around a point-like stick disk as slip everywhere: ``q = f p``, ``Q* = f``."""
+    """Return slip around a point-like stick disk as slip everywhere.
+
+    ``q = f p``, so that ``Q = f``, as the load is 1.
+    """
     pressure = outcome.pressure
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
     return replace(
         outcome,
-        zones=(Zone.between("slip", CENTRE, EDGE),),
+        zones=(Zone.from_radii("slip", CENTRE, EDGE),),
         traction=ZonalField(tuple(replace(piece, factor=friction) for piece in pieces)),
         total_shear=friction,
         shear_error=2.0 * ROUNDING,
@@ -214,8 +223,8 @@ def zones_outcome(
 
     # E in slip, and the bound on what its error does to the displacement
     slip_zones, slip_residual_error = solved.slip_samples
-    if point_disk:  # no E in stick, no error of it, and no error of boundaries over zone width
-        solved = replace(solved, stuck=[], residual_error=0.0, zone_width_error=0.0)
+    if point_disk:  # neither the disk nor its boundary has an error
+        solved = replace(solved, stick_zones=[], residual_error=0.0, slip_width_error=0.0)
     normal = solved if contact is None else contact
     solved = replace(
         solved,
@@ -236,13 +245,13 @@ def zones_outcome(
         pressure = zone_fields.pressure_field(solved, parameters)
     else:
         pressure = contact.pressure
-    outcome = _verify(solved, pressure, stick_tractions, excess, slip_zones, parameters)
+    outcome = _verified_outcome(solved, pressure, stick_tractions, excess, slip_zones, parameters)
     if contact is None and not zone_fields.all_positive(solved.pressures):
         return replace(outcome, violation_text="the pressure is not positive")
     return outcome
 
 
-def _verify(
+def _verified_outcome(
     solved: ZoneSolution,
     pressure: PressureField | ZonalField,
     stick_tractions: dict[int, DiskSeries | AnnulusSeries],
@@ -252,27 +261,37 @@ def _verify(
 ) -> PartialSlip:
     """Return zones, fields and displacement, with errors and the verdict of the friction law.
 
-    An error e of E changes the displacement by at most ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) =
-    e s/4``; four times that is taken, because e is known at nodes only. An error of the pressure
-    changes the displacement by ``beta f p`` times the relative error of p, and rounding by
-    `FIELD_ROUNDING` times 1/(2 pi), which bounds every term.
+    An error e of E changes the displacement by at most
+    ``(e/(pi s)) int t^2 dt/sqrt(s^2 - t^2) = e s/4``; the factor 1 is taken in place of 1/4,
+    because e is known at nodes only. An error of the pressure changes the displacement by
+    ``beta f p`` times the relative error of p. Rounding is `FIELD_ROUNDING` times ``1/(2 pi) =
+    int p s ds``, which bounds every term of the displacement.
 
     Parameters
     ----------
+    solved : ZoneSolution
+        With the approach and the error of the pressure of the normal contact, if that was known.
+    pressure : PressureField or ZonalField
+    stick_tractions : dict
+        The traction of every zone that sticks, by the number of the zone.
     excess : float
         The largest ``|q|/(f p) - 1`` in stick, or 0.
+    slip_zones : list of SlipZone
+        The zones that slip, outward, with E.
+    parameters : Parameters
     """
-    beta, friction = parameters.beta, parameters.friction
+    beta = parameters.beta
+    friction = parameters.friction
     states = solved.system.states
     bounds = list(pairwise(solved.system.bounds))
-    displacement = slip_displacement(solved.stuck, slip_zones, pressure, beta, friction)
+    displacement = slip_displacement(solved.stick_zones, slip_zones, pressure, beta, friction)
 
     zones: list[Zone] = []
     traction_pieces: list[ZonePiece] = []
     slip_pieces: list[ZonePiece] = []
     displacement_fields = iter(displacement.fields)
     for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
-        zones.append(Zone.between("slip" if state else "stick", inner, outer))
+        zones.append(Zone.from_radii("slip" if state else "stick", inner, outer))
         if state:
             zone_pressure = (
                 pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
@@ -284,16 +303,17 @@ def _verify(
             slip_pieces.append(ZonePiece(outer, None))
 
     absolute_error = solved.residual_error + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
-    if beta > 0.0:  # p is largest at the outer boundary of the outermost slip zone
+    if beta > 0.0:  # of all radii that slip p is largest at the outermost one
         last_slip = max(k for k, state in enumerate(states) if state)
-        max_pressure = float(pressure.at(np.array(bounds[last_slip][1].rest)))
+        max_pressure = float(pressure.evaluate(np.array(bounds[last_slip][1].rest)))
         absolute_error += beta * friction * max_pressure * solved.pressure_error
     largest = max(displacement.largest, TINY)
     field_error = inf_if_unresolved(absolute_error / largest)
-    boundary_error = slip_error_from_boundaries(solved.zone_width_error)
+    boundary_error = slip_error_from_boundaries(solved.slip_width_error)
     slip_error = inf_if_unresolved(field_error + boundary_error)
 
-    # slip in the wrong sense is excused up to the errors; those of boundaries at most up to a half
+    # slip in the wrong sense is excused up to the error of the slip, of which that by the
+    # boundaries counts for a half at most
     excused = field_error + min(boundary_error, 0.5)
     wrong = max(0.0, *(float(sample.max()) for sample in displacement.samples)) / largest
     at_outer_ends = [
@@ -316,7 +336,7 @@ def _verify(
     scalars["zones_error"] = max(
         solved.zones_error,
         _sense_unknown(slip_error, wrong),
-        _zone_width_error(slip_error, zones),
+        _uncertain_zone_error(slip_error, zones),
         edge_sense_unknown(at_edge, excused),
     )
     return PartialSlip(
@@ -352,11 +372,11 @@ def _sense_unknown(slip_error: float, wrong: float) -> float:
     return float(slip_error == inf and wrong > DOUBTFUL_VIOLATION)
 
 
-def _zone_width_error(slip_error: float, zones: list[Zone]) -> float:
-    """Return the relative error of boundaries of slip zones inside whose slip has hardly a digit.
+def _uncertain_zone_error(slip_error: float, zones: list[Zone]) -> float:
+    """Return the relative error of the boundaries of slip zones if slip has hardly a digit, else 0.
 
-    The error is that of the slip (1 at most) times the width of the zone over its distance from the
-    edge.
+    Only zones that do not reach the edge count. The error of a zone is that of the slip (1 at most)
+    times the width of the zone over its distance from the edge.
     """
     if slip_error < UNCERTAIN_SLIP_ERROR:
         return 0.0

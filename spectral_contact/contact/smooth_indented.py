@@ -88,7 +88,7 @@ def smooth_contact(
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.
     """
-    inner = zip(parts.ends, parts.inner, strict=True)
+    inner = zip(parts.ends, parts.profile_breaks, strict=True)
     pieces = [_KnownPart(profile, radius, end, one, k == 0) for k, (end, one) in enumerate(inner)]
     moment = energy = 0.0
     for one in pieces:
@@ -103,7 +103,7 @@ class _KnownPart:
 
     Attributes
     ----------
-    family : GradedMesh
+    mesh : GradedMesh
     points : OffsetRadii
     weights, t : ndarray
         Weights of ``dt^2``, and radii.
@@ -120,9 +120,9 @@ class _KnownPart:
         self._profile, self._radius, self._inner = profile, radius, inner
         boundary, sign, extent = end
         count = _TO_TIP if boundary is CENTRE else _PANELS
-        self.family = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
-        rule = _rule(self.family.panels, centred := first and sign < 0)
-        self.points, self.weights = self.family.points(rule.d), extent * rule.weights
+        self.mesh = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
+        rule = _rule(self.mesh.panels, centred := first and sign < 0)
+        self.points, self.weights = self.mesh.points(rule.d), extent * rule.weights
         # a disk's own points know how far they are from its centre
         self.t: Array = np.sqrt(extent * rule.rest if centred else self.points.z)
 
@@ -142,17 +142,17 @@ class _KnownPart:
 
     def density(self) -> _Density:
         """Return ``H'(t)/t`` as a series, on more panels if it lies above its boundary."""
-        panels = self.family.panels
-        if self.family.sign > 0:
+        panels = self.mesh.panels
+        if self.mesh.sign > 0:
             panels = replace(panels, panels=panels.panels + _FARTHER)
-        family = self.family._replace(panels=panels)
-        points = family.sampling()
+        mesh = self.mesh._replace(panels=panels)
+        points = mesh.sampling()
         t = np.sqrt(points.z)
         values = self._rates(t, points) / t
         series = sampled_series(panels, values)
         last = np.abs(series.coefficients[:, -2:]).sum(axis=1)
-        lost = last * np.sqrt(family.reach * series.ends[:-1])
-        return _Density(panels, family.expand(values), lost)
+        lost = last * np.sqrt(mesh.extent * series.ends[:-1])
+        return _Density(panels, mesh.expand(values), lost)
 
     def seen_from(self, target: OffsetRadii) -> Array:
         """Return half of ``int H'(t)/t dt^2 / sqrt(t^2 - s^2)`` at points that are clear of it."""
@@ -187,10 +187,10 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
     densities = [piece.density() for piece in pieces]
     found, worst, mean = [], 0.0, 4.0 / pi * moment
     for k, (piece, density) in enumerate(zip(pieces, densities, strict=True)):
-        family, panels = piece.family, piece.family.panels
-        distances = panels.distances
-        at_edge = family.boundary is EDGE
-        values = np.sqrt(family.reach) * density.on_its_own(family.sign)
+        mesh, panels = piece.mesh, piece.mesh.panels
+        distances = panels.sampling_distances
+        at_edge = mesh.boundary is EDGE
+        values = np.sqrt(mesh.extent) * density.on_its_own(mesh.sign)
         if at_edge:
             series = sampled_series(panels, 2.0 / pi * values / np.sqrt(distances))
             found.append(replace(series, power=0.5))
@@ -199,13 +199,11 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
             worst = max(worst, _unresolved(series), 2.0 / pi * float((density.lost / felt).max()))
             continue
         clear = k + 1
-        if family.sign > 0:  # the other half of an annulus
+        if mesh.sign > 0:  # the other half of an annulus
             values = values[: len(distances)]
-            values += abel_integral_on(
-                family, pieces[k + 1].family, densities[k + 1].coefficients, 1
-            )
+            values += abel_integral_on(mesh, pieces[k + 1].mesh, densities[k + 1].coefficients, 1)
             clear = k + 2
-        points = family.points(distances)
+        points = mesh.points(distances)
         for outer in pieces[clear:]:
             values += outer.seen_from(points)
         series, lost = _to_the_break(sampled_series(panels, 2.0 / pi * values))

@@ -13,7 +13,7 @@ import numpy as np
 
 from spectral_contact.contact.tuning import (
     JACOBIAN_FIELD_TOL,
-    MAX_DIFFERENCE_SHARE,
+    MAX_DIFFERENCE_STEP,
     MAX_LOGIT,
     MAX_LOGIT_STEP,
     MAX_SECANT_STEPS,
@@ -83,12 +83,12 @@ def secant_root(
         if not least < x + step < MAX_LOGIT:
             break
         next_value = function(x + step)
-        rise = next_value - value
+        difference = next_value - value
         secant = inverse_slope
-        if abs(rise) > RESIDUAL_NOISE or abs(step) > SHORT_LOGIT_STEP:
-            if rise * step <= 0.0:
+        if abs(difference) > RESIDUAL_NOISE or abs(step) > SHORT_LOGIT_STEP:
+            if difference * step <= 0.0:
                 break
-            secant = step / rise
+            secant = step / difference
         distances = abs(step)
         inverse_slope = secant
         next_step = -next_value * secant
@@ -139,10 +139,10 @@ def central_slope(function: Callable[[float], float], x: float) -> float:
     As spaces depend on x, the function may have steps of the size of its error.
     """
     for half_step in (SHORT_LOGIT_STEP, WIDE_LOGIT_STEP):
-        rise = function(x + half_step) - function(x - half_step)
-        if abs(rise) > RESIDUAL_NOISE / SHORT_LOGIT_STEP:
+        difference = function(x + half_step) - function(x - half_step)
+        if abs(difference) > RESIDUAL_NOISE / SHORT_LOGIT_STEP:
             break
-    return rise / (2.0 * half_step)
+    return difference / (2.0 * half_step)
 
 
 def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
@@ -150,14 +150,14 @@ def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
 
     With w the width of the narrower zone at the boundary, over which the residual varies, the half
     step h balances the noise of the residual and its third derivative:
-    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most MAX_DIFFERENCE_SHARE.
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most MAX_DIFFERENCE_STEP.
     """
     columns = []
     widths = np.diff(logits)
     for i in range(len(logits)):
         width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
         relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
-        half_step = min(relative_step, MAX_DIFFERENCE_SHARE) * width
+        half_step = min(relative_step, MAX_DIFFERENCE_STEP) * width
         step = half_step * np.eye(len(logits))[i]
         difference = residual_at(logits + step) - residual_at(logits - step)
         columns.append(difference / (2.0 * half_step))

@@ -48,10 +48,11 @@ RESIDUAL_NOISE = 1e-13
 
 # Tolerances of inner steps
 
-#: Corrections that are smaller than this share of the tolerance are left out. With 0.1 the
-#: estimates of shear and boundaries are 1.7 and 1.9 times as large in the mean of 50 random scenes:
-#: validation/honesty/sharpness.py.
-NEGLIGIBLE_SHARE = 0.01
+#: An error below this fraction of what it is compared with is negligible: a correction below it of
+#: the tolerance is left out, and a step of the boundaries is taken when the error of the fields is
+#: below it of the step. With 0.1 for corrections the estimates of shear and boundaries are 1.7 and
+#: 1.9 times as large in the mean of 50 random scenes: validation/honesty/sharpness.py.
+NEGLIGIBLE_FRACTION = 0.01
 #: Tolerance of the space and of the steps in which several boundaries are located first. Its cost:
 #: validation/cost/bench_coupled.py.
 COARSE_TOL = 1e-3
@@ -114,7 +115,7 @@ ONSET_BAND = 1e-4
 
 # Refinement
 
-#: Refinement aims at this share of the tolerance, so that one more solve is rarely needed. Its
+#: Refinement aims at this fraction of the tolerance, so that one more solve is rarely needed. Its
 #: cost: validation/cost/bench_solve.py.
 REFINEMENT_MARGIN = 0.15
 #: Most degrees that one refinement adds to a panel. Its cost: validation/cost/bench_solve.py.
@@ -124,9 +125,9 @@ MAX_ADDED_DEGREES = 8
 MAX_DEGREE = 40
 #: Most spaces that a refinement tries: not measured again.
 MAX_SPACES = 12
-#: Where refinement of unknown zones stalls, it begins again with the first space of this share of
-#: the tolerance, this many times in all, and never with that of a tolerance below the last of the
-#: three: not measured again. validation/net.py lists scenes that no longer converge.
+#: Where refinement of unknown zones stalls, it begins again with the first space of this fraction
+#: of the tolerance, this many times in all, and never with that of a tolerance below the last of
+#: the three: not measured again. validation/net.py lists scenes that no longer converge.
 RESTART_FACTOR = 0.1
 MAX_STARTS = 3
 MIN_RESTART_TOL = 1e-12
@@ -164,10 +165,10 @@ BEND_TAPER = 1.2
 #: Slope of degrees toward the ends of a slip zone: with 0.5 estimates of the slip are 6 times as
 #: large: validation/honesty/honesty.py.
 SLIP_DEGREES = 0.7
-#: A known pressure is expanded in slip to this share of the tolerance, and to MAX_SLIP_TOL or
+#: A known pressure is expanded in slip to this fraction of the tolerance, and to MAX_SLIP_TOL or
 #: closer. Without that bound the slip displacement of an annulus of 4e-9 has an error of 0.14 at
 #: rtol 2e-7, with it of 0.02: validation/honesty/honesty.py.
-SLIP_TOL_SHARE = 0.01
+SLIP_TOL_FACTOR = 0.01
 MAX_SLIP_TOL = 1e-11
 #: Slopes of degrees of two fields on zones: on any panel; in addition at a bend; and at a weak
 #: bend, where a layer only changes the amplitude, or on the second panel.
@@ -213,23 +214,20 @@ MAX_SECANT_STEPS = 10
 SHORT_LOGIT_STEP = 1e-3
 #: Half the step of the same where SHORT_LOGIT_STEP shows rounding: right to two digits.
 WIDE_LOGIT_STEP = 0.05
-#: Largest step of a difference for the Jacobian, as a share of the narrowest zone: with 0.03 or 0.5
-#: no digit of 25 scenes changes.
-MAX_DIFFERENCE_SHARE = 0.2
-#: The Jacobian is valid while boundaries move by less than this share of the narrowest zone: not
+#: Largest step of a difference for the Jacobian, over the width of the narrowest zone: with 0.03 or
+#: 0.5 no digit of 25 scenes changes.
+MAX_DIFFERENCE_STEP = 0.2
+#: The Jacobian is valid while boundaries move by less than this fraction of the narrowest zone: not
 #: measured again. validation/honesty/honesty_thresholds.py counts scenes that are refused.
 JACOBIAN_RANGE = 0.1
-#: A last zone that is narrower than this share of alpha is taken for none: 1e-12 loses annuli of
+#: A last zone that is narrower than this times alpha is taken for none: 1e-12 loses annuli of
 #: 4e-12, and with 1e-16 no digit of them changes: validation/honesty/honesty_thresholds.py.
-MIN_EDGE_ZONE_SHARE = 1e-14
-#: The matrix is factored anew when a correction is more than this share of the one before. Its
+MIN_EDGE_ZONE_WIDTH = 1e-14
+#: The matrix is factored anew when a correction is more than this fraction of the one before. Its
 #: cost: validation/cost/bench_coupled.py.
 MAX_CONTRACTION = 0.2
-#: A step of the boundaries is taken when the fields are accurate to this share of it: not measured
-#: again.
-FIELD_TO_STEP = 0.01
-#: A step of the boundaries stalls if it leaves more than this share of the boundary residual, and
-#: the search ends after more than so many stalled steps in a row. Not measured again;
+#: A step of the boundaries stalls if it leaves more than this fraction of the boundary residual,
+#: and the search ends after more than so many stalled steps in a row. Not measured again;
 #: validation/honesty/honesty_thresholds.py counts scenes that are refused.
 STALLED_RESIDUAL_RATIO = 0.5
 MAX_STALLED_STEPS = 8
@@ -237,14 +235,14 @@ MAX_STALLED_STEPS = 8
 #: measured again.
 MAX_NEWTON_STEPS = 40
 MAX_CORRECTIONS = 30
-#: Broyden's update drops combinations of steps whose singular value is below this share of the
+#: Broyden's update drops combinations of steps whose singular value is below this fraction of the
 #: largest one: steps that are nearly parallel show one derivative only. Not measured again.
 MIN_STEP_ANGLE = 0.03
 
 # Derivatives by parameters
 
 #: Half the width of the interval of the nodes at which the boundary residual is evaluated for its
-#: Jacobian, as a share of the narrowest zone. The factors of the middle still serve, and
+#: Jacobian, as a fraction of the narrowest zone. The factors of the middle still serve, and
 #: polynomials through DERIVATIVE_NODES nodes are right to 1e-12: validation/honesty/sensitivity.py.
 DERIVATIVE_SPAN = 0.06
 DERIVATIVE_NODES = 8
@@ -266,6 +264,10 @@ RATIO_TAIL_SAMPLES = 64
 #: Nodes of the polynomial of q/p between two of these points. As q/p is analytic up to an imaginary
 #: part of about pi in x, it is right to rounding.
 RATIO_NODES = 16
+#: Points over the whole depth at which q/p of full stick is compared with the friction, and on
+#: either side of the radius of its maximum, where the set that violates the law may be tiny.
+ONSET_SAMPLES = 4001
+PEAK_SAMPLES = 200
 #: Points of a Gauss rule for the pressure over ``1/2 <= y <= 1``, where it is analytic up to the
 #: edge, at a distance of half the interval or more: right to rounding.
 CENTRAL_LOAD_POINTS = 40
@@ -356,8 +358,6 @@ NARROW_SLIP = 0.25
 #: Error of full stick in place of slip that was not resolved, over ``1 - f/f_crit``.
 #: `python validation/honesty/honesty_thresholds.py` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
-#: Tolerance of coupled full stick over `ONSET`: enough to see whether ``1 - f/f_crit < ONSET``.
-ONSET_TOLERANCE_FACTOR = 0.1
 #: With coupling, slip is not looked for if ``1 - f/f_crit`` is below this and full stick meets the
 #: tolerance in its place. Not measured again.
 OPTIONAL_SEARCH = 1e-8
@@ -431,17 +431,18 @@ EDGE_SAMPLING_MARGIN = 4.0
 
 # .. runs and continuation (solving/run.py, solving/sharing.py)
 
-#: Tolerance of a pressure that loads the tangential problem, over that of the solve: the error of
-#: the pressure is then a small part of that of the traction. Not measured again.
-PRESSURE_TOLERANCE_FACTOR = 0.1
+#: The tolerance of an inner problem is this times what its error adds to, of which it is then a
+#: small part: a pressure that loads the tangential problem, whose error adds to that of the
+#: traction, and coupled full stick, whose critical friction decides whether ``1 - f/f_crit`` is
+#: below `ONSET_BAND`. Not measured again.
+INNER_TOLERANCE_FACTOR = 0.1
 #: Least tolerance of that pressure; rounding does not let it be met below. Not measured again.
 MIN_PRESSURE_TOLERANCE = 1.2e-13
-#: Scenes of a path whose boundaries are extrapolated. Not measured again.
-ZONE_PATH_POINTS = 6
+#: Number of scenes of a path from which boundaries are extrapolated, and of stick radii of a
+#: growing contact from which another one is interpolated. Not measured again.
+PATH_POINTS = 6
 #: Largest step in a logarithm of alpha, beta or f over which boundaries are extrapolated.
 #: Not measured again.
 MAX_EXTRAPOLATION = 1.0
 #: Scenes are on one line if they are off it by less than this part of their largest distance.
 COLLINEARITY = 1e-6
-#: Stick radii of a growing contact from which another one is interpolated. Not measured again.
-STICK_PATH_POINTS = 6

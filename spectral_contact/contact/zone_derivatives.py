@@ -134,14 +134,14 @@ class _FunctionalDerivatives(NamedTuple):
 
     Attributes
     ----------
-    jumps, shortfalls : ndarray, shape (boundaries, parameters)
+    jumps, boundary_residuals : ndarray, shape (boundaries, parameters)
         Derivatives of the jumps of the traction, and of E(b), at the boundaries b.
     shear : ndarray, shape (parameters,)
         Derivatives of the total shear.
     """
 
     jumps: Array
-    shortfalls: Array
+    boundary_residuals: Array
     shear: Array
 
 
@@ -218,12 +218,13 @@ class _SolutionDerivatives:
         responses: Array = solved[:, count:]
         rigid = system.parameters.beta == 0.0
         singular = np.zeros(count)
-        shortfall = system.boundary_rows.shortfall
-        defects: Array = np.asarray(shortfall @ values + partial.shortfalls)
+        defects: Array = np.asarray(
+            system.boundary_rows.residual @ values + partial.boundary_residuals
+        )
         if not rigid:  # the defects that keep the traction continuous
             jumps = system.jump_rows
             defects = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + partial.jumps))
-        residual: Array = defects / fields.drive[:, None]
+        residual: Array = defects / fields.stick_target[:, None]
         logits: Array = np.asarray(-np.linalg.solve(self.by_logits[:, :-2].T, residual))
         scale = fields.approach
         load = fields.load_integral(fields.values)
@@ -292,13 +293,13 @@ class _SolutionDerivatives:
             size = getattr(system.parameters, name)
             doubled = self.parameters._replace(**{name: 2.0 * size})
             after = self._evaluated(self.system_at(doubled, self.logits))
-            residual, jumps_by, shortfalls_by, shear_by = (
+            residual, jumps_by, residuals_by, shear_by = (
                 (doubled_value - value) / size
                 for value, doubled_value in zip(before, after, strict=True)
             )
             right_sides[:, i] = residual
             partial.jumps[:, i] = jumps_by
-            partial.shortfalls[:, i] = shortfalls_by
+            partial.boundary_residuals[:, i] = residuals_by
             partial.shear[i] = shear_by
         no_approach = np.zeros(values.shape[1])
         for _ in range(DERIVATIVE_CORRECTIONS):
@@ -311,7 +312,7 @@ class _SolutionDerivatives:
         values = self.fields.values
         defects = self.fields.defects
         residual = system.residual(values[:, None], np.ones(1), defects[:, None])
-        rows = system.jump_rows, system.boundary_rows.shortfall, system.shear_row
+        rows = system.jump_rows, system.boundary_rows.residual, system.shear_row
         return [residual[:, 0], *(row @ values for row in rows)]
 
     def _fields(self, vectors: Array, singular: Array) -> tuple[list[ZonalField], list[ZonalField]]:

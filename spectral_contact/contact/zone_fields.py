@@ -44,7 +44,7 @@ def all_positive(pressures: Sequence[LogSeries]) -> bool:
 def fields_in_stick(solved: ZoneSolution) -> Iterator[tuple[Array, Array]]:
     """Yield q and p at `DISTANCES` from every boundary of a stick zone."""
     for k, shear in solved.shears.items():
-        points = solved.system.parts[k].family.points(DISTANCES)
+        points = solved.system.parts[k].mesh.points(DISTANCES)
         radius = np.sqrt(np.maximum(points.z, 0.0))
         yield radius * shear(DISTANCES), solved.pressures[k](DISTANCES)
 

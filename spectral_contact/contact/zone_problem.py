@@ -37,10 +37,10 @@ from spectral_contact.contact.tuning import (
     JACOBIAN_FIELD_TOL,
     JACOBIAN_RANGE,
     MAX_STARTS,
-    MIN_EDGE_ZONE_SHARE,
+    MIN_EDGE_ZONE_WIDTH,
     MIN_LOGIT,
     MIN_RESTART_TOL,
-    NEGLIGIBLE_SHARE,
+    NEGLIGIBLE_FRACTION,
     PROBE_TOL,
     RESIDUAL_NOISE,
     RESTART_FACTOR,
@@ -69,13 +69,14 @@ class FreeBoundaryProblem:
     ----------
     parameters : Parameters
     layout : Layout
-        States of the zones, and a guess of their boundaries. With a Jacobian it is that of nearly
-        the same contact (a warm start), and Newton's method begins from it.
+        States of the zones, and a guess of their boundaries. If it has a Jacobian, both are those
+        of nearly the same contact (a warm start), and Newton's method begins from them.
     tolerance : float
         Bound on the relative errors.
     pointwise : bool
-        Whether it bounds the errors of both fields, pointwise; else those of approach and shear,
-        which are about the squares of the former.
+        Whether the tolerance bounds the errors of both fields, pointwise. Else it bounds those of
+        approach and shear, which are about the squares of the errors of the fields; under a known
+        pressure it then bounds that of the shear alone, which is not the square.
     known : NormalContact, optional
         Without elastic coupling, the contact with the pressure; parameters are those for kappa = 1.
     boundary_tolerance : float, optional
@@ -96,7 +97,7 @@ class FreeBoundaryProblem:
         self.pointwise = pointwise
         self.states = layout.states
         self.boundary_tolerance = tolerance if boundary_tolerance is None else boundary_tolerance
-        self.tolerance = tolerance if pointwise or known else float(np.sqrt(tolerance))
+        self.field_tolerance = tolerance if pointwise or known else float(np.sqrt(tolerance))
         self.warm_start = layout.jacobian is not None
         self._layout = layout
         self._known = known
@@ -105,7 +106,10 @@ class FreeBoundaryProblem:
     # systems
 
     def spaces(self, tolerance: float, logits: Array) -> list[DiscreteSpace]:
-        """Return the first spaces for a tolerance, with these boundaries."""
+        """Return the first spaces of all parts for a tolerance: panels and degrees.
+
+        They depend on the boundaries by the widths of zones over those of layers alone.
+        """
         alpha, beta, _, _ = self.parameters
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         geometry = alpha, beta, radii, self.states, tolerance
@@ -130,8 +134,8 @@ class FreeBoundaryProblem:
         spaces : sequence of DiscreteSpace
         logits : ndarray
         changes : bool
-            Whether the contributions of the top degrees of a known pressure are columns of it, too,
-            so that the error of the pressure enters the estimates.
+            Whether the contributions of the top two degrees of a known pressure and of its top one
+            are right-hand sides, too, so that the error of the pressure enters the estimates.
 
         Raises
         ------
@@ -139,14 +143,15 @@ class FreeBoundaryProblem:
             If the zone at the edge is too narrow to represent.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_SHARE * self.parameters.alpha:
+        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_WIDTH * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
         pressures: list[PressureField] = []
         if self._known is not None:
             pressures = [self._known.pressure]
             if changes:
                 contributions = [change.pressure for change in self._known.changes]
-                zero = PressureField(None, None)  # a pressure in closed form has no such error
+                # a pressure in closed form has no top degrees in a space of its own
+                zero = PressureField(None, None)
                 pressures += contributions or [zero, zero]
         return ContactSystem(
             radii,
@@ -166,13 +171,16 @@ class FreeBoundaryProblem:
     # the first boundaries, in small spaces
 
     def coarse_solution(self, logit: float) -> FieldSolution:
-        """Return the fields with one given boundary, to a few digits."""
+        """Return the fields with one given boundary in the smallest space, that of PROBE_TOL."""
         logits = np.array([logit])
         system = self.system(self.spaces(PROBE_TOL, logits), logits)
         return corrected(FieldSolution.first(factored(system)), COARSE_TOL, relative_size).fields
 
     def initial_layout(self) -> Layout:
-        """Return the boundaries and their Jacobian: those of a warm start, or to a few digits.
+        """Return the boundaries to begin with in a space, and their Jacobian.
+
+        Those of the last space; in the first space those of a warm start, or the guess improved to
+        a few digits.
 
         Raises
         ------
@@ -230,19 +238,19 @@ class FreeBoundaryProblem:
         """Return the first space: those of all parts, concatenated."""
         self._layout = self.initial_layout()
         logits = np.array(self._layout.logits)
-        # in a space for half the digits boundaries have nearly all of theirs
-        halfway_tol = float(np.sqrt(self.tolerance))
+        # boundaries superconverge: a space for half the digits has nearly all of theirs
+        halfway_tol = float(np.sqrt(self.field_tolerance))
         if len(logits) and halfway_tol < HALFWAY_TOL and not (self._known and self.warm_start):
             newton = self._newton(self.spaces(halfway_tol, logits))
             assert self._layout.jacobian is not None
             start = newton.start(logits, self._layout.jacobian)
-            boundary_tol = max(self.tolerance, RESIDUAL_NOISE)
+            boundary_tol = max(self.field_tolerance, RESIDUAL_NOISE)
             iterate = newton.solve(start, boundary_tol, halfway_tol, warm_start=self.warm_start)
             logits = iterate.logits
             if iterate.converged:
                 logits = logits + iterate.newton_step
             self._layout = self._layout_of(logits, iterate.jacobian)
-        spaces = self.spaces(self.tolerance, logits)
+        spaces = self.spaces(self.field_tolerance, logits)
         self._panel_counts = [space.panels.panels for space in spaces]
         return concatenate_spaces(spaces)
 
@@ -255,7 +263,7 @@ class FreeBoundaryProblem:
         spaces = self.split(resolution)
         layout = self.initial_layout()
         newton = self._newton(spaces, changes=True)
-        negligible = NEGLIGIBLE_SHARE * self.boundary_tolerance
+        negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
         boundary_tol = max(negligible, RESIDUAL_NOISE)
         if self.parameters.beta == 0.0:
             # a misplaced boundary leaves a traction that is singular there, of which no estimate
@@ -270,7 +278,8 @@ class FreeBoundaryProblem:
             warm_start=self.warm_start,
         )
         if not iterate.converged:
-            # next to the onset of a zone Broyden's update from the steps is not accurate enough
+            # next to the onset of a zone no step is below the tolerance, and Broyden's Jacobian is
+            # not accurate enough for the estimates
             jacobian = self._jacobian(
                 self.spaces(COARSE_TOL, iterate.logits), iterate.logits, ROUNDING
             )
@@ -300,8 +309,8 @@ class _GivenRadius(FreeBoundaryProblem):
         """Solve in a space.
 
         The boundary residual ``r(f) = r(0) - f (r(0) - r(1))`` is linear in the friction, so that
-        its root follows from two solutions. Its derivative by ``ln f`` at the root is ``-r(0)``,
-        and ``r(0)`` takes the place of the Jacobian in the estimate.
+        its root follows from two solutions. Its derivative by ``ln f`` at the root is ``-r(0)``;
+        ``r(0)`` takes the place of the Jacobian in the estimate, where only moduli count.
         """
         spaces = self.split(resolution)
         logits = np.array(self._layout.logits)
@@ -310,6 +319,7 @@ class _GivenRadius(FreeBoundaryProblem):
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
             system = self.system(spaces, logits, changes=True)
+            # the friction is in the right-hand sides only
             factors = factors or factored(system)
             start = FieldSolution.first(factors, system)
             fields = corrected(start, RESIDUAL_NOISE, relative_size).fields
@@ -373,13 +383,15 @@ def solve_zones(
     """Solve the coupled contact with the zones of a layout.
 
     The tolerance bounds the fields pointwise, or approach and shear. Where refinement stalls it
-    begins again in the first space of a smaller tolerance. The friction law is not checked here.
-    Raises `NoBoundariesError` if there are no such boundaries.
+    begins again with a finer first space, that of a smaller tolerance. `max_unknowns` bounds the
+    unknowns of both fields together. The friction law is not checked here. Raises
+    `NoBoundariesError` if there are no such boundaries.
     """
     refinements = list[Refinement[ZoneSolution]]()
     for k in range(MAX_STARTS):
         space_tolerance = max(RESTART_FACTOR**k * tolerance, MIN_RESTART_TOL)
         problem = FreeBoundaryProblem(parameters, layout, space_tolerance, pointwise=pointwise)
+        # `refine` counts coefficients of the panels, each of which stands for p and for q/s
         refinements.append(refine(problem, tolerance, max_unknowns // 2))
         best = min(refinements, key=lambda refinement: refinement.best.error)
         if best.ending is not Ending.ROUNDING or space_tolerance == MIN_RESTART_TOL:

@@ -3,8 +3,9 @@
 A candidate is a sequence of zones (`Layout`: boundaries, and whether each zone sticks or slips)
 with the reason why it is tried. `ZoneSearch.outcome` takes the candidates in order, solves for the
 boundaries and fields of each, and has the friction law decide (`slip_outcome`). The first candidate
-on which the law holds is the solution; if there is none, the one that violates it least. The
-outcome tells which candidates were tried, and what refuted them (`PartialSlip.trials`).
+on which the law holds is the solution. If there is none, the one that violates it least may stand
+for it (`_least_wrong`), or full stick, or there is no solution (`NoZonesError`). The outcome tells
+which candidates were tried, and what refuted them (`PartialSlip.trials`).
 
 Where candidates come from does not matter for the result. Without elastic coupling the problem is a
 strictly convex minimisation under ``|q| <= f p``: fields that satisfy all conditions are the
@@ -98,14 +99,15 @@ class Candidate:
         Their states, and boundaries to begin with.
     reason : str
         Why they are tried.
-    from_like_scene : bool
-        Whether they are the zones of a like scene. Newton's method then starts at these boundaries
-        with this Jacobian, and no search for better ones comes before it.
+    predicted : bool
+        Whether boundaries and Jacobian are predicted from scenes that were solved before
+        (`solving.sharing`). Newton's method then starts from them, and no search for better ones
+        comes before it.
     """
 
     zones: Layout
     reason: str
-    from_like_scene: bool = False
+    predicted: bool = False
 
 
 class NoZonesError(ArithmeticError):
@@ -113,11 +115,12 @@ class NoZonesError(ArithmeticError):
 
     Attributes
     ----------
-    best : PartialSlip or None
-        The outcome that violates the law least, if one was solved for.
+    least_wrong : PartialSlip or None
+        The outcome that violates the law least, if one was solved for. `solving.coupled_run` may
+        store it with its violation as its error.
     """
 
-    best: PartialSlip | None = None
+    least_wrong: PartialSlip | None = None
 
 
 def _largest_error(outcome: PartialSlip) -> float:
@@ -146,7 +149,7 @@ class ZoneSearch(ABC):
         `ZONE_SEARCH`), its result and the time it began; notes the work and returns the value of
         the result.
     warm_start : Layout, optional
-        The first candidate: zones as `PartialSlip.layout` of a like scene has them.
+        The first candidate: zones that are predicted from scenes like this one.
     """
 
     parameters: Parameters
@@ -160,29 +163,29 @@ class ZoneSearch(ABC):
     def outcome(self) -> PartialSlip:
         """Return the first outcome that obeys the friction law, or the best that will do.
 
-        Its `trials` are all candidates that were solved for.
+        Its `trials` are all candidates that were tried, with or without a solution.
         """
         outcomes: list[PartialSlip] = []
-        tried: set[tuple[int, ...]] = set()
+        trial_states: set[tuple[int, ...]] = set()
         # Newton's method for boundaries that do not exist ends at the edge, in overflow
         with np.errstate(all="ignore"):
             for candidate in self._candidates():
-                if candidate.from_like_scene:
+                if candidate.predicted:
                     outcomes += self._try(candidate)
-                elif candidate.zones.states not in tried:
+                elif candidate.zones.states not in trial_states:
                     if candidate.zones.logits:  # a disk without a radius may come again with one
-                        tried.add(candidate.zones.states)
-                    outcomes += self._try_with_missing_stick(candidate, tried)
+                        trial_states.add(candidate.zones.states)
+                    outcomes += self._try_with_missing_stick(candidate, trial_states)
                 if outcomes and outcomes[-1].verified:
                     return self._with_trials(outcomes[-1])
         return self._with_trials(self._least_wrong(outcomes))
 
     def _try_with_missing_stick(
-        self, candidate: Candidate, tried: set[tuple[int, ...]]
+        self, candidate: Candidate, trial_states: set[tuple[int, ...]]
     ) -> list[PartialSlip]:
         """Try a candidate, then its zones with the stick whose absence refuted it, and so on.
 
-        The states of what is solved for are added to those that were tried.
+        The states of the zones that are solved for are added to `trial_states`.
         """
         outcomes: list[PartialSlip] = []
         while self._is_possible(candidate.zones):
@@ -190,7 +193,7 @@ class ZoneSearch(ABC):
             if not new:
                 break
             outcomes += new
-            tried.add(candidate.zones.states)
+            trial_states.add(candidate.zones.states)
             enlarged = None if new[0].verified else new[0].with_missing_stick
             if enlarged is None:
                 break
@@ -222,12 +225,12 @@ class ZoneSearch(ABC):
 
     @property
     def _smooth_edge_sticks(self) -> bool:
-        """Whether full stick has an infinite p and a finite q at the edge: alpha = 0 < beta."""
+        """Whether the edge must stick: p is infinite there and q is not, as alpha = 0 < beta."""
         return self.parameters.alpha == 0.0 < self.parameters.beta
 
     @property
     def _edge_stick_width(self) -> float:
-        """The width in ``y`` over which a smooth edge sticks, but for a factor of about 1."""
+        """The order of the width in ``y`` over which a smooth edge sticks."""
         return (self.parameters.friction * self.parameters.beta) ** 2
 
     @property
@@ -236,8 +239,12 @@ class ZoneSearch(ABC):
         return self._smooth_edge_sticks and self._edge_stick_width >= MIN_EDGE_STICK_WIDTH
 
     def _with_edge_stick(self, logits: list[float], states: tuple[int, ...]) -> Layout:
-        """Return zones on rings, with stick at a smooth edge if it is narrower than any ring."""
+        """Return zones on rings, with stick at a smooth edge that slips on rings.
+
+        The stick is narrower than any ring, and is added if it can be represented.
+        """
         if self._edge_stick_is_resolvable and states[-1] != 0:
+            # next to the edge the logit is -ln y
             return Layout((*logits, -log(self._edge_stick_width)), (*states, 0))
         return Layout(tuple(logits), states)
 
@@ -299,7 +306,7 @@ class UncoupledSearch(ZoneSearch):
         friction = self.parameters.friction
         start = self.warm_start
         if start is not None and min(np.diff(start.logits), default=0.0) > MIN_WARM_START_WIDTH:
-            yield Candidate(start, "the zones of a like scene", from_like_scene=True)
+            yield Candidate(start, "the zones of a like scene", predicted=True)
         if not self._edge_stick_is_resolvable:
             if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
                 yield Candidate(start, "one stick disk, about as large as that of a like scene")
@@ -312,7 +319,7 @@ class UncoupledSearch(ZoneSearch):
         violated = Candidate(
             self._slip_where_full_stick_violates, "slip where full stick exceeds the friction"
         )
-        if is_narrow(violated.zones):  # it may fall between rings
+        if is_narrow(violated.zones):  # rings may miss it
             yield violated
         from spectral_contact.contact.active_set import ring_layout
 
@@ -330,7 +337,11 @@ class UncoupledSearch(ZoneSearch):
         yield violated
 
     def _is_possible(self, zones: Layout) -> bool:
-        """Return whether there may be such zones: without a layer of q there is one stick disk."""
+        """Return whether there may be such zones.
+
+        Without tangential compliance there is one stick disk; so there is if the stick at a smooth
+        edge is too narrow to be represented, and is left out.
+        """
         if self.parameters.beta == 0.0 or (
             self._smooth_edge_sticks and not self._edge_stick_is_resolvable
         ):
@@ -340,18 +351,18 @@ class UncoupledSearch(ZoneSearch):
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         if not outcomes:  # slip is about to start, and too narrow to be solved for
             return full_stick_outcome(self.stick, self.parameters)
-        lawful = [outcome for outcome in outcomes if outcome.consistent]
-        best = min(lawful or outcomes, key=lambda outcome: outcome.apparent_violation)
+        consistent = [outcome for outcome in outcomes if outcome.consistent]
+        best = min(consistent or outcomes, key=lambda outcome: outcome.apparent_violation)
         if best.missing:  # a zone may be missing, which no estimate of its neighbours includes
             best = replace(best, zones_error=max(best.zones_error, 1.0))
         return best
 
     def _solve(self, candidate: Candidate) -> PartialSlip:
-        if candidate.from_like_scene:
-            return self._solve_from_like_scene(candidate.zones)
+        if candidate.predicted:
+            return self._solve_predicted(candidate.zones)
         zones = candidate.zones
-        one_disk = zones.states == _DISK_STATES
-        if one_disk and not zones.logits:
+        is_disk = zones.states == _DISK_STATES
+        if is_disk and not zones.logits:
             # a first radius, from the limits of little and of much friction
             zones = zones._replace(logits=(limiting_logit(self.parameters),))
         begin = perf_counter()
@@ -362,16 +373,16 @@ class UncoupledSearch(ZoneSearch):
                 return self._full_slip()
             raise
         solved: ZoneSolution = self.record(
-            PARTIAL_SLIP if one_disk else ZONE_SEARCH, refinement, begin
+            PARTIAL_SLIP if is_disk else ZONE_SEARCH, refinement, begin
         )
         begin = perf_counter()
         outcome = zones_outcome(solved, self.parameters, self.contact)
-        if one_disk:
+        if is_disk:
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
-    def _solve_from_like_scene(self, zones: Layout) -> PartialSlip:
-        """Return the solution on the zones of a like scene if nothing is left to be desired.
+    def _solve_predicted(self, zones: Layout) -> PartialSlip:
+        """Return the solution on predicted zones if it is verified and meets the tolerance.
 
         Else a fresh start may give a better one, so that this candidate counts as refuted.
         """
@@ -405,14 +416,14 @@ class UncoupledSearch(ZoneSearch):
         """Solve for boundaries and fields, to what the tolerance bounds."""
         if self.pointwise:
             return self._refine_fields(self.tolerance, zones)
-        loose = self._refine_fields(self.tolerance**FIELD_TOLERANCE_EXPONENT, zones)
-        solved = loose.best.value
+        refinement = self._refine_fields(self.tolerance**FIELD_TOLERANCE_EXPONENT, zones)
+        solved = refinement.best.value
         if max(solved.shear_error, solved.radius_error) <= self.tolerance:
-            return loose
+            return refinement
         try:
             return self._refine_fields(self.tolerance, solved.layout)
         except NoBoundariesError:  # from there Newton's method finds nothing better
-            return loose
+            return refinement
 
     def _refine_fields(self, tolerance: float, zones: Layout) -> Refinement[ZoneSolution]:
         """Solve for boundaries and fields, the fields to a tolerance.
@@ -433,7 +444,7 @@ class UncoupledSearch(ZoneSearch):
 class CoupledSearch(ZoneSearch):
     """The search with elastic coupling, where pressure and traction are one system.
 
-    Of 600 random scenes, half of them at thresholds, the law held in each on one of the candidates.
+    In each of 600 random scenes, half of them at thresholds, the law held on one of the candidates.
     """
 
     def outcome(self) -> PartialSlip:
@@ -442,7 +453,7 @@ class CoupledSearch(ZoneSearch):
         Where stick at a smooth edge is so narrow that a closed form is more accurate than panels,
         the closed form comes first; the candidates follow if it misses the tolerance.
         """
-        closed_form = self._one_disk_with_edge_stick()
+        closed_form = self._disk_with_edge_stick()
         if closed_form is not None and _largest_error(closed_form) <= self.tolerance:
             return self._with_trials(closed_form)
         try:
@@ -461,11 +472,11 @@ class CoupledSearch(ZoneSearch):
         from spectral_contact.contact.onset import is_narrow
 
         if self.warm_start is not None:
-            yield Candidate(self.warm_start, "the zones of a like scene", from_like_scene=True)
+            yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
         violated = Candidate(
             self._slip_where_full_stick_violates, "slip where full stick exceeds the friction"
         )
-        if is_narrow(violated.zones):  # it may fall between rings, which at best misplace it
+        if is_narrow(violated.zones):  # rings may miss it or misplace it
             yield violated
         rings = ring_layout(self.parameters, coupled=True)
         decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
@@ -474,7 +485,7 @@ class CoupledSearch(ZoneSearch):
                 [radius.logit for radius in rings.boundaries], rings.states
             )
             yield Candidate(zones, "the zones of an active set on rings")
-        # closer to the onset of slip than ONSET_BAND, a relative distance, full stick will do
+        # closer to the onset full stick may stand for slip (`solving.coupled_run`)
         if 1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND:
             yield violated
         logits = violated.zones.logits
@@ -487,7 +498,8 @@ class CoupledSearch(ZoneSearch):
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether zones of these states are possible.
 
-        Two zones, stick and slip, are, unless the edge must stick. More take tangential compliance.
+        Stick and slip around it are, unless the edge must stick. More than two zones are if there
+        is tangential compliance.
         """
         if len(zones.states) == 2:
             return not self._smooth_edge_sticks
@@ -499,23 +511,25 @@ class CoupledSearch(ZoneSearch):
         return min_stick_radius(self.parameters) ** 2 < exp(MIN_SMOOTH_LOGIT)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
-        lawful = [outcome for outcome in outcomes if not outcome.violation_text]
-        if lawful:
-            return min(lawful, key=lambda outcome: outcome.apparent_violation)
+        unrefuted = [outcome for outcome in outcomes if not outcome.violation_text]
+        if unrefuted:
+            return min(unrefuted, key=lambda outcome: outcome.apparent_violation)
         if self._smooth_edge_sticks and self._stick_disk_below_range:
             return self._full_slip()
         unresolved = (
             f"the edge sticks over some {self._edge_stick_width:.0e}, too little to resolve"
         )
         error = NoZonesError("; ".join(trial.text for trial in self._trials) or unresolved)
-        error.best = min(outcomes, key=lambda outcome: outcome.apparent_violation, default=None)
+        error.least_wrong = min(
+            outcomes, key=lambda outcome: outcome.apparent_violation, default=None
+        )
         raise error
 
     def _solve(self, candidate: Candidate) -> PartialSlip:
         zones = candidate.zones
         begin = perf_counter()
         try:
-            if not candidate.from_like_scene:
+            if not candidate.predicted:
                 # first boundaries, from a small space
                 problem = FreeBoundaryProblem(self.parameters, zones, self.tolerance)
                 zones = self._narrowed_at_onset(problem.initial_layout())
@@ -534,9 +548,10 @@ class CoupledSearch(ZoneSearch):
         return outcome
 
     def _narrowed_at_onset(self, zones: Layout) -> Layout:
-        """Return a slip annulus as narrow as full stick shows it, if a rough space has it wider.
+        """Return slip at the edge as narrow as full stick shows it, if a rough space has it wider.
 
-        Next to the onset slip occupies the set where full stick violates ``|q| <= f p``.
+        Next to the onset slip occupies the set where full stick violates ``|q| <= f p``. The larger
+        the logit of the stick radius, the narrower is the annulus.
         """
         onset_distance = 1.0 - self.parameters.friction / self.stick.critical
         if zones.states != _DISK_STATES or onset_distance >= NARROW_SLIP_BAND:
@@ -552,7 +567,7 @@ class CoupledSearch(ZoneSearch):
         narrower = exp(zones.logits[0] - violated.logits[0])
         return zones._replace(logits=violated.logits, jacobian=narrower * zones.jacobian)
 
-    def _one_disk_with_edge_stick(self) -> PartialSlip | None:
+    def _disk_with_edge_stick(self) -> PartialSlip | None:
         """Return one stick disk with stick at the edge in closed form, if the law holds on it.
 
         It is tried only where the closed form is expected to be accurate.

@@ -49,7 +49,7 @@ from spectral_contact.contact.tuning import (
     MAX_SLIP_TOL,
     PANEL_WIDTH,
     ROOT_TAIL_DEPTH,
-    SLIP_TOL_SHARE,
+    SLIP_TOL_FACTOR,
     STICK_SPARE_DEGREES,
     WEAK_BEND_DEGREES,
     ZONE_DEGREES,
@@ -69,11 +69,11 @@ _EPS = float(np.finfo(float).eps)
 
 def leading_depth(alpha: float, beta: float, extent: float) -> float:
     """Return the depth toward the edge past which a singular field is its leading term."""
-    return LEADING_TERM_DEPTH + thinnest_layer(alpha, beta, extent)
+    return LEADING_TERM_DEPTH + layer_depth(alpha, beta, extent)
 
 
-def thinnest_layer(alpha: float, beta: float, extent: float) -> float:
-    """Return ``-ln`` of the width of the thinnest layer in units of an extent in ``s**2``, or 0."""
+def layer_depth(alpha: float, beta: float, extent: float) -> float:
+    """Return ``-ln(w/extent)`` with the width w of the thinnest layer in ``s**2``; at least 0."""
     return -log(min([1.0, *(c / extent for c in (alpha, beta) if c > 0.0)]))
 
 
@@ -211,7 +211,7 @@ def first_spaces(
             rate = 1.0 if alpha > 0.0 and (state or beta > 0.0) else 0.5
             if alpha == 0.0 == beta:
                 rate = _smooth_boundary_rate(power, tolerance)
-            layer = thinnest_layer(alpha, layer_of_shear, extent)
+            layer = layer_depth(alpha, layer_of_shear, extent)
             end = _boundary(layer, extent / extent_across, rate, k, state)
             space = _space(end, tolerance)
             if alpha > 0.0 or len(radii) > 1:
@@ -235,7 +235,7 @@ def known_pressure_spaces(
         spaces[0] = _space(_rigid_rim(alpha, radii[0]), tolerance)
     # a coarse space, in which boundaries are located, has a coarse pressure, too
     slip_tol = (
-        min(SLIP_TOL_SHARE * tolerance, MAX_SLIP_TOL) if tolerance < COARSE_TOL else tolerance
+        min(SLIP_TOL_FACTOR * tolerance, MAX_SLIP_TOL) if tolerance < COARSE_TOL else tolerance
     )
     degree = slip_degree(slip_tol)
     return [
@@ -306,7 +306,7 @@ def _full_stick_edge(
 
 def _edge(alpha: float, beta: float, extent: float, power: float) -> _End:
     """Return the edge of a zone around the disk; beta is 0 where it slips."""
-    layer = thinnest_layer(alpha, beta, extent)
+    layer = layer_depth(alpha, beta, extent)
     if alpha > 0.0:
         bends = [(layer - EDGE_LAYER_REACH, BEND_DEGREES)]
         return _End(layer + EDGE_LAYER_REACH, 1.0, bends, EDGE_START_DEGREES)
@@ -361,7 +361,7 @@ def _space(end: _End, tolerance: float) -> DiscreteSpace:
     )
 
 
-@bounded_cache("first spaces on zones", 128)
+@bounded_cache("first spaces on zones")
 def _graded_space(
     width: float,
     digits: float,
@@ -386,8 +386,8 @@ def _graded_space(
         added = np.maximum(added, slope * bend_weight(panels, bend))
     if start_degrees:
         added[:2] = np.maximum(added[:2], (start_degrees, WEAK_BEND_DEGREES))
-    slopes = ZONE_DEGREES * unsettled + added
-    degrees = np.ceil(1.0 + spare_degrees + digits * slopes).astype(int)
+    degrees_per_digit = ZONE_DEGREES * unsettled + added
+    degrees = np.ceil(1.0 + spare_degrees + digits * degrees_per_digit).astype(int)
     degrees = np.maximum(degrees, LEAST_DEGREE)
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)

@@ -76,10 +76,10 @@ def approach_bounds(
     assert pressure.series is not None
 
     def field(d: np.ndarray) -> np.ndarray:
-        return pressure.at(d * (2.0 - d))
+        return pressure.evaluate(d * (2.0 - d))
 
     y, weights, breaks = _points(pressure.series)
-    p = pressure.at(y)
+    p = pressure.evaluate(y)
     depths = y / (1.0 + np.sqrt(1.0 - y))
     deflection = np.array([normal_displacement(field, d, breaks) for d in depths.tolist()])
     residual = approach - compliance * p - deflection

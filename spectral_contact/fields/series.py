@@ -227,7 +227,7 @@ class PressureField:
     weight: EdgeWeight | None
     series: LogSeries | None
 
-    def at(self, y: Array) -> Array:
+    def evaluate(self, y: Array) -> Array:
         """Evaluate at ``y = 1 - s**2``."""
         value = np.zeros(np.shape(y))
         if self.weight is not None:
@@ -258,7 +258,7 @@ class PressureField:
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate at radii `s` whose distances to the edge are `from_edge`."""
-        return self.at(from_edge * (1.0 + s))
+        return self.evaluate(from_edge * (1.0 + s))
 
 
 @dataclass(frozen=True, slots=True)
@@ -375,7 +375,7 @@ class ZonalField:
                 result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
         return result
 
-    def at(self, y: Array) -> Array:
+    def evaluate(self, y: Array) -> Array:
         """Evaluate at ``y = 1 - s**2``."""
         s = np.sqrt(np.maximum(1.0 - y, 0.0))
         return self(s, y / (1.0 + s))

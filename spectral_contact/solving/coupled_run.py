@@ -12,9 +12,9 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.contact.tuning import (
     HIDDEN_SLIP,
+    INNER_TOLERANCE_FACTOR,
     ONSET_BAND,
     ONSET_ERROR_FACTOR,
-    ONSET_TOLERANCE_FACTOR,
     OPTIONAL_SEARCH,
 )
 from spectral_contact.solution import (
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 
 #: Tolerance of full stick that tells whether ``1 - f/f_crit`` is below `ONSET_BAND`.
-_ONSET_TOLERANCE = ONSET_TOLERANCE_FACTOR * ONSET_BAND
+_ONSET_TOLERANCE = INNER_TOLERANCE_FACTOR * ONSET_BAND
 
 
 class CoupledRun(Run):
@@ -191,7 +191,7 @@ class CoupledRun(Run):
         """
         self.refusal = f"no zones were found that obey the friction law ({error})"
         violation = stick.critical / self.parameters.friction - 1.0  # of full stick
-        best = error.best
+        best = error.least_wrong
         if best is None or best.violation > violation:
             self.store_all_stick()
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

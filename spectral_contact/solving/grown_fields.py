@@ -180,28 +180,26 @@ class GrownFields:
             for boundary, sign in ((low, 1), (high, -1)):
                 reach = gap(low, high) / 2.0
                 panels = self.history.panels(boundary, reach, self._count)
-                family = GradedMesh(boundary, sign, reach, panels)
-                series = self._series(values, family, power)
+                mesh = GradedMesh(boundary, sign, reach, panels)
+                series = self._series(values, mesh, power)
                 if boundary is CENTRE and power == 0 and self.history.growth.log_beginning:
                     series = _logarithmic(series)
                 halves.append(series)
-                size = _largest_radii(family) ** power
+                size = _largest_radii(mesh) ** power
                 last = _SAFETY * np.abs(series.coefficients[:, -2:]).max(axis=1)
                 lost = max(lost, float((size * last).max()))
                 largest = max(largest, float((size * np.abs(series.at_ends()[:-1])).max()))
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
         return GrownField(ZonalField(tuple(pieces)), lost, largest)
 
-    def _series(
-        self, values: Callable[[Array], Array], family: GradedMesh, power: int
-    ) -> LogSeries:
+    def _series(self, values: Callable[[Array], Array], mesh: GradedMesh, power: int) -> LogSeries:
         """Return a field over ``s**power`` on a half of a part."""
-        points = family.points(family.panels.distances)
+        points = mesh.points(mesh.panels.sampling_distances)
         near_edge = points.y < 0.5
         outer, inner = np.where(near_edge, points.y, 0.0), np.where(near_edge, 1.0, points.z)
         shift = (np.log1p(-outer) + np.log(inner)) / 2.0
         found = values(self.history.growth.log_radius + shift) / np.exp(power * shift)
-        return sampled_series(family.panels, found)
+        return sampled_series(mesh.panels, found)
 
 
 def opening(pressure: ZonalField) -> float | None:
@@ -227,9 +225,9 @@ def _logarithmic(series: LogSeries) -> LogSeries:
     return replace(series, tail=np.array([last.sum()]), logarithm=slope)
 
 
-def _largest_radii(family: GradedMesh) -> Array:
-    d = np.exp(-_WIDTH * np.arange(family.panels.panels))
-    squares = family.boundary.square + family.reach * (d if family.sign > 0 else 0.0 * d)
+def _largest_radii(mesh: GradedMesh) -> Array:
+    d = np.exp(-_WIDTH * np.arange(mesh.panels.panels))
+    squares = mesh.boundary.square + mesh.extent * (d if mesh.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))
 
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
-from spectral_contact.contact.tuning import MIN_PRESSURE_TOLERANCE, PRESSURE_TOLERANCE_FACTOR
+from spectral_contact.contact.tuning import INNER_TOLERANCE_FACTOR, MIN_PRESSURE_TOLERANCE
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
 from spectral_contact.scene import Scene
@@ -226,7 +226,7 @@ class Run:
     def pressure_tolerance(self) -> float:
         """The tolerance of a pressure that loads the tangential problem: tighter than `rtol`."""
         least = min(self.rtol, MIN_PRESSURE_TOLERANCE)
-        return max(self.rtol * PRESSURE_TOLERANCE_FACTOR, least)
+        return max(self.rtol * INNER_TOLERANCE_FACTOR, least)
 
     def _normal(self, states: dict[str, StepState]) -> NormalContact:
         """Solve normal contact, to the tolerance that the rest of the plan needs."""
@@ -235,7 +235,7 @@ class Run:
         loads_tangential = any(states[name] is not StepState.SKIPPED for name in tangential_steps)
         tolerance = self.pressure_tolerance if loads_tangential else self.rtol
         if loads_tangential:
-            goal = "drive"
+            goal = "traction"
         elif "pressure" in self.plan.quantities:
             goal = "pressure"
         else:
@@ -281,7 +281,7 @@ class Run:
             self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if friction == 0.0:
             self.values.update(
-                total_shear=0.0, stick_radius=0.0, zones=(Zone.between("slip", CENTRE, EDGE),)
+                total_shear=0.0, stick_radius=0.0, zones=(Zone.from_radii("slip", CENTRE, EDGE),)
             )
             self.errors.update(exact)
         if contact is None or not any(
@@ -295,7 +295,7 @@ class Run:
 
     def store_all_stick(self) -> None:
         """Store that the whole contact sticks."""
-        self.values.update(stick_radius=1.0, zones=(Zone.between("stick", CENTRE, EDGE),))
+        self.values.update(stick_radius=1.0, zones=(Zone.from_radii("stick", CENTRE, EDGE),))
 
     def _frictionless_slip(self, contact: NormalContact) -> None:
         """Store the slip at friction 0, the displacement by the pressure: ``u = -kappa g``."""

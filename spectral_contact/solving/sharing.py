@@ -11,8 +11,7 @@ import numpy as np
 from spectral_contact.contact.tuning import (
     COLLINEARITY,
     MAX_EXTRAPOLATION,
-    STICK_PATH_POINTS,
-    ZONE_PATH_POINTS,
+    PATH_POINTS,
 )
 from spectral_contact.fields import Array
 
@@ -71,7 +70,7 @@ class ZonePath:
 
     Between neighbouring scenes the logits of the boundaries are smooth functions of the logarithms
     of compliances and friction: along a line in these, a polynomial through up to
-    `ZONE_PATH_POINTS` scenes is extrapolated. Only scenes with zones of the same states are kept.
+    `PATH_POINTS` scenes is extrapolated. Only scenes with zones of the same states are kept.
     """
 
     def __init__(self) -> None:
@@ -128,7 +127,7 @@ class ZonePath:
             self._scenes = []
             return
         same_states = [scene for scene in self._scenes if scene[1].states == layout.states]
-        self._scenes = [*same_states, (parameters, layout)][-ZONE_PATH_POINTS:]
+        self._scenes = [*same_states, (parameters, layout)][-PATH_POINTS:]
 
 
 class StickPath:
@@ -176,7 +175,7 @@ class StickPath:
         if coordinate is None or len(self._layouts) < 2:
             return None
         nearest = sorted(self._layouts, key=lambda other: abs(other - coordinate))
-        nearest = nearest[:STICK_PATH_POINTS]
+        nearest = nearest[:PATH_POINTS]
         logits = [np.array(self._layouts[other].logits) for other in nearest]
         predicted = extrapolate([1.0 + other - coordinate for other in nearest], logits)
         return self._layouts[nearest[0]]._replace(logits=tuple(predicted.tolist()))

@@ -3,7 +3,8 @@ r"""Abel (half-order) integrals of Legendre panels in the logarithm of a distanc
 Let ``d = exp(-x)`` be the distance to a boundary (the edge or the end of a zone), in units of the
 extent of a part. In ``x`` there are panels ``[j h, (j+1) h]`` of width h, and on each the functions
 psi are Legendre polynomials in ``x``, times ``d**power`` where there is an endpoint weight. The
-*tail* ``d <= exp(-P h)`` closes the P panels; its functions are Legendre polynomials in ``d``.
+*tail* ``d <= exp(-P h)`` closes the P panels; its functions are Legendre polynomials in ``d``. Only
+`abel_right_tail` also takes them in ``sqrt(d)``.
 Sources lie at the distance d', points at the distance d before the boundary or e past it:
 
 ==================  =================================================================
@@ -17,10 +18,10 @@ Next to the boundary what counts are differences to the value there, which these
 cancellation:
 
 ========================  ===========================================================
-`left_increment`          ``abel_left(d) - abel_left(0)``
-`exterior_with_decrement` ``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)``
-`opposite_end_decrement`  the same for a kernel ``1 / sqrt(2 + e - d')``: points as far from the
-                          boundary as the two halves of an annulus are wide
+`left_increment`          ``abel_left(d) - abel_left(0)`` `exterior_with_decrement`
+``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)`` `opposite_end_decrement`  the same
+for the kernel ``1 / sqrt(2 + e - d')``: the points lie next to the
+                          other end of an annulus, whose two halves have unit extent
 ========================  ===========================================================
 
 In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
@@ -68,9 +69,9 @@ _TINY = float(np.finfo(float).tiny)
 class PointSources(Blockwise):
     """Point sources that stand for functions on panels where the kernel is smooth.
 
-    The sources are Gauss points on the panels. The matrix, a block for every panel, maps values of
-    a kernel at the sources to ``1/2 int psi kernel dx``: a matrix with a kernel in every row is
-    multiplied by it from the right (`left_times`).
+    The sources are Gauss points on the panels. This matrix, a block for every panel, maps values of
+    a kernel at the sources to ``1/2 int psi kernel dx``: `left_times` takes a matrix whose rows are
+    kernels.
 
     Parameters
     ----------
@@ -87,11 +88,14 @@ class PointSources(Blockwise):
         self.d: Array = np.exp(-width * np.concatenate(in_panels))
 
 
-point_sources = bounded_cache("point sources", 128)(PointSources)
+#: `PointSources`, cached.
+point_sources = bounded_cache("point sources")(PointSources)
 
 
 class Moments(Blockwise):
     """Moments ``1/2 int_0^1 psi density dd`` of functions on panels and tail, for any densities.
+
+    The 1/2 is that of the Abel integrals.
 
     The functions psi include the endpoint weight. The densities are given at the points `d`.
     """
@@ -111,7 +115,8 @@ class Moments(Blockwise):
         return self.left_times(densities * self._weights)
 
 
-moments_on = bounded_cache("moments with densities", 128)(Moments)
+#: `Moments`, cached.
+moments_on = bounded_cache("moments with densities")(Moments)
 
 
 def _kernel_factor(u: Array) -> Array:
@@ -179,8 +184,8 @@ def abel_right_near_blocks(
 ) -> Array:
     """Return the blocks of the panel of the points and of the next, where the kernel is singular.
 
-    Parameters are those of `abel_right_blocks`, and the distance in ``x`` from the other end of
-    the panel to the points.
+    Parameters are those of `abel_right_blocks`, and `from_start`, (n,), the distance in ``x`` from
+    the other end of the panel to the points: points next to either end keep their digits.
     """
     g, w = gauss_rule(degree + EXTRA)
     blocks = np.empty((len(to_end), min(panels, 2), degree + 1))
@@ -222,8 +227,8 @@ def abel_left_blocks(
     Parameters
     ----------
     from_start : ndarray, shape (n,)
-        Distance in ``x`` from the end of the panel that is far from the boundary to each point; it
-        exceeds the width for points in the tail, which count to the last panel.
+        Distance in ``x`` to each point from the end of its panel that is far from the boundary. A
+        point in the tail counts to the last panel, and its distance exceeds the width.
     panels : int
         Number of blocks: block k integrates over the panel k places farther from the boundary than
         the panel of the points.
@@ -264,12 +269,12 @@ def abel_right_tail(
 
     The tail ends at the distance `end`; `root` says that it is polynomial in ``sqrt(d)``.
     """
-    rise = 1.0 + 2.0 * power
-    nodes, weights = power_rule(terms + TAIL_EXTRA, rise)
+    exponent = 1.0 + 2.0 * power
+    nodes, weights = power_rule(terms + TAIL_EXTRA, exponent)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
     sine = np.sin(phi * nodes)  # d' = d sin(phi)**2 removes both square roots
     source = np.minimum(d[:, None] * sine**2, end)
-    values = weights * phi * (sine / nodes) ** rise * d[:, None] ** (0.5 + power)
+    values = weights * phi * (sine / nodes) ** exponent * d[:, None] ** (0.5 + power)
     return np.asarray((values[:, None, :] @ tail_values(source, end, terms, root))[:, 0, :])
 
 
@@ -346,8 +351,8 @@ def abel_left(
 ) -> Array:
     """Return the matrix of the `abel_left` integral at arbitrary distances in [0, 1].
 
-    Parameters and shapes are those of `abel_right`. With a `power` d must be positive. If
-    `functions` are given, indices that end with the tail's, only these have columns.
+    Parameters are those of `abel_right`. With a `power` d must be positive. The matrix has a column
+    for each of `functions`, indices that end with the tail's, or for all if there are none.
     """
     end = np.exp(-panels * width)
     terms = degree + 1
@@ -372,22 +377,23 @@ def abel_left(
         offset = np.maximum(x[rows] - i * width, 0.0)
         blocks = _computed_blocks(computed, offset)
         if blocks is None:
-            # as many as the last panel with as many points may use
+            # enough for the last panel that has the same number of points, and may share them
             last_alike = int(np.flatnonzero(points_in_panel == len(rows))[-1])
             count = min(last_alike + 1, panels)
             blocks = abel_left_blocks(offset, count, width, degree, power).reshape(len(rows), -1)
             computed.append((offset, blocks))
         last = np.searchsorted(panel, i, "right")
         columns = i * terms + reversed_columns[:last]
-        matrix[rows, :last] = blocks.take(columns, axis=1) * scale[:last]
+        matrix[rows, :last] = blocks[:, columns] * scale[:last]
     return matrix
 
 
 def abel_regular(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
     """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` for points clear of the panels.
 
-    Negative e are distances before the boundary. The shape is (n, panels, degree + 1); the tail is
-    not included.
+    Negative e are distances before the boundary; a point is clear of a panel if it is a panel width
+    away in x, or as far away in d as the panel is long. The shape is (n, panels, degree + 1),
+    without the tail; other parameters are those of `abel_right_blocks`.
     """
     source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
@@ -399,7 +405,8 @@ def abel_regular(e: Array, panels: int, width: float, degree: int, power: float 
 def abel_exterior(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
     """Return the matrix of the `abel_exterior` integral at distances `e` >= 0 past the boundary.
 
-    The degree is the same on all panels, or there is one for each panel.
+    The degree is the same on all panels, or there is one for each panel; other parameters are those
+    of `abel_right_blocks`.
     """
     sources = point_sources(width, (degree,) * panels if isinstance(degree, int) else degree)
     kernels = sources.d + e[:, None]
@@ -426,7 +433,7 @@ def exterior_with_decrement(
 
     In the decrement nothing cancels: its kernel is
     ``1/sqrt(d') - 1/sqrt(d' + e) = e / (sqrt(d') sqrt(d' + e) (sqrt(d') + sqrt(d' + e)))``.
-    Only functions up to the highest degree of each panel have columns.
+    There are columns for the functions up to the degree of each panel of the given `width` in x.
     """
     end = np.exp(-len(degrees) * width)
     sources = point_sources(width, degrees)
@@ -446,8 +453,8 @@ def exterior_with_decrement(
 def exterior_decrement_tail(e: Array, end: float) -> Array:
     """Return ``abel_exterior_tail(0, end) - abel_exterior_tail(e, end)``, (n, TAIL_TERMS)."""
     tail = abel_exterior_tail(np.zeros(1), end) - abel_exterior_tail(e, end)
-    # closed forms with d' = e sinh(phi)**2: for e < end/2 these are right to rounding, where the
-    # difference above is right to 5e-15 at e = 1e-3 end
+    # closed forms of the three polynomials, with d' = e sinh(phi)**2: for e < end/2 these are right
+    # to rounding, where the difference above is right to 5e-15 at e = 1e-3 end
     small = (e > 0.0) & (e < 0.5 * end)
     ratio = e[small] / end
     grown = np.exp(np.arcsinh(np.sqrt(end / e[small])))
@@ -494,7 +501,7 @@ def abel_left_at_boundary(panels: int, width: float, degree: int, power: float =
 
 
 def left_increment(
-    whole: Array,
+    value: Array,
     boundary_value: Array,
     functions: NDArray[np.int_],
     d: Array,
@@ -505,12 +512,13 @@ def left_increment(
 ) -> Array:
     """Return ``abel_left(d) - abel_left(0)`` at distances `d` in [0, 1].
 
-    `whole` is the matrix `abel_left` at d of these functions, and `boundary_value` the one at the
-    boundary. On panels at least two places farther from the boundary than a point, the difference
-    of the kernels is integrated; on nearer panels both integrals are as small as the distance, and
-    their difference is right.
+    `value`, (n, functions), is the matrix `abel_left` at d of these functions, and
+    `boundary_value`, (functions,), what `abel_left_at_boundary` gives for them; other parameters
+    are those of `abel_right`. On panels at least two places farther from the boundary than a point,
+    the difference of the kernels is integrated; on nearer panels neither integral is much larger
+    than their difference, which loses no digits.
     """
-    increment = whole - boundary_value
+    increment = value - boundary_value
     source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels + 1)

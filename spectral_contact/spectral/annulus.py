@@ -1,4 +1,4 @@
-"""Functions on an annulus: in two halves, each with a mesh that is graded to its end."""
+"""Functions on an annulus, as the displacement in a slip zone: two halves with a mesh each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ class Annulus:
     inner, outer : Radius
         The ends of the annulus.
     toward_inner, toward_outer : LogPanels
-        Panels of the two halves, graded to the inner and to the outer end.
+        Panels of the two halves, graded to the inner and to the outer end; without endpoint weight
+        or root tail.
     """
 
     inner: Radius
@@ -33,8 +34,8 @@ class Annulus:
     toward_outer: LogPanels
 
     @cached_property
-    def families(self) -> tuple[GradedMesh, GradedMesh]:
-        """The two halves: above the inner end, below the outer end."""
+    def meshes(self) -> tuple[GradedMesh, GradedMesh]:
+        """The meshes of the two halves: outside the inner end, inside the outer end."""
         half = gap(self.inner, self.outer) / 2.0
         return (
             GradedMesh(self.inner, 1, half, self.toward_inner),
@@ -44,46 +45,45 @@ class Annulus:
     @cached_property
     def y(self) -> Array:
         """``1 - s**2`` at the sampling points of both halves."""
-        return np.concatenate([family.sampling().y for family in self.families])
+        return np.concatenate([mesh.sampling().y for mesh in self.meshes])
 
-    def halves(self, values: Array) -> list[Array]:
-        """Return values (..., points) at the sampling points of either half."""
-        inner = len(self.toward_inner.distances)
-        return [values[..., :inner], values[..., inner:]]
+    def split(self, values: Array) -> list[Array]:
+        """Return values (..., points) at the sampling points of the inner and the outer half."""
+        count = len(self.toward_inner.sampling_distances)
+        return [values[..., :count], values[..., count:]]
 
     def integrals(self, values: Sequence[Array], side: int) -> list[Array]:
-        """Return Abel integrals of a function on the annulus at its own sampling points.
+        """Return Abel integrals of a function f on the annulus at its sampling points t.
+
+        They are ``1/2 int f dz / sqrt(|z - t**2|)`` with ``z = s**2``, over radii s of the annulus
+        on one side of t.
 
         Parameters
         ----------
         values : sequence of ndarray, shape (..., points)
             Values of the function at the sampling points of either half.
         side : int
-            +1 for the half-integral, over radii outside of the point, -1 for the inner integral.
+            +1 for radii outside of t, -1 for radii inside of t.
 
         Returns
         -------
         list of ndarray, shape (..., points)
-            On either half. In scaled distances what a half adds to itself depends on its panels
-            alone.
+            On either half.
         """
-        coefficients = [
-            family.expand(half) for family, half in zip(self.families, values, strict=True)
-        ]
+        coefficients = [mesh.expand(half) for mesh, half in zip(self.meshes, values, strict=True)]
         integrals = []
-        for k, family in enumerate(self.families):
-            own_panels = transforms(family.panels)
-            # whether the integral runs away from the end of this half, over the other half, too
+        for k, mesh in enumerate(self.meshes):
+            of_panels = transforms(mesh.panels)
+            # whether the radii on this side include the other half
             away = (k == 0) == (side > 0)
             if away:
-                unit = own_panels.abel_left(coefficients[k])
+                unit = of_panels.abel_left(coefficients[k])
             else:
-                unit = own_panels.abel_right(coefficients[k])
-            integral = np.sqrt(family.reach) * unit
+                unit = of_panels.abel_right(coefficients[k])
+            # in distances scaled by the extent an integral depends on the panels alone
+            integral = np.sqrt(mesh.extent) * unit
             if away:
                 other = 1 - k
-                integral += abel_integral_on(
-                    family, self.families[other], coefficients[other], side
-                )
+                integral += abel_integral_on(mesh, self.meshes[other], coefficients[other], side)
             integrals.append(integral)
         return integrals

@@ -82,8 +82,9 @@ Strip: TypeAlias = tuple[tuple[slice, slice], Array]
 #: `FAR_NODES` as distances from the boundary of a part, in its extents.
 _FAR_DISTANCES: Array = (1.0 + FAR_NODES) / 2.0
 #: Chebyshev points in [-1, 1] that represent all panels but the first of one half of an annulus for
-#: the nodes on the other half, and the matrix from values there to Chebyshev coefficients. Those
-#: panels reach to exp(-2) of the half, and the nodes are at least seven times that away.
+#: the nodes on the other half, and the matrix from values there to Chebyshev coefficients. On
+#: panels of width 2 those panels reach to exp(-2) of the half, and the nodes are seven times that
+#: away or more.
 _OPPOSITE_NODES, _OPPOSITE_EXPANSION = chebyshev_interpolation(OPPOSITE_POINTS)
 
 
@@ -93,8 +94,8 @@ class Block(NamedTuple):
     Attributes
     ----------
     boundary_value : ndarray, shape (columns,)
-        Integrals at the boundary of the target; zero if that is the edge, but see
-        `_without_boundary_value`.
+        Integrals at the boundary of the target; zero where increments are values
+        (`_increments_are_values`).
     increment : ndarray or StripMatrix, shape (nodes or samples, columns)
         Integrals at the nodes less those at the boundary.
     value : ndarray or StripMatrix, shape (nodes or samples, columns)
@@ -115,16 +116,16 @@ class Block(NamedTuple):
     scale: float = 1.0
     reduction: Array | None = None
 
-    def of(self, functions: NDArray[np.int_]) -> Block:
-        """Return the block of some of the functions, given by their indices."""
-        boundary_value = self.boundary_value[functions]
+    def restricted_to(self, columns: NDArray[np.int_]) -> Block:
+        """Return the block of some of its functions, given by their places among them."""
+        boundary_value = self.boundary_value[columns]
         if self.reduction is not None:
-            reduction = self.reduction[:, functions]
+            reduction = self.reduction[:, columns]
             return self._replace(boundary_value=boundary_value, reduction=reduction)
-        value = self.dense_value()[:, functions]
+        value = self.dense_value()[:, columns]
         increment = value
         if self.increment is not self.value:
-            increment = self.dense_increment()[:, functions]
+            increment = self.dense_increment()[:, columns]
         return self._replace(boundary_value=boundary_value, increment=increment, value=value)
 
     def reduce(self, coefficients: Array) -> Array:
@@ -194,8 +195,7 @@ class StripMatrix:
         return matrix
 
 
-# slip inside has 5 parts in some ten spaces, and other radii have 15 more; bytes bound all caches
-@bounded_cache("self blocks", 256)
+@bounded_cache("self blocks")
 def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direction: str) -> Block:
     """Return the integrals of the functions of a part at its own nodes, for unit extent (cached).
 
@@ -206,9 +206,8 @@ def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direc
     placement
         See `block`.
     direction : str
-        Where the part of the source lies that counts: "toward" the boundary from the node, or on
-        the far side of the node, "away" from the boundary. "edge" is the latter for a boundary that
-        is the edge, at which integrals are not needed.
+        Which side of a node is integrated: "toward" the boundary, or "away" from it. "values" is
+        "away" where increments are values (`_increments_are_values`).
     """
     form = (panels.panels, panels.width, panels.degree)
     functions = panels.functions(degrees)
@@ -218,15 +217,15 @@ def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direc
         return _zero_at_boundary(half_integrals(panels, degrees, nodes.degrees))
     if direction == "toward":
         return _zero_at_boundary(abel_right(d, *form, panels.power)[:, functions])
-    if direction == "edge":
+    if direction == "values":
         return _zero_at_boundary(abel_left(d, *form, panels.power, functions))
-    value = _self_block(panels, degrees, placement, "edge").dense_value()
+    value = _self_block(panels, degrees, placement, "values").dense_value()
     boundary_value = abel_left_at_boundary(*form, panels.power)[functions]
     increment = left_increment(value, boundary_value, functions, d, *form, panels.power)
     return Block(boundary_value, increment, value, sampled=False)
 
 
-@bounded_cache("half-integrals in strips", 128)
+@bounded_cache("half-integrals in strips")
 def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -> StripMatrix:
     """Return half-integrals of functions at the Galerkin nodes of their own part (cached).
 
@@ -258,7 +257,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -
             if node_degrees == degrees:
                 highest = min(highest_degree(node_count), panels.degree)
             blocks = _panel_half_integrals(node_count, highest, form)
-            unscaled = blocks.take(functions[column_of[j] : tail_column] - j * terms, axis=1)
+            unscaled = blocks[:, functions[column_of[j] : tail_column] - j * terms]
             on_panel = entries[
                 rows.start - first_row : rows.stop - first_row,
                 column_of[j] - first_column : tail_column - first_column,
@@ -270,7 +269,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -
     return StripMatrix((len(nodes.d), len(functions)), strips)
 
 
-@bounded_cache("half-integrals", 72)
+@bounded_cache("half-integrals")
 def _panel_half_integrals(count: int, highest: int, form: Form) -> Array:
     """Return half-integrals at the nodes of a panel, of the functions of it and of nearer panels.
 
@@ -281,11 +280,11 @@ def _panel_half_integrals(count: int, highest: int, form: Form) -> Array:
     blocks = np.zeros((count, panels, degree + 1))
     near_panels = _near_half_integrals(count, highest, width, power)
     blocks[:, :2, : highest + 1] = near_panels[:, :panels]
-    blocks[:, 2:] = np.tensordot(from_samples(count, width), _far_half_integrals(form), 1)
+    blocks[:, 2:] = np.tensordot(from_samples(count), _far_half_integrals(form), 1)
     return blocks.reshape(count, -1)
 
 
-@bounded_cache("half-integrals on two panels", 24)
+@bounded_cache("half-integrals on two panels")
 def _near_half_integrals(count: int, highest: int, width: float, power: float) -> Array:
     """Return the blocks of the panel of the nodes and of the next one toward the boundary."""
     from_start, _ = clustered_rule(count, width)
@@ -294,7 +293,7 @@ def _near_half_integrals(count: int, highest: int, width: float, power: float) -
     return abel_right_near_blocks(to_end, from_start, 2, width, highest, power)
 
 
-@bounded_cache("half-integrals at samples", 24)
+@bounded_cache("half-integrals at samples")
 def _far_half_integrals(form: Form) -> Array:
     """Return the blocks of all further panels toward the boundary, at the samples of a panel."""
     g, _ = gauss_rule(SAMPLES)
@@ -302,7 +301,7 @@ def _far_half_integrals(form: Form) -> Array:
 
 
 def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
-    """Return the Gram matrix of half-integrals F on the unit disk, ``int F_i F_j dt / pi``.
+    """Return ``int F_i F_j dt / pi`` on the unit disk, with the half-integral F_i of function i.
 
     With `shear` the measure is ``t**2 dt / pi``.
     """
@@ -318,11 +317,11 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     return gram
 
 
-#: `disk_gram`, cached.
+#: `disk_gram`, cached, for callers that do not keep the matrix themselves.
 cached_disk_gram = bounded_cache("disk Gram", 48)(disk_gram)
 
 
-@bounded_cache("disk shears", 96)
+@bounded_cache("disk shears")
 def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
     nodes = graded_nodes(panels, degrees)
@@ -364,11 +363,11 @@ def block(
         None if the functions lie on the other side of the points.
     """
     nodes = points_of(target.panels, placement)
-    without_boundary_value = _without_boundary_value(target)
+    values_only = _increments_are_values(target)
     if (source.boundary, source.sign) == (target.boundary, target.sign):
         direction = "toward"
         if side == source.sign:
-            direction = "edge" if without_boundary_value else "away"
+            direction = "values" if values_only else "away"
         unit = _self_block(source.panels, degrees, placement, direction)
     else:
         # from the boundary of the target to that of the source, positive on this side
@@ -379,28 +378,29 @@ def block(
             unit = _adjacent_block(source, degrees, target, nodes, differences)
         elif (
             target.sign == side == -source.sign
-            and source.reach == target.reach
-            and round(distance / source.reach) == 2
+            and source.extent == target.extent
+            and round(distance / source.extent) == 2
         ):
             unit = _opposite_half_block(
-                source.panels, degrees, target.panels, placement, without_boundary_value
+                source.panels, degrees, target.panels, placement, values_only
             )
         else:
             unit = _separated_block(source, degrees, target, nodes, side, distance)
     # with dz = reach dd the integral scales like the square root of the extent
-    scale = unit.scale * float(np.sqrt(source.reach))
-    if without_boundary_value:
+    scale = unit.scale * float(np.sqrt(source.extent))
+    if values_only:
         nothing = np.zeros_like(unit.boundary_value)
         return unit._replace(boundary_value=nothing, increment=unit.value, scale=scale)
     return unit._replace(scale=scale)
 
 
-def _without_boundary_value(target: GradedMesh) -> bool:
-    """Return whether integrals are not taken as their value at the boundary and a difference to it.
+def _increments_are_values(target: GradedMesh) -> bool:
+    """Return whether increments are the values themselves, so that the boundary value is zero.
 
-    That is so at the edge. Only where the pressure there is a power of y above -1/2 the normal
-    residual vanishes like ``sqrt(y)`` times it: the rounding of a value of order 1, which is no
-    difference, would be of its size then.
+    They are at the edge of the contact, which is no boundary between zones; but not if the
+    functions there have an endpoint weight ``y**power`` with a power above -1/2. Then the normal
+    residual vanishes like ``y**(power + 1/2)``, and the rounding of a value of order 1 would exceed
+    it.
     """
     return target.boundary.from_edge == 0.0 and not -0.5 < target.panels.power < 0.0
 
@@ -408,7 +408,7 @@ def _without_boundary_value(target: GradedMesh) -> bool:
 def abel_integral_on(
     target: GradedMesh, source: GradedMesh, coefficients: Array, side: int
 ) -> Array:
-    """Return the Abel integral of functions on another part at the sampling points of a part.
+    """Return the Abel integral of functions on a source at the sampling points of a target.
 
     It is the half-integral (side +1) or the inner integral (-1), (..., points), of functions given
     by all coefficients of the source's panels, (..., size).
@@ -422,12 +422,12 @@ def abel_integral_on(
 def points_of(panels: LogPanels, placement: Placement) -> Nodes:
     """Return the points of a part of unit extent; for `placement` see `block`."""
     if isinstance(placement, LogPanels):
-        return PlainNodes(placement.distances)
+        return PlainNodes(placement.sampling_distances)
     return graded_nodes(panels, placement)
 
 
 def _zero_at_boundary(value: Array | StripMatrix) -> Block:
-    """Return a block whose integrals vanish at the boundary, so that increments are values."""
+    """Return a block without boundary values, which are zero or not used: increments are values."""
     return Block(np.zeros(value.shape[1]), value, value, sampled=False)
 
 
@@ -438,7 +438,7 @@ def _adjacent_block(
     count = source.panels.panels
     width = source.panels.width
     # distances past the boundary of the source, in its extents
-    e = target.reach / source.reach * nodes.samples
+    e = target.extent / source.extent * nodes.samples
     if not differences:
         return _zero_at_boundary(abel_exterior(e, count, width, degrees))._replace(sampled=True)
     value, decrement = exterior_with_decrement(e, width, degrees)
@@ -446,28 +446,33 @@ def _adjacent_block(
     return Block(boundary_value, -decrement, value, sampled=True)
 
 
-@bounded_cache("opposite half blocks", 128)
+@bounded_cache("opposite half blocks")
 def _opposite_half_block(
-    panels: LogPanels, degrees: Degrees, target: LogPanels, placement: Placement, at_edge: bool
+    panels: LogPanels,
+    degrees: Degrees,
+    target_panels: LogPanels,
+    placement: Placement,
+    values_only: bool,
 ) -> Block:
     """Return the integrals over one half of an annulus at the nodes of the other (cached).
 
-    Both halves have unit extent, and the boundaries that they are graded to are 2 apart. The halves
-    meet at the far end of the first panel, so that its functions have columns of their own. All
-    further panels are represented by the kernel at few points.
+    The functions are those of `panels` and `degrees`, the nodes those of `target_panels`. Both
+    halves have unit extent, and the boundaries that they are graded to are 2 apart. The halves meet
+    at the far end of the first panel, so that its functions have columns of their own. All further
+    panels are represented by the kernel at few points.
     """
     first_count = degrees[0] + 1
     first_panel = (1, panels.width, panels.degree, panels.power)
-    d = points_of(target, placement).d
+    d = points_of(target_panels, placement).d
 
     # from values of the kernel at `_OPPOSITE_NODES` to integrals with the functions on all panels
-    # but the first: polynomials of degree 11 take more points than low degrees have
+    # but the first: polynomials in `_OPPOSITE_NODES` take more points than low degrees have
     moments = moments_on(panels, (panels.degree,) * panels.panels)
     reach = np.exp(-panels.width)
     chebyshev = chebvander(2.0 * moments.d / reach - 1.0, len(_OPPOSITE_NODES) - 1)
     integrals = moments.with_densities((chebyshev @ _OPPOSITE_EXPANSION).T)
-    others = integrals[:, panels.functions(degrees)[first_count:]]
-    reduction = block_diag(np.eye(first_count), others)
+    further_panels = integrals[:, panels.functions(degrees)[first_count:]]
+    reduction = block_diag(np.eye(first_count), further_panels)
 
     # the roots of the kernel from the boundary of the target, and from its nodes
     from_boundary = 2.0 - reach * (1.0 + _OPPOSITE_NODES) / 2.0
@@ -480,7 +485,7 @@ def _opposite_half_block(
     on_first[next_to] = abel_right(2.0 - d[next_to], *first_panel)[:, :first_count]
     on_first[~next_to] = abel_regular(d[~next_to] - 2.0, *first_panel)[:, 0, :first_count]
     value = np.hstack([on_first, 1.0 / root])
-    if at_edge:
+    if values_only:
         nothing = np.zeros(reduction.shape[1])
         return Block(nothing, value, value, sampled=False, reduction=reduction)
 
@@ -509,21 +514,21 @@ def _separated_block(
     `distance` is from the boundary of the target to that of the source, in ``s**2``. Points are
     measured from the boundary of the target, positive on the given side of it.
     """
-    source_extent = side * source.sign * source.reach
-    target_extent = side * target.sign * target.reach
+    source_extent = side * source.sign * source.extent
+    target_extent = side * target.sign * target.extent
     clearance = distance + min(source_extent, 0.0) - max(target_extent, 0.0)
     panels = source.panels
 
     # a source that is far off is represented by few points
     moments = None
     source_points = _FAR_DISTANCES
-    if clearance < FAR_DISTANCE * source.reach:
+    if clearance < FAR_DISTANCE * source.extent:
         moments = moments_on(panels, degrees)
         source_points = moments.d
     from_boundary = distance + source_extent * source_points
 
     # and so are the nodes of a target that is far off
-    near_target = clearance < FAR_DISTANCE * target.reach
+    near_target = clearance < FAR_DISTANCE * target.extent
     d = nodes.samples if near_target else _FAR_DISTANCES
     step = -target_extent * d[:, None]
     root_at_boundary = np.sqrt(from_boundary)
@@ -547,17 +552,18 @@ def _separated_block(
         value = interpolation @ value
     increment = nodes.samples[:, None] * quotient
     # the integrals are in units of the source's extent, the kernels are not
-    scale = float(np.sqrt(source.reach))
+    scale = float(np.sqrt(source.extent))
     return Block(boundary_value, increment, value, True, scale, reduction)
 
 
-@bounded_cache("reductions of far parts", 128)
+@bounded_cache("reductions of far parts")
 def _far_reduction(panels: LogPanels, degrees: Degrees) -> Array:
-    """Return ``1/2 int d**power psi kernel dd`` over the values of a kernel at `FAR_NODES`.
+    """Return the matrix from values of a kernel at `FAR_NODES` to its integrals (cached).
 
-    Its shape is (far nodes, functions) (cached).
+    They are ``1/2 int d**power psi kernel dd``. Kernels are rows that it is multiplied by from the
+    left; the shape is (far nodes, functions).
     """
-    # polynomials of degree 23 take more points than low degrees have
+    # polynomials in `FAR_NODES` take more points than low degrees have
     moments = moments_on(panels, (panels.degree,) * panels.panels)
     integrals = moments.with_densities(far_values(moments.d).T)
     return np.ascontiguousarray(integrals[:, panels.functions(degrees)])

@@ -18,7 +18,12 @@ from weakref import WeakSet
 
 import numpy as np
 
-from spectral_contact.spectral.tuning import COUNTED_SHARE, LARGE_BYTES, MAX_CACHE_BYTES
+from spectral_contact.spectral.tuning import (
+    CACHE_COUNTS,
+    CACHE_ENTRIES,
+    LARGE_BYTES,
+    MAX_CACHE_BYTES,
+)
 
 #: Types whose values hold no arrays.
 _WITHOUT_ARRAYS = {bool, float, int, str, type(None)}
@@ -93,7 +98,7 @@ class BoundedCache(Generic[K, V]):
         made_bytes = _bytes(value, set())
         if made_bytes >= LARGE_BYTES:
             BoundedCache._uncounted_bytes += made_bytes
-            if BoundedCache._uncounted_bytes >= MAX_CACHE_BYTES // COUNTED_SHARE:
+            if BoundedCache._uncounted_bytes >= MAX_CACHE_BYTES // CACHE_COUNTS:
                 BoundedCache._uncounted_bytes = 0
                 _shrink()
         return value
@@ -173,10 +178,13 @@ def clear_with_caches(*clears: Callable[[], None]) -> None:
     _FURTHER_CLEARS.extend(clears)
 
 
-def bounded_cache(name: str, capacity: int) -> Callable[[Callable[P, V]], Callable[P, V]]:
+def bounded_cache(
+    name: str, capacity: int = CACHE_ENTRIES
+) -> Callable[[Callable[P, V]], Callable[P, V]]:
     """Return a decorator that keeps the results of a function in a `BoundedCache`.
 
-    The arguments of the function must be hashable. It may be a class, whose objects are kept.
+    The arguments of the function must be hashable. It may be a class, whose objects are kept. A
+    cache of large objects, or of objects that grow in use, has a smaller capacity.
     """
 
     def decorate(make: Callable[P, V]) -> Callable[P, V]:

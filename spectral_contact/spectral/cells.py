@@ -91,8 +91,8 @@ class CellSpace(NodalSpace):
         degree = np.arange(self.size) - np.repeat(np.cumsum(terms) - terms, terms)
         left = np.repeat(terms, terms) - 1 - degree
         self.index = np.argsort(-np.minimum(left, 2), kind="stable")
-        self.unknowns_two_less = int((left > 1).sum())
-        self.unknowns_one_less = self.unknowns_two_less + len(terms)
+        self.coarsest_unknowns = int((left > 1).sum())
+        self.coarse_unknowns = self.coarsest_unknowns + len(terms)
         self.panel = cell[self.index]
         self._mass: Array = (np.repeat(cells.lengths, terms) / (4 * degree + 2))[self.index]
         # nodes are clustered at the outer end of every cell

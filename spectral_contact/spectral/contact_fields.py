@@ -29,12 +29,13 @@ from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import DiskPartition, GradedMesh
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.spectral.tuning import EXTRA
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
-#: Degrees that ``p / s`` is given on a panel beyond those of p.
+#: How many degrees ``p/s`` has on a panel beyond those of p.
 _EXTRA_DEGREES = 4
 
 
@@ -44,13 +45,14 @@ class MeshPart(NamedTuple):
     Attributes
     ----------
     zone : int
-        Number of the zone, from the centre outward.
+        Number of the zone, from the centre outward: the disk is one part, other zones are two.
     state : int
         0 for stick, +1 or -1 for slip with this sign of the traction.
     boundary : int
         Number of the boundary that the mesh is graded to; -1 for the edge of the contact.
-    family, shear : GradedMesh
-        The mesh with the functions of p, and with those of u. They differ in the endpoint weight.
+    mesh, shear_mesh : GradedMesh
+        Panels graded to the boundary, with the functions of p, and with those of u. They differ in
+        the endpoint weight.
     degrees : tuple of int
         Highest degree of an unknown on every panel.
     pressure_degrees, shear_degrees : tuple of int
@@ -60,8 +62,8 @@ class MeshPart(NamedTuple):
     zone: int
     state: int
     boundary: int
-    family: GradedMesh
-    shear: GradedMesh
+    mesh: GradedMesh
+    shear_mesh: GradedMesh
     degrees: Degrees
     pressure_degrees: Degrees
     shear_degrees: Degrees
@@ -80,7 +82,9 @@ class UnknownField(NamedTuple):
     part : int
         Number of the part.
     panels : LogPanels
+        In the logarithm of the distance to the boundary, with a polynomial tail.
     degrees : tuple of int
+        Highest degree on every panel.
     functions : ndarray of int
         The functions of the panels that are in use.
     place : slice
@@ -98,9 +102,9 @@ class UnknownField(NamedTuple):
 
     def coefficients(self, values: Array) -> Array:
         """Return the coefficients of all functions of the panels, from those in a vector."""
-        whole = np.zeros((self.panels.size, *values.shape[1:]))
-        whole[self.functions] = values[self.place]
-        return whole
+        coefficients = np.zeros((self.panels.size, *values.shape[1:]))
+        coefficients[self.functions] = values[self.place]
+        return coefficients
 
 
 class ContactFields:
@@ -109,7 +113,7 @@ class ContactFields:
     A *vector* holds `pressure_terms` coefficients of the pressure, then those of u on the parts
     that stick, outward. If the pressure is unknown the first are its coefficients on the parts; if
     it is known they are the factors of the known pressures: 1 for the pressure itself, and 0 or 1
-    for its changes.
+    for its contributions.
 
     Parameters
     ----------
@@ -122,11 +126,12 @@ class ContactFields:
         zone around it.
     parameters : Parameters
     pressures : sequence of PressureField
-        The known pressure of unit load and its changes, whose load is zero, on the same panels. If
-        there is none the pressure is unknown.
+        The known pressure, of unit load, and perhaps its two contributions of the top two degrees
+        of its own space and of the top one, whose load is zero; on the same panels. If there is
+        none the pressure is unknown.
     truncated : bool
-        Whether two changes of a known pressure, by two degrees less in its own space and by one,
-        are to lose as many degrees on the parts of this mesh, too.
+        Whether these contributions take in the top degrees of the known pressure on the parts of
+        this mesh, too, which the coarser spaces do not represent.
 
     Attributes
     ----------
@@ -174,11 +179,11 @@ class ContactFields:
                 # without compliance the traction is singular at an edge that sticks
                 singular = self.parameters.beta == 0.0 and boundary < 0
                 power = -0.5 if singular else 0.0
-            # a tail of roots is that of a traction at the rim of a disk
-            family = GradedMesh(*end, replace(panels, root_tail=False))
-            shear = family
+            # only the traction at the rim of a disk has a tail of roots
+            mesh = GradedMesh(*end, replace(panels, root_tail=False))
+            shear_mesh = mesh
             if power != panels.power or panels.root_tail:
-                shear = family._replace(panels=replace(panels, power=power))
+                shear_mesh = mesh._replace(panels=replace(panels, power=power))
             pressure_degrees = degrees
             if self.pressure_known:
                 # it costs nothing to hold a known pressure in all functions of the panels
@@ -186,7 +191,14 @@ class ContactFields:
             shear_degrees = degrees if state == 0 else _quotient_degrees(pressure_degrees, panels)
             parts.append(
                 MeshPart(
-                    zone, state, boundary, family, shear, degrees, pressure_degrees, shear_degrees
+                    zone,
+                    state,
+                    boundary,
+                    mesh,
+                    shear_mesh,
+                    degrees,
+                    pressure_degrees,
+                    shear_degrees,
                 )
             )
         return parts
@@ -200,7 +212,8 @@ class ContactFields:
         self.pressure_places: list[slice] = []
         #: coefficients of the known pressures on the parts, and of ``u = state f p/s`` in slip
         self.known_pressure: list[Array] = []
-        #: the first less its value at the centre, on the parts graded to a boundary between zones
+        #: `known_pressure` less the value of the pressure at the centre, on the parts graded to a
+        #: boundary between zones, which are all but the last
         self.known_variation: list[Array] = []
         self.known_slip: dict[int, Array] = {}
         #: maps from p to ``p/s`` on the parts that slip under an unknown pressure
@@ -211,23 +224,24 @@ class ContactFields:
             self._expand(pressures, truncated=truncated)
         else:
             for k, part in enumerate(self.parts):
-                field = self._unknown(k, part.family.panels, place, is_shear=False)
+                field = self._unknown(k, part.mesh.panels, place, is_shear=False)
                 self.fields.append(field)
                 self.pressure_places.append(field.place)
                 place = field.place.stop
                 if not part.sticks:
-                    self._over_radius[k] = _over_radius(part.family, part.pressure_degrees)
+                    self._over_radius[k] = _over_radius(part.mesh, part.pressure_degrees)
         self.pressure_terms = place
         #: where u of a part that sticks is in a vector
         self.shear_places: dict[int, slice] = {}
         for k in self.stick_parts:
-            field = self._unknown(k, self.parts[k].shear.panels, place, is_shear=True)
+            field = self._unknown(k, self.parts[k].shear_mesh.panels, place, is_shear=True)
             self.fields.append(field)
             self.shear_places[k] = field.place
             place = field.place.stop
         self.unknowns = place
 
     def _unknown(self, k: int, panels: LogPanels, start: int, *, is_shear: bool) -> UnknownField:
+        """Return the unknown field on a part whose place in a vector begins at `start`."""
         degrees = self.parts[k].degrees
         functions = panels.functions(degrees)
         place = slice(start, start + len(functions))
@@ -236,18 +250,18 @@ class ContactFields:
     def _expand(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
         """Expand known pressures on every part, and the traction that they bear in slip.
 
-        A constant pressure has a constant drive. So the increments of the drive from a boundary are
-        those of the pressure less its value at the centre, without the rounding of that value: with
-        little friction it would be as large as the traction of a small stick disk.
+        A constant pressure has a constant R (docs/theory). So the increments of R from a boundary
+        are those of the pressure less its value at the centre, without the rounding of that value:
+        with little friction it would be as large as the traction of a small stick disk.
         """
         central = PressureField.several(pressures, np.ones(1))
         for k, part in enumerate(self.parts):
-            panels = part.family.panels
-            points = part.family.sampling()
+            panels = part.mesh.panels
+            points = part.mesh.sampling()
             values = PressureField.several(pressures, points.y)
             variation = values - central
             if panels.power != 0.0:
-                values = values / panels.distances**panels.power
+                values = values / panels.sampling_distances**panels.power
             self.known_pressure.append(_expansion(part, values, truncated=truncated))
             if part.boundary >= 0:
                 self.known_variation.append(_expansion(part, variation, truncated=truncated))
@@ -293,10 +307,10 @@ class ContactFields:
         """Return p on all parts, and ``q/s`` on those that stick, of one vector."""
         pressures = []
         for k, part in enumerate(self.parts):
-            panels = part.family.panels
-            whole = np.zeros(panels.size)
-            whole[panels.functions(part.pressure_degrees)] = self.pressure_on(k, values)
-            pressures.append(series_of(panels, whole))
+            panels = part.mesh.panels
+            coefficients = np.zeros(panels.size)
+            coefficients[panels.functions(part.pressure_degrees)] = self.pressure_on(k, values)
+            pressures.append(series_of(panels, coefficients))
         shears = {
             field.part: series_of(field.panels, field.coefficients(values))
             for field in self.fields
@@ -318,28 +332,31 @@ class ContactFields:
 
     @cached_property
     def top_degree_indices(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-        """Places in a vector of the top two degrees of every panel, and of the top one."""
-        top_two, top_one = (
+        """Places in a vector of the top two degrees of every panel and of the top one.
+
+        Both include the last function of every tail. A known pressure has no place.
+        """
+        two_degrees, top_degree = (
             np.concatenate(
                 [field.place.start + field.panels.top(field.degrees, n) for field in self.fields]
             )
             for n in (2, 1)
         )
-        return top_two, top_one
+        return two_degrees, top_degree
 
     def _assemble_loads(self) -> None:
         """Assemble ``int p s ds`` and ``int q ds`` of the parts, and the load of a vector."""
         #: of p and of u on every part
         self.loads: list[Array] = []
-        self.pulls: list[Array] = []
+        self.shear_loads: list[Array] = []
         for part in self.parts:
-            half = 0.5 * part.family.reach
-            of_pressure = moments(part.family.panels)
-            of_shear = moments(part.shear.panels)
-            self.loads.append(
-                half * of_pressure[part.family.panels.functions(part.pressure_degrees)]
+            half = 0.5 * part.mesh.extent
+            of_pressure = moments(part.mesh.panels)
+            of_shear = moments(part.shear_mesh.panels)
+            self.loads.append(half * of_pressure[part.mesh.panels.functions(part.pressure_degrees)])
+            self.shear_loads.append(
+                half * of_shear[part.shear_mesh.panels.functions(part.shear_degrees)]
             )
-            self.pulls.append(half * of_shear[part.shear.panels.functions(part.shear_degrees)])
         self.load_row = np.zeros(self.pressure_terms)
         if self.pressure_known:
             self.load_row[0] = 1.0 / (2.0 * np.pi)
@@ -358,12 +375,12 @@ class ContactFields:
                 load = 2.0 * np.pi * friction * part.state * self.loads[k]
                 self.add_pressure(row, load[None], k)
             elif part.zone == 0:
-                unit = disk_shear(part.shear.panels, part.degrees)
-                self.add_shear(row, part.family.boundary.value**3 * unit[None], k)
+                unit = disk_shear(part.shear_mesh.panels, part.degrees)
+                self.add_shear(row, part.mesh.boundary.value**3 * unit[None], k)
             else:
-                on_panels = moments_on(part.shear.panels, part.degrees)
-                s = np.sqrt(part.shear.points(on_panels.d).z)
-                moment = 2.0 * np.pi * part.shear.reach * on_panels.with_densities(s[None])
+                on_panels = moments_on(part.shear_mesh.panels, part.degrees)
+                s = np.sqrt(part.shear_mesh.points(on_panels.d).z)
+                moment = 2.0 * np.pi * part.shear_mesh.extent * on_panels.with_densities(s[None])
                 self.add_shear(row, moment, k)
         return np.asarray(row[0])
 
@@ -373,7 +390,7 @@ class ContactFields:
 
     @cached_property
     def jump_rows(self) -> Array:
-        """The jump of ``q - f p`` from slip to stick at every boundary."""
+        """Jumps of the traction at the boundaries, q in stick less ``+-f p`` in slip, as rows."""
         rows = np.zeros((len(self.radii), self.unknowns))
         for k in self.stick_parts:
             part = self.parts[k]
@@ -381,11 +398,12 @@ class ContactFields:
             if j < 0:
                 continue
             row = rows[j : j + 1]
-            at_tail = _tail_at_boundary(part.shear.panels)
-            row[:, self._tail_of(k)] = part.family.boundary.value * at_tail
+            at_tail = _tail_at_boundary(part.shear_mesh.panels)
+            row[:, self._tail_of(k)] = part.mesh.boundary.value * at_tail
+            # one of the two zones sticks, and its state is 0
             friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
             at_boundary = np.zeros((1, len(self.loads[k])))
-            at_tail = _tail_at_boundary(part.family.panels)
+            at_tail = _tail_at_boundary(part.mesh.panels)
             at_boundary[:, -len(at_tail) :] = -friction * at_tail
             self.add_pressure(row, at_boundary, k)
         return rows
@@ -393,21 +411,22 @@ class ContactFields:
     def _tail_of(self, k: int) -> slice:
         """Return where the tail of u on a part is in a vector."""
         stop = self.shear_places[k].stop
-        return slice(stop - self.parts[k].shear.panels.tail_terms, stop)
+        return slice(stop - self.parts[k].shear_mesh.panels.tail_terms, stop)
 
 
 def _expansion(part: MeshPart, values: Array, *, truncated: bool) -> Array:
     """Return coefficients on a part, as columns, through values at its sampling points, as rows.
 
-    If it is truncated, the second and third column lose the top two degrees and the top one of
-    every panel of the first.
+    The first column is the known pressure, or what follows from it. If `truncated`, its top two
+    degrees on every panel join the second column, and its top one the third.
     """
-    panels, degrees = part.family.panels, part.pressure_degrees
-    coefficients = part.family.expand(values)[:, panels.functions(degrees)].T
+    panels = part.mesh.panels
+    degrees = part.pressure_degrees
+    coefficients = part.mesh.expand(values)[:, panels.functions(degrees)].T
     if truncated:
         for column, count in ((1, 2), (2, 1)):
             top = panels.top(degrees, count)[:-1]  # without the tail's
-            coefficients[top, column] -= coefficients[top, 0]
+            coefficients[top, column] += coefficients[top, 0]
     return coefficients
 
 
@@ -421,17 +440,19 @@ def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
     return tuple(min(n + _EXTRA_DEGREES, panels.degree) for n in degrees)
 
 
-def _over_radius(family: GradedMesh, degrees: Degrees) -> Blockwise:
+def _over_radius(mesh: GradedMesh, degrees: Degrees) -> Blockwise:
     """Return the map from the coefficients of p on a part to those of ``p/s``, panel by panel."""
-    panels = family.panels
-    points = panels.degree + 11
+    panels = mesh.panels
+    points = panels.degree + EXTRA
     expand = legendre_expansion_matrix(points, panels.degree)
     values = legendre_values(gauss_rule(points)[0], panels.degree)
-    radii = np.sqrt(family.points(np.exp(-panels.sampling(points))).z)
+    radii = np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
     blocks = [
-        expand[: more + 1] @ (values[:, : n + 1] / s[:, None])
-        for s, n, more in zip(radii, degrees, _quotient_degrees(degrees, panels), strict=True)
+        expand[: quotient_degree + 1] @ (values[:, : n + 1] / s[:, None])
+        for s, n, quotient_degree in zip(
+            radii, degrees, _quotient_degrees(degrees, panels), strict=True
+        )
     ]
     # on the tail s is constant to rounding
-    at_tail = float(np.sqrt(family.points(np.array([panels.end / 2.0])).z[0]))
+    at_tail = float(np.sqrt(mesh.points(np.array([panels.end / 2.0])).z[0]))
     return Blockwise([*blocks, np.eye(panels.tail_terms) / at_tail])

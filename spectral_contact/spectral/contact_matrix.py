@@ -1,9 +1,10 @@
 """The matrix of a contact system: where its entries are filled in.
 
-Rows are those of `ContactSystem.residual`. ``T q`` and ``N p`` are Gram matrices of half-integrals,
-summed over the nodes of each part (docs/theory, Abel factorisation). That of the central disk is
-kept where it has no further weights, as it is that of the unit disk; and there the coupling of the
-two equations is a product of moments, in which no kernel is left.
+It is minus the derivative of `ContactSystem.residual` by the unknowns. ``T q`` and ``N p`` are Gram
+matrices of half-integrals, summed over the nodes of each part (docs/theory, Abel factorisation).
+Where nodes have no emphasis (`ContactOperators`), that of the central disk is a power of its radius
+times that of the unit disk, which is cached, and the coupling of the two equations is a sum of
+products of loads, in which no kernel is left.
 """
 
 from __future__ import annotations
@@ -22,7 +23,10 @@ Array = NDArray[np.float64]
 
 
 def system_matrix(system: ContactSystem) -> Array:
-    """Return the matrix of the equations, whose rows are those of `residual`."""
+    """Return minus the derivative of `ContactSystem.residual` by the unknowns.
+
+    A step that removes a residual is the solution with this matrix; it is added to the vector.
+    """
     matrix = _without_masses(system)
     for place, mass in system.masses():
         matrix[place, place] += mass
@@ -30,11 +34,11 @@ def system_matrix(system: ContactSystem) -> Array:
 
 
 def _without_masses(system: ContactSystem) -> Array:
-    """Return the matrix without masses; that of coupled full stick is kept for kappa = 1."""
+    """Return the matrix without masses; coupled full stick has a cached one for kappa = 1."""
     if system.radii or system.pressure_known:
         return _assembled(system)
     [part] = system.parts
-    space = DiscreteSpace(part.family.panels, part.degrees)
+    space = DiscreteSpace(part.mesh.panels, part.degrees)
     matrix = _full_stick_matrix(space, system.parameters.beta == 0.0).copy()
     matrix[: system.pressure_terms, system.pressure_terms :] *= system.parameters.kappa
     matrix[system.pressure_terms :, : system.pressure_terms] *= system.parameters.kappa
@@ -60,12 +64,13 @@ def _assembled(system: ContactSystem) -> Array:
 
 def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add ``T q``, tested at the nodes of a part."""
-    part, rows = system.parts[i], system.operators.outer_stick[i]
+    part = system.parts[i]
+    rows = system.operators.outer_stick[i]
     columns = rows if system.pressure_known else system.operators.outer_shear[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_shear:
-        gram = cached_disk_gram(part.shear.panels, part.degrees, shear=True)
-        gram = part.family.boundary.value**3 * gram
+        gram = cached_disk_gram(part.shear_mesh.panels, part.degrees, shear=True)
+        gram = part.mesh.boundary.value**3 * gram
     products = rows.products(
         columns,
         system.operators.shear_tests[i],
@@ -78,11 +83,12 @@ def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
 
 def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add ``N p``, tested at the nodes of a part."""
-    part, outer = system.parts[i], system.operators.outer_pressure[i]
+    part = system.parts[i]
+    outer = system.operators.outer_pressure[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_normal:
-        gram = cached_disk_gram(part.family.panels, part.degrees, shear=False)
-        gram = part.family.boundary.value * gram
+        gram = cached_disk_gram(part.mesh.panels, part.degrees, shear=False)
+        gram = part.mesh.boundary.value * gram
     for k, j, product in outer.products(
         outer, system.operators.normal_tests[i], other_values=True, node_sums=gram
     ):
@@ -90,68 +96,78 @@ def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
 
 
 def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> None:
-    """Add what the traction does to a weighted normal equation at the nodes of a part."""
-    outer, inner = system.operators.outer_pressure[i], system.operators.inner_shear[i]
-    t, weights = system.operators.t[i], system.operators.normal_tests[i]
+    """Add the terms of the traction in the normal equation at the nodes i, with emphasis."""
+    outer = system.operators.outer_pressure[i]
+    inner = system.operators.inner_shear[i]
+    t = system.operators.t[i]
+    weights = system.operators.normal_tests[i]
     coupling = 2.0 * system.parameters.kappa
     for k, j, product in outer.products(inner, weights * t):
         system.add_shear(matrix[system.pressure_places[k]], coupling * product, j)
-    # t I(t) is t/b times its value at the boundary, and an increment
+    # with I(t) the inner integral of q: t I(t) is t I(b) and t times an increment
     both = coupling * np.column_stack([weights * t, weights])
     for k, sums in outer.project(both):
         rows = matrix[system.pressure_places[k]]
-        for j, one in inner.blocks.items():
-            system.add_shear(rows, one.scale * sums[:, :1] * one.boundary_value, j)
-        for j, pull in enumerate(system.pulls):
-            system.add_shear(rows, -sums[:, 1:] * pull, j)
+        for j, integrals in inner.blocks.items():
+            system.add_shear(rows, integrals.scale * sums[:, :1] * integrals.boundary_value, j)
+        for j, shear_load in enumerate(system.shear_loads):
+            system.add_shear(rows, -sums[:, 1:] * shear_load, j)
 
 
 def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None:
-    """Add what the pressure does to a weighted tangential equation at the nodes of a part."""
-    outer, inner = system.operators.outer_stick[i], system.operators.inner_pressure[i]
+    """Add the terms of the pressure in the tangential equation at the nodes i, with emphasis."""
+    outer = system.operators.outer_stick[i]
+    inner = system.operators.inner_pressure[i]
     factor = system.operators.shear_tests[i] * 2.0 * system.parameters.kappa / system.operators.t[i]
     for k, j, product in outer.products(inner, factor):
         matrix[system.shear_places[k], system.pressure_places[j]] -= product
-    falls = factor * system.operators.from_boundary[i] / system.parts[i].family.boundary.value
+    falls = factor * system.operators.from_boundary[i] / system.parts[i].mesh.boundary.value
     for k, sums in outer.project(falls[:, None]):
-        for j, one in inner.blocks.items():
+        for j, integrals in inner.blocks.items():
             rows = matrix[system.shear_places[k], system.pressure_places[j]]
-            rows += one.scale * sums * one.boundary_value
+            rows += integrals.scale * sums * integrals.boundary_value
 
 
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
-    """Add the coupling of equations without weights, in which no kernel is left.
+    """Add the coupling terms of equations without emphasis, in which no kernel is left.
 
     ``<phi, int_s^1 q> = int phi s ds int q ds`` where q lies outside of phi, and
     ``<s psi, g[p]> = int psi s ds int p s ds`` where p lies inside of psi.
     """
     kappa = system.parameters.kappa
     for k, (part, place) in enumerate(zip(system.parts, system.pressure_places, strict=True)):
-        within = _moments_within(system, k)
+        nested = _nested_moments(system, k)
         if system.operators.unweighted_normal:
             rows = matrix[place]
-            system.add_shear(rows, -kappa * within, k)
+            system.add_shear(rows, -kappa * nested, k)
             for j in range(k + 1, len(system.parts)):
-                system.add_shear(rows, -kappa * system.loads[k][:, None] * system.pulls[j], j)
+                system.add_shear(rows, -kappa * system.loads[k][:, None] * system.shear_loads[j], j)
         if system.operators.unweighted_shear and part.sticks:
             rows = matrix[system.shear_places[k]]
-            rows[:, place] -= kappa * within.T
+            rows[:, place] -= kappa * nested.T
             inside = system.load_row[: place.start]
-            rows[:, : place.start] -= kappa * system.pulls[k][:, None] * inside
+            rows[:, : place.start] -= kappa * system.shear_loads[k][:, None] * inside
 
 
-def _moments_within(system: ContactSystem, k: int) -> Array:
-    """Return ``int phi s ds int psi s ds`` over what of psi lies outside of phi, on a part."""
+def _nested_moments(system: ContactSystem, k: int) -> Array:
+    """Return ``int phi s ds int psi s ds`` with psi outside of phi, on a part.
+
+    Rows are the functions phi of p, columns the functions psi of u.
+    """
     part = system.parts[k]
-    pressure, shear = part.family.panels, part.shear.panels
-    whole = outer_moments(pressure, shear, part.family.sign)
+    pressure = part.mesh.panels
+    shear = part.shear_mesh.panels
+    products = outer_moments(pressure, shear, part.mesh.sign)
     rows = pressure.functions(part.pressure_degrees)
     columns = shear.functions(part.shear_degrees)
-    return np.asarray((0.5 * part.family.reach) ** 2 * whole[np.ix_(rows, columns)])
+    return np.asarray((0.5 * part.mesh.extent) ** 2 * products[np.ix_(rows, columns)])
 
 
 @bounded_cache("full-stick matrices", 8)
-def _full_stick_matrix(space: DiscreteSpace, rigid: bool) -> Array:
-    """Return the matrix of coupled full stick without masses, for kappa = 1."""
-    parameters = Parameters(0.0, 0.0 if rigid else 1.0, 1.0, 0.0)
+def _full_stick_matrix(space: DiscreteSpace, singular_traction: bool) -> Array:
+    """Return the matrix of coupled full stick without masses, for kappa = 1.
+
+    Without tangential compliance the traction is singular at the edge, and u has other functions.
+    """
+    parameters = Parameters(0.0, 0.0 if singular_traction else 1.0, 1.0, 0.0)
     return _assembled(ContactSystem((), (0,), [space], parameters))

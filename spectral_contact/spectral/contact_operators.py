@@ -17,13 +17,14 @@ from spectral_contact.spectral.node_operators import NodeOperators
 from spectral_contact.spectral.parts import GradedMesh
 
 Array = NDArray[np.float64]
+#: Highest degree on every panel.
 Degrees = tuple[int, ...]
 
 
 class ContactOperators:
     """Integrals of the fields at the nodes of the parts.
 
-    Where the pressure is known there are nodes up to the last part that sticks.
+    Where the pressure is known only the parts up to the last one that sticks have nodes.
 
     Parameters
     ----------
@@ -33,18 +34,19 @@ class ContactOperators:
     ----------
     nodes : list of GradedNodes
     t, offsets, from_boundary : list of ndarray
-        At the nodes of each part t, ``t**2 - b**2`` and ``t - b``, with the boundary b that its
-        mesh is graded to.
+        The radius t of the nodes of each part, ``t**2 - b**2`` and ``t - b``, with the boundary b
+        that its mesh is graded to.
     shear_weights : list of ndarray
         Weights of ``t**2 dt / pi``.
     normal_tests, shear_tests : list of ndarray
         Weights with which W and E are tested.
     unweighted_normal, unweighted_shear : bool
-        Whether these are the weights of ``dt / pi`` and of ``t**2 dt / pi``.
+        Whether `normal_tests` are the weights of ``dt / pi``, and `shear_tests` those of
+        ``t**2 dt / pi``, without `_emphasis`.
     outer_pressure, outer_shear : list of NodeOperators
-        Half-integrals of p and of u over what lies outside of the nodes.
+        Half-integrals of p and of u over radii outside of the nodes.
     inner_pressure, inner_shear : list of NodeOperators
-        The same over what lies inside.
+        The same over radii inside; without those of u if the pressure is known.
     outer_stick : list of NodeOperators
         Of the outer half-integrals of u those of the parts that stick.
     """
@@ -52,12 +54,12 @@ class ContactOperators:
     def __init__(self, fields: ContactFields) -> None:
         self._parts = fields.parts
         self._pressure_known = fields.pressure_known
-        # an equation is tested without further weights if it has a compliance or no boundary: then
-        # its coupling is one of moments
+        # an equation is tested without emphasis if it has a compliance or no boundary; then its
+        # coupling is a sum of products of loads (`contact_matrix`)
         alpha, beta, _, _ = fields.parameters
-        whole = not fields.radii
-        self.unweighted_normal = alpha > 0.0 or whole
-        self.unweighted_shear = beta > 0.0 or whole or fields.pressure_known
+        full_stick = not fields.radii
+        self.unweighted_normal = alpha > 0.0 or full_stick
+        self.unweighted_shear = beta > 0.0 or full_stick or fields.pressure_known
         tested = fields.parts
         if fields.pressure_known:
             tested = tested[: fields.stick_parts[-1] + 1]
@@ -74,15 +76,15 @@ class ContactOperators:
         self.normal_tests: list[Array] = []
         self.shear_tests: list[Array] = []
         for part in parts:
-            family = part.family
-            b = family.boundary
-            nodes = graded_nodes(family.panels, part.degrees)
-            offset = family.sign * family.reach * nodes.d
+            mesh = part.mesh
+            b = mesh.boundary
+            nodes = graded_nodes(mesh.panels, part.degrees)
+            offset = mesh.sign * mesh.extent * nodes.d
             if part.zone == 0:
                 t = b.value * np.sqrt(nodes.rest)
             else:
                 t = np.sqrt(b.square + offset)
-            weights = nodes.weights * family.reach / (2.0 * np.pi) * t
+            weights = nodes.weights * mesh.extent / (2.0 * np.pi) * t
             emphasis = self._emphasis(part, offset)
             self.nodes.append(nodes)
             self.offsets.append(offset)
@@ -93,22 +95,27 @@ class ContactOperators:
             self.shear_tests.append(weights * (1.0 if self.unweighted_shear else emphasis))
 
     def _emphasis(self, part: MeshPart, offset: Array) -> Array | float:
-        """Return the weight that an equation of the first kind takes next to a boundary.
+        """Return weights of the nodes, at least 1, that rise like 1/distance next to a boundary.
 
-        Without it what the equation lacks far away would spoil what is next to the boundary.
+        An equation without compliance holds only up to the truncation error of the space. Without
+        these weights the error far from the boundary would exceed the small values next to it. At
+        the edge there are none.
         """
         if part.boundary < 0:
             return 1.0
-        beside = [p.family.reach for p in self._parts if p.boundary == part.boundary]
+        beside = [p.mesh.extent for p in self._parts if p.boundary == part.boundary]
         return np.maximum(min(beside) / np.abs(offset), 1.0)
 
     def _assemble(self) -> None:
-        """Find the integrals of the fields of every part at the nodes of every other."""
+        """Find the integrals of the fields of every part at the nodes of every part.
+
+        Parts are numbered outward: part k lies outside of part i if ``k > i``.
+        """
         nodes = self.nodes
-        self.outer_pressure = [NodeOperators(one, {}) for one in nodes]
-        self.outer_shear = [NodeOperators(one, {}) for one in nodes]
-        self.inner_pressure = [NodeOperators(one, {}) for one in nodes]
-        self.inner_shear = [NodeOperators(one, {}) for one in nodes]
+        self.outer_pressure = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
+        self.outer_shear = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
+        self.inner_pressure = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
+        self.inner_shear = [NodeOperators(nodes_of_part, {}) for nodes_of_part in nodes]
         for i in range(len(nodes)):
             for k in range(len(self._parts)):
                 if k >= i:
@@ -116,38 +123,41 @@ class ContactOperators:
                 if k <= i:
                     self._add_operators(i, k, -1, self.inner_pressure[i], self.inner_shear[i])
         self.outer_stick = [
-            NodeOperators(one.nodes, {k: b for k, b in one.blocks.items() if self._parts[k].sticks})
-            for one in self.outer_shear
+            NodeOperators(
+                outer.nodes, {k: b for k, b in outer.blocks.items() if self._parts[k].sticks}
+            )
+            for outer in self.outer_shear
         ]
 
     def _add_operators(
-        self, i: int, k: int, side: int, pressure: NodeOperators, shear: NodeOperators
+        self, i: int, k: int, side: int, of_pressure: NodeOperators, of_shear: NodeOperators
     ) -> None:
         """Add the integrals of the fields of part k at the nodes of part i."""
-        part, target = self._parts[k], self._parts[i]
-        place = (target.family, target.degrees, side)
+        part = self._parts[k]
+        target_part = self._parts[i]
+        target = (target_part.mesh, target_part.degrees, side)
         wants_shear = side > 0 or not self._pressure_known
         wants_pressure = side < 0 or not self._pressure_known
-        of_shear: Block | None = None
+        shear_block: Block | None = None
         if wants_shear:
-            of_shear = block(part.shear, part.shear_degrees, *place)
-            assert of_shear is not None
-            shear.blocks[k] = of_shear
+            shear_block = block(part.shear_mesh, part.shear_degrees, *target)
+            assert shear_block is not None
+            of_shear.blocks[k] = shear_block
         if wants_pressure:
-            pressure.blocks[k] = self._pressure_block(part, place, of_shear)
+            of_pressure.blocks[k] = self._pressure_block(part, target, shear_block)
 
     def _pressure_block(
-        self, part: MeshPart, place: tuple[GradedMesh, Degrees, int], of_shear: Block | None
+        self, part: MeshPart, target: tuple[GradedMesh, Degrees, int], shear_block: Block | None
     ) -> Block:
-        """Return the integrals of p, which are those of u where the functions are the same."""
-        if of_shear is not None and part.shear is part.family:
+        """Return the integrals of p at the nodes of a target, taken from those of u if possible."""
+        if shear_block is not None and part.shear_mesh is part.mesh:
             if part.shear_degrees == part.pressure_degrees:
-                return of_shear
-            if of_shear.sampled:
-                panels = part.family.panels
+                return shear_block
+            if shear_block.sampled:
+                panels = part.mesh.panels
                 columns = panels.functions(part.shear_degrees)
                 functions = panels.functions(part.pressure_degrees)
-                return of_shear.of(np.searchsorted(columns, functions))
-        found = block(part.family, part.pressure_degrees, *place)
-        assert found is not None
-        return found
+                return shear_block.restricted_to(np.searchsorted(columns, functions))
+        pressure_block = block(part.mesh, part.pressure_degrees, *target)
+        assert pressure_block is not None
+        return pressure_block

@@ -7,8 +7,8 @@ there:
 ===================================  =======================  =====================
 case                                 p                        u
 ===================================  =======================  =====================
-full stick, partial slip, coupled    unknown                  unknown where it sticks
-the same without elastic coupling    known, with its changes  unknown where it sticks
+with elastic coupling                unknown                  unknown where it sticks
+without elastic coupling             known                    unknown where it sticks
 ===================================  =======================  =====================
 
 In slip u follows from p, as ``q = f p`` times the sign of the zone. A known pressure is expanded on
@@ -17,8 +17,8 @@ the same parts, so that the same operators act on it. The equations are (docs/th
     alpha p + N p - kappa int_s^1 q = delta     where p is unknown,
     beta q + T q - kappa g[p] = 0               in stick.
 
-**What Galerkin's method tests.** F and G are the half-integrals of p and q over what lies outside
-of t, and R is the drive of the pressure:
+**What Galerkin's method tests.** F and G are the half-integrals of p and q over radii outside of t,
+and ``kappa R`` is the value that stick prescribes for G, the *stick target*:
 
     F(t) = int_t^1 s p ds / sqrt(s^2 - t^2),     G(t) = int_t^1 q ds / sqrt(s^2 - t^2),
     R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2).
@@ -59,15 +59,21 @@ from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: Degrees that the displacement in slip has beyond those of the pressure. It is singular at the far
-#: end of a part, ln 2 in ``x`` before the first panel, so that its series converges slowly there.
+#: Degrees that the displacement in slip has beyond those of the pressure. It is singular at the
+#: other end of its zone, at twice the extent of a half, ln 2 in ``x = -ln d`` before the first
+#: panel; so its series converges slowly there.
 _DISPLACEMENT_DEGREES = 8
 
 
 class PointwiseResidual(NamedTuple):
     """W and E at the nodes of every part, before compliances are subtracted.
 
-    E is there for the parts up to the last one that sticks.
+    Attributes
+    ----------
+    normal : list of ndarray, shape (nodes, k)
+        W on every part; empty if the pressure is known.
+    tangential : list of ndarray, shape (nodes, k)
+        E on the parts from the centre to the last one that sticks.
     """
 
     normal: list[Array]
@@ -75,16 +81,24 @@ class PointwiseResidual(NamedTuple):
 
 
 class BoundaryRows(NamedTuple):
-    """``kappa R(b)`` and ``E(b)`` at every boundary, as rows that act on vectors."""
+    """Values at the boundaries b between zones, as rows that act on vectors.
 
-    drive: Array
-    shortfall: Array
+    Attributes
+    ----------
+    stick_target : ndarray, shape (boundaries, unknowns)
+        ``kappa R(b)``.
+    residual : ndarray, shape (boundaries, unknowns)
+        ``E(b) = kappa R(b) - G(b)``, without the defect.
+    """
+
+    stick_target: Array
+    residual: Array
 
 
 class ContactSystem(ContactFields):
     """The equations of two fields on zones with given boundaries.
 
-    Parameters are those of `ContactFields`. Among its attributes are used here:
+    Parameters are those of `ContactFields`. These of its attributes are used here:
 
     - `states` of the zones, 0 for stick and +1 or -1 for slip with that sign of the traction;
     - `bounds`, the ends of the zones: the centre, the boundaries and the edge, so that zone i lies
@@ -92,9 +106,11 @@ class ContactSystem(ContactFields):
     - `parameters`: the compliances alpha and beta, the coupling kappa, and the friction f;
     - `unknowns`, the length of a vector, and `pressure_terms`, how many of its first coefficients
       belong to the pressure;
-    - `pulls`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
+    - `shear_loads`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
     - `known_pressure` and `known_slip`: coefficients of known pressures, and of u in slip under
-      them; `known_variation` is the first less the value at the centre, whose drive is constant.
+      them, a column for each known pressure; `known_variation` is `known_pressure` less the value
+      of the pressure at the centre. A constant has a constant R, so that increments of R are the
+      same.
     """
 
     @cached_property
@@ -104,20 +120,22 @@ class ContactSystem(ContactFields):
 
     @cached_property
     def boundary_rows(self) -> BoundaryRows:
-        """``kappa R(b)`` and ``E(b)`` at every boundary."""
-        drive = np.zeros((len(self.radii), self.unknowns))
-        shortfall = np.zeros_like(drive)
+        """``kappa R`` and E at the boundaries between zones, without defects."""
+        stick_target = np.zeros((len(self.radii), self.unknowns))
+        residual = np.zeros_like(stick_target)
         for i, part in enumerate(self.parts[: len(self.operators.nodes)]):
-            if part.boundary < 0 or part.family.sign > 0:
+            if part.boundary < 0 or part.mesh.sign > 0:
                 continue
             j = slice(part.boundary, part.boundary + 1)
-            factor = 2.0 * self.parameters.kappa / part.family.boundary.value
+            factor = 2.0 * self.parameters.kappa / part.mesh.boundary.value
             for k, inner in self.operators.inner_pressure[i].blocks.items():
-                self.add_pressure(drive[j], factor * inner.scale * inner.boundary_value[None], k)
-            shortfall[j] = drive[j]
+                self.add_pressure(
+                    stick_target[j], factor * inner.scale * inner.boundary_value[None], k
+                )
+            residual[j] = stick_target[j]
             for k, outer in self.operators.outer_shear[i].blocks.items():
-                self.add_shear(shortfall[j], -outer.scale * outer.boundary_value[None], k)
-        return BoundaryRows(drive, shortfall)
+                self.add_shear(residual[j], -outer.scale * outer.boundary_value[None], k)
+        return BoundaryRows(stick_target, residual)
 
     # residuals
 
@@ -133,7 +151,8 @@ class ContactSystem(ContactFields):
         approach : ndarray, shape (k,)
             ``delta``.
         defects : ndarray, shape (boundaries, k)
-            By how much E(b) differs from what p and q make it.
+            Numbers that are added to the E(b) of the fields (`FieldSolution.without_jumps` finds
+            those that make the traction continuous).
         """
         normal: list[Array] = []
         if not self.pressure_known:
@@ -146,28 +165,29 @@ class ContactSystem(ContactFields):
         parts = range(len(self.parts))
         p = [self.pressure_on(k, values) for k in parts]
         u = [self.shear_on(k, values) for k in parts]
-        pull = sum(self.pulls[k] @ u[k] for k in parts)
+        shear_load = sum(self.shear_loads[k] @ u[k] for k in parts)
         residual: list[Array] = []
         at_boundaries: dict[int, Array] = {}
         for i, part in enumerate(self.parts):
             t = self.operators.t[i][:, None]
             from_boundary = self.operators.from_boundary[i][:, None]
-            outer, inner = self.operators.outer_pressure[i], self.operators.inner_shear[i]
-            swept = inner.boundary_values(u)
+            outer = self.operators.outer_pressure[i]
+            inner = self.operators.inner_shear[i]
+            inner_at_boundary = inner.boundary_values(u)
             at_boundary = 2.0 * approach - outer.boundary_values(p)
-            at_boundary += 2.0 * kappa * (pull - part.family.boundary.value * swept)
+            at_boundary += 2.0 * kappa * (shear_load - part.mesh.boundary.value * inner_at_boundary)
             # both sides take the same value to the last digit: a step there would act on the fields
-            # like 1/sqrt(d)
+            # like one over the square root of the distance
             at_boundary = at_boundaries.setdefault(part.boundary, at_boundary)
-            swept_more = t * inner.increments(u) + from_boundary * swept
-            residual.append(at_boundary - 2.0 * kappa * swept_more - outer.increments(p))
+            inner_increment = t * inner.increments(u) + from_boundary * inner_at_boundary
+            residual.append(at_boundary - 2.0 * kappa * inner_increment - outer.increments(p))
         return residual
 
     def _shear_residual(self, values: Array, defects: Array) -> list[Array]:
         """Return E at the nodes of the parts up to the last one that sticks."""
         at_boundaries = np.zeros_like(defects)
         if self.parameters.beta > 0.0:
-            at_boundaries = self.boundary_rows.shortfall @ values + defects
+            at_boundaries = self.boundary_rows.residual @ values + defects
         residual = []
         for i, part in enumerate(self.parts[: self.stick_parts[-1] + 1]):
             increment = self._shear_increment(i, values)
@@ -183,8 +203,8 @@ class ContactSystem(ContactFields):
             pressure = {
                 k: self.pressure_on(k, values) for k in self.operators.inner_pressure[i].blocks
             }
-            drive = self._drive_increment(i, pressure)
-            return np.asarray(drive - self.operators.outer_shear[i].increments(traction))
+            target_increment = self._target_increment(i, pressure)
+            return np.asarray(target_increment - self.operators.outer_shear[i].increments(traction))
         known = self._known_increments[i] @ values[: self.pressure_terms]
         if not values[self.pressure_terms :].any():
             return np.asarray(known)
@@ -193,24 +213,24 @@ class ContactSystem(ContactFields):
 
     @cached_property
     def _known_increments(self) -> list[Array]:
-        """``E(t) - E(b)`` at the nodes of the parts by the known pressures, without stick."""
-        found = []
+        """``E(t) - E(b)`` at the nodes of the parts by each known pressure, with q = 0 in stick."""
+        increments = []
         for i, outer in enumerate(self.operators.outer_shear):
             graded_to_boundary = self.parts[i].boundary >= 0
             pressure = self.known_variation if graded_to_boundary else self.known_pressure
-            increment = self._drive_increment(i, pressure)
-            slips = {k: one for k, one in outer.blocks.items() if not self.parts[k].sticks}
+            increment = self._target_increment(i, pressure)
+            slips = {k: b for k, b in outer.blocks.items() if not self.parts[k].sticks}
             if slips:
                 increment = increment - NodeOperators(outer.nodes, slips).increments(
                     self.known_slip
                 )
-            found.append(increment)
-        return found
+            increments.append(increment)
+        return increments
 
-    def _drive_increment(self, i: int, pressure: list[Array] | dict[int, Array]) -> Array:
-        """Return ``kappa (R(t) - R(b))`` at the nodes of a part."""
+    def _target_increment(self, i: int, pressure: list[Array] | dict[int, Array]) -> Array:
+        """Return ``kappa (R(t) - R(b))`` at the nodes of a part; ``kappa R(t)`` without a b."""
         inner = self.operators.inner_pressure[i]
-        boundary = self.parts[i].family.boundary.value
+        boundary = self.parts[i].mesh.boundary.value
         falls = (
             self.operators.from_boundary[i][:, None] / boundary * inner.boundary_values(pressure)
         )
@@ -219,7 +239,8 @@ class ContactSystem(ContactFields):
         increment = np.asarray(factor * (inner.increments(pressure) - falls))
         part = self.parts[i]
         if self.pressure_known and part.zone == 0 and part.boundary >= 0:
-            # near the centre the increment of the integral cancels, and is divided by t
+            # near the centre increment and `from_boundary` term cancel, and their sum is divided by
+            # t
             at_boundary = 2.0 * self.parameters.kappa / boundary * inner.boundary_values(pressure)
             direct = factor * inner.values(pressure) - at_boundary
             increment = np.where(t < boundary / np.sqrt(2.0), direct, increment)
@@ -233,7 +254,11 @@ class ContactSystem(ContactFields):
         return projected
 
     def project(self, residual: PointwiseResidual) -> Array:
-        """Return the sums over the nodes of W and E times the half-integrals of all functions."""
+        """Return weighted sums over the nodes of W and E times the half-integrals of all functions.
+
+        The weights are `ContactOperators.normal_tests` and `shear_tests`; the result is (unknowns,
+        k).
+        """
         projected = np.zeros((self.unknowns, residual.tangential[0].shape[1]))
         for i, values in enumerate(residual.tangential):
             weighted = self.operators.shear_tests[i][:, None] * values
@@ -246,48 +271,57 @@ class ContactSystem(ContactFields):
         return projected
 
     def masses(self, values: Array | None = None) -> Iterator[tuple[slice, Array]]:
-        """Yield masses of the unknown fields times their compliances, or the products with values.
+        """Yield, field by field, its place in a vector and its mass times its compliance.
 
-        With each comes its place in a vector.
+        With `values`, vectors as columns, the products of these matrices with them take their
+        place.
         """
         for field in self.fields:
             part = self.parts[field.part]
-            family = part.shear if field.is_shear else part.family
+            mesh = part.shear_mesh if field.is_shear else part.mesh
             compliance = self.parameters.beta if field.is_shear else self.parameters.alpha
             if compliance > 0.0:
                 coefficients = None if values is None else values[field.place]
-                mass = family.mass(field.degrees, coefficients, shear=field.is_shear)
+                mass = mesh.mass(field.degrees, coefficients, shear=field.is_shear)
                 yield field.place, compliance * mass
 
     # displacement in slip
 
     def slip_annulus(self, zone: int) -> Annulus:
-        """Return the meshes of the displacement in a slip zone: those of p, with more degrees."""
+        """Return the meshes of the displacement in a slip zone, the number `zone` from the centre.
+
+        They are those of p, without endpoint weight and with more degrees. The central disk is one
+        part, every zone around it is two.
+        """
         toward_inner, toward_outer = (
             replace(
-                part.family.panels,
+                part.mesh.panels,
                 power=0.0,
-                degree=part.family.panels.degree + _DISPLACEMENT_DEGREES,
+                degree=part.mesh.panels.degree + _DISPLACEMENT_DEGREES,
             )
             for part in self.parts[2 * zone - 1 : 2 * zone + 1]
         )
         inner, outer = self.bounds[zone : zone + 2]
         return Annulus(inner, outer, toward_inner, toward_outer)
 
-    def residual_in_slip(self, values: Array, annulus: Annulus) -> list[Array]:
-        """Return E at the sampling points of both halves of an annulus, of vectors as columns."""
-        return [self._residual_at_samples(values, half) for half in annulus.families]
+    def residual_on_annulus(self, values: Array, annulus: Annulus) -> list[Array]:
+        """Return E at the sampling points of both halves of an annulus, of vectors as columns.
+
+        In slip E is not zero: the displacement is an Abel integral of it
+        (`contact.slip_displacement`).
+        """
+        return [self._residual_at_samples(values, half) for half in annulus.meshes]
 
     def _residual_at_samples(self, values: Array, target: GradedMesh) -> Array:
         """Return E at the sampling points of a mesh."""
-        inner = np.zeros((len(target.panels.distances), values.shape[1]))
+        inner = np.zeros((len(target.panels.sampling_distances), values.shape[1]))
         outer = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
             place = (target, target.panels)
-            inside = block(part.family, part.pressure_degrees, *place, -1, differences=False)
+            inside = block(part.mesh, part.pressure_degrees, *place, -1, differences=False)
             if inside is not None:
                 inner += inside.apply(self.pressure_on(k, values))
-            outside = block(part.shear, part.shear_degrees, *place, 1, differences=False)
+            outside = block(part.shear_mesh, part.shear_degrees, *place, 1, differences=False)
             if outside is not None:
                 outer += outside.apply(self.shear_on(k, values))
         t = np.sqrt(target.sampling().z)[:, None]

@@ -1,7 +1,7 @@
 """The factors of the matrix of a contact system, and solutions by them.
 
-The columns of `Factored.first` are corrected once with the residual, which the half-integrals give
-without cancellation. So the factors may be rough: those for boundaries close by serve, too.
+Solutions by the factors are corrected with the residual, in which nothing cancels
+(`contact.free_boundary`). So factors of a system whose boundaries are close by serve, too.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ class Factored:
         self.scale: Array = 1.0 / np.sqrt(np.abs(matrix.diagonal()))
         matrix *= self.scale
         matrix *= self.scale[:, None]
-        # For columns of the pressure the pivots shall be found among the normal equations: the
-        # tangential ones are scaled to at most 1/2 there.
+        # in columns of the pressure the tangential equations are scaled to at most 1/2, so that LU
+        # takes its pivots there from the normal equations
         tangential_rows = matrix[system.pressure_terms :]
         coupling = tangential_rows[:, : system.pressure_terms]
         reduction = 0.5 / max(float(np.abs(coupling).max(initial=0.0)), 0.5)
@@ -71,10 +71,12 @@ class Factored:
         return np.asarray(step * self.scale[:, None] * size)
 
     @cached_property
-    def first(self) -> Array:
-        """Solutions for unit approach, unit defects and changes of a known pressure, as columns.
+    def unit_solutions(self) -> Array:
+        """Solutions of unit loads as columns, shape (unknowns, loads).
 
-        There is a defect for every boundary; changes are there if the pressure is known.
+        The first is that for unit approach or, if the pressure is known, for this pressure. Then
+        comes one for a unit defect (`contact_system`) at every boundary, and one for each
+        contribution of the top degrees of a known pressure, if there are any.
         """
         system = self.system
         count = 1 + len(system.radii)
@@ -94,15 +96,15 @@ class Factored:
         return values
 
     @property
-    def responses(self) -> Array:
-        """The solutions for a unit defect at every boundary, without approach, as columns."""
-        return self.first[:, 1 : 1 + len(self.system.radii)]
+    def defect_responses(self) -> Array:
+        """What a unit defect at every boundary adds to the solution, as columns."""
+        return self.unit_solutions[:, 1 : 1 + len(self.system.radii)]
 
-    def change(self, values: Array, system: ContactSystem) -> list[Array]:
+    def coarse_differences(self, values: Array, system: ContactSystem) -> list[Array]:
         """Return a solution less the solutions in two coarser spaces.
 
-        The spaces lack the top two degrees of every panel, and the top one. Approach and defects
-        are the same; a pressure that is known loses its two changes with the degrees.
+        The spaces lack the top two degrees of every panel, and the top one; a known pressure lacks
+        them, too. Approach and defects are the same.
 
         Parameters
         ----------
@@ -116,7 +118,7 @@ class Factored:
         right = np.zeros((count, len(top_degrees)))
         right[top_degrees, np.arange(len(top_degrees))] = 1.0 / self.scale[top_degrees]
         response = self.step(right)
-        # right-hand sides at the missing unknowns that make these vanish
+        # right-hand sides at the missing unknowns with which these vanish in the coarser solution
         forced = np.zeros((count, 2))
         changes = np.empty((count, 2))
         for i, missing in enumerate(system.top_degree_indices):
@@ -134,10 +136,11 @@ class Factored:
 class Symmetric(Factored):
     """A symmetric positive definite system with its Cholesky factor.
 
-    A known pressure is no unknown of the matrix. The functions that coarser spaces lack come last,
-    so that the leading parts of the factor are those of the coarser spaces. If one disk sticks
-    under a known pressure, its matrix is that of the unit disk, which is cached, with the
-    compliance ``beta / c`` and the factor ``c**5`` for the radius c.
+    Vectors begin with the factors of a known pressure, and the matrix does not. The functions that
+    coarser spaces lack come last, so that the leading parts of the factor are those of the coarser
+    spaces. If one disk of radius c sticks under a known pressure, its matrix is ``c**5`` times that
+    of the unit disk with the compliance ``beta / c``, because the kernels are homogeneous
+    (docs/theory, Abel factorisation); that of the unit disk is cached.
     """
 
     def __init__(self, system: ContactSystem) -> None:
@@ -147,10 +150,10 @@ class Symmetric(Factored):
         known = system.pressure_terms if system.pressure_known else 0
         if system.pressure_known and len(system.stick_parts) == 1:
             [field] = system.fields
-            radius = system.parts[0].family.boundary.value
+            radius = system.parts[0].mesh.boundary.value
             space = unit_space(field.panels, field.degrees, shear=True)
             self._matrix_scale = radius**5
-            self._coarse_unknowns = (space.unknowns_two_less, space.unknowns_one_less)
+            self._coarse_unknowns = (space.coarsest_unknowns, space.coarse_unknowns)
             self._order = known + space.place
             self._cholesky = space.factor(system.parameters.beta / radius).cholesky
             return
@@ -167,27 +170,31 @@ class Symmetric(Factored):
         step[self._order] = self._cholesky.solve(right[self._order].T).T / self._matrix_scale
         return step
 
-    def change(self, values: Array, system: ContactSystem) -> list[Array]:
-        """Return a solution less the solutions in two coarser spaces, as `Factored.change` does."""
+    def coarse_differences(self, values: Array, system: ContactSystem) -> list[Array]:
+        """Return a solution less the solutions in two coarser spaces.
+
+        As `Factored.coarse_differences`; of the system only the zones and the known pressure count.
+        """
         changes = np.zeros((len(values), 2))
         for column, coarse_unknowns in zip(changes.T, self._coarse_unknowns, strict=True):
-            difference = self._cholesky.coarse_difference(values[self._order], coarse_unknowns)
+            difference = self._cholesky.coarse_change(values[self._order], coarse_unknowns)
             column[self._order] = -difference
         if system.pressure_known and system.pressure_terms > 1:
             # the known pressure loses as many degrees
-            changes += self.first[:, 1 + len(system.radii) :]
+            changes += self.unit_solutions[:, 1 + len(system.radii) :]
         return [*changes.T]
 
     def energies(self, values: Array) -> Array:
-        """Return the energies of a solution less the one without the top two degrees.
+        """Return the energy of the difference to the solution without the top two degrees.
 
-        The first row is p, the second ``q/s``; columns are the panels and the tail of a contact
-        that is one part, (2, panels + 1).
+        Of full stick with an unknown pressure: the diagonal part of the energy for p (first row)
+        and for ``q/s`` (second row) on every panel and on the tail, (2, panels + 1). Values are a
+        vector (unknowns,).
         """
-        difference = self._cholesky.coarse_difference(values[self._order], self._coarse_unknowns[0])
+        difference = self._cholesky.coarse_change(values[self._order], self._coarse_unknowns[0])
         energies = np.empty_like(values)
         energies[self._order] = difference**2 * self._cholesky.diagonal
         [part] = self.system.parts
-        terms = [*(n + 1 for n in part.degrees), part.family.panels.tail_terms]
+        terms = [*(n + 1 for n in part.degrees), part.mesh.panels.tail_terms]
         starts = np.cumsum([0, *terms[:-1]])
         return np.asarray(np.add.reduceat(energies.reshape(2, -1), starts, axis=1))

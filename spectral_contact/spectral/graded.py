@@ -44,7 +44,7 @@ FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(FAR_POINTS)
 class GradedNodes:
     """Galerkin nodes on panels of these degrees, then on the tail, clustered at both ends of each.
 
-    The end of a part that is far from its boundary is treated like the centre of a disk.
+    The far end of a part may be the centre of the disk, and is treated like it.
 
     Parameters
     ----------
@@ -102,14 +102,14 @@ class GradedNodes:
 
     @cached_property
     def from_far_nodes(self) -> Array:
-        """The matrix from values at `FAR_NODES`, as distances, to values at the samples."""
+        """The matrix from values at distances ``(1 + FAR_NODES) / 2`` to values at the samples."""
         return far_values(self.samples)
 
     @cached_property
     def _interpolations(self) -> list[tuple[int, Array]]:
         """Runs of panels with as many nodes: their number, and the matrix from samples to nodes."""
         runs = [(len(list(run)), n) for n, run in groupby(map(len, self.from_start[1:]))]
-        return [(count, from_samples(n, self.panels.width)) for count, n in runs]
+        return [(count, from_samples(n)) for count, n in runs]
 
     def interpolate(self, values: Array) -> Array:
         """Return values at the nodes of functions with values at the samples, as columns."""
@@ -138,11 +138,14 @@ class GradedNodes:
         return np.concatenate([*results, values[start:]])
 
 
-graded_nodes = bounded_cache("graded nodes", 128)(GradedNodes)
+#: `GradedNodes`, cached.
+graded_nodes = bounded_cache("graded nodes")(GradedNodes)
 
 
 class PlainNodes:
-    """Points that are their own samples, so that nothing is interpolated to them.
+    """Points that are their own samples, such as the sampling points of a mesh.
+
+    They have no weights and no `interpolate`, which Galerkin's method alone needs.
 
     Parameters
     ----------
@@ -156,23 +159,24 @@ class PlainNodes:
 
     @property
     def from_far_nodes(self) -> Array:
-        """The matrix from values at `FAR_NODES`, as distances, to values at the points."""
+        """The matrix from values at distances ``(1 + FAR_NODES) / 2`` to values at the points."""
         return far_values(self.d)
 
 
-@bounded_cache("clustered rules", 24)
-def clustered_rule(points: int, width: float) -> tuple[Array, Array]:
+@bounded_cache("clustered rules")
+def clustered_rule(count: int, width: float) -> tuple[Array, Array]:
     """Return a rule on (0, width) for functions with square roots at both ends (cached)."""
-    g, w = gauss_rule(points)
+    g, w = gauss_rule(count)
     phi = np.pi / 4 * (1.0 + g)
-    sine, cosine = np.sin(phi), np.cos(phi)
+    sine = np.sin(phi)
+    cosine = np.cos(phi)
     return width * sine**2, width * (w * np.pi / 2.0 * sine * cosine)
 
 
-@bounded_cache("from samples", 24)
-def from_samples(points: int, width: float) -> Array:
-    """Return the matrix from the samples of a panel to its nodes, as many as `points` (cached)."""
-    local = 2.0 * clustered_rule(points, width)[0] / width - 1.0
+@bounded_cache("from samples")
+def from_samples(count: int) -> Array:
+    """Return the matrix from the samples of a panel to its nodes, of which there are `count`."""
+    local = 2.0 * clustered_rule(count, 1.0)[0] - 1.0
     return legendre_interpolation_matrix(local, SAMPLES)
 
 
@@ -190,38 +194,37 @@ def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
 
 
 def far_values(d: Array) -> Array:
-    """Return the matrix from values at `FAR_NODES`, as distances, to those at other distances."""
+    """Return the matrix from values at the distances ``(1 + FAR_NODES) / 2`` to those at d."""
     return np.asarray(chebvander(2.0 * d - 1.0, len(FAR_NODES) - 1) @ FAR_EXPANSION)
 
 
 def _node_count(degree: int) -> int:
-    """Return how many nodes integrate products of half-integrals of this degree to rounding."""
-    return NODE_STEP * ceil(degree / 8 + 1)
+    """Return how many nodes integrate products of Abel integrals of a degree to rounding."""
+    return NODE_STEP * ceil(2 * degree / NODE_STEP + 1)
 
 
 def highest_degree(count: int) -> int:
-    """Return the highest degree for which `_node_count` is this count: its inverse."""
-    return count // 2 - 8
+    """Return the highest degree with this `_node_count`.
+
+    No function on a panel with so many nodes, or on a neighbour, has a higher one.
+    """
+    return (count - NODE_STEP) // 2
 
 
-def inverse_root_sums(
-    target: Array, source: Array, values: Array, offset: Array | None = None
-) -> Array:
+def inverse_root_sums(target: Array, source: Array, values: Array) -> Array:
     """Return ``sum_j values_j / sqrt(target_i + source_j)``, shape (n,) or (n, k).
 
-    Several columns of values, (m, k), share the square roots. With `offset`, (m,), each term is
-    divided by ``sqrt(target_i + source_j) + offset_j`` as well. The rows are taken in strips of
-    `KERNEL_ENTRIES` entries, which fit the processor's cache.
+    Target, (n,), and source, (m,), are two summands of ``s**2 - t**2`` for points s and sources t,
+    measured from one anchor so that the difference keeps its digits. Several columns of values,
+    (m, k), share the square roots. The rows are taken in strips of `KERNEL_ENTRIES` entries, which
+    fit the processor's cache.
     """
     sums = np.empty((len(target), *values.shape[1:]))
     rows = max(KERNEL_ENTRIES // max(len(source), 1), 1)
     work = np.empty((min(rows, len(target)), len(source)))
-    denominators = np.empty_like(work)
     for start in range(0, len(target), rows):
         strip = target[start : start + rows, None]
         roots = np.add(strip, source, out=work[: len(strip)])
         np.sqrt(roots, out=roots)
-        if offset is not None:
-            roots *= np.add(roots, offset, out=denominators[: len(strip)])
         np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + rows])
     return sums

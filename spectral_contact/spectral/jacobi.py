@@ -75,9 +75,11 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
     if points == 1:
         return _frozen(np.zeros(1), np.full(1, 2.0))
     # the upper half: the square of the Jacobi matrix couples rows of one parity alone
-    order, squares = np.arange(1.0, points) ** 2, np.zeros(points + points % 2)
+    order = np.arange(1.0, points) ** 2
+    squares = np.zeros(points + points % 2)
     squares[1:points] = order / (4 * order - 1.0)
-    diagonal, beside = squares[::2] + squares[1::2], np.sqrt(squares[1:-1:2] * squares[2::2])
+    diagonal = squares[::2] + squares[1::2]
+    beside = np.sqrt(squares[1:-1:2] * squares[2::2])
     # LAPACK takes no empty array
     eigenvalues = lapack.dsterf(diagonal, beside)[0] if points > 2 else diagonal
     start = np.sqrt(np.maximum(eigenvalues, 0.0)).astype(np.longdouble)
@@ -85,7 +87,9 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
         start[0] = 0.0
     # polynomials whose leading coefficient is 1, which take the fewest steps
     k = np.arange(2, points + 1, dtype=np.longdouble)
-    before, value, product = np.ones_like(start), start.copy(), np.empty_like(start)
+    before = np.ones_like(start)
+    value = start.copy()
+    product = np.empty_like(start)
     for factor in (k - 1) ** 2 / ((2 * k - 1) * (2 * k - 3)):
         before *= factor
         np.multiply(start, value, out=product)
@@ -98,10 +102,11 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
     slope = np.prod((2 * k - 1) / k) * (slope + step * curvature)
     weights = 2 / ((1 - nodes) * (1 + nodes) * slope**2)
     lower = slice(None, None if points % 2 == 0 else 0, -1)
-    halves = nodes.astype(float), weights.astype(float)
+    upper_nodes = nodes.astype(float)
+    upper_weights = weights.astype(float)
     return _frozen(
-        np.concatenate([-halves[0][lower], halves[0]]),
-        np.concatenate([halves[1][lower], halves[1]]),
+        np.concatenate([-upper_nodes[lower], upper_nodes]),
+        np.concatenate([upper_weights[lower], upper_weights]),
     )
 
 
@@ -128,7 +133,8 @@ def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
     """
     g, w = gauss_rule(points)
     ends = np.append(ratio ** np.arange(panels), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
+    low = ends[1:, None]
+    width = -np.diff(ends)[:, None]
     return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
 
 

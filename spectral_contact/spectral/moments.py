@@ -30,47 +30,52 @@ def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
     return np.asarray(2.0 * on_all.with_densities(density(on_all.d)[None])[0])
 
 
-@bounded_cache("moments", 64)
+@bounded_cache("moments")
 def moments(panels: LogPanels) -> Array:
     """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
     return load_vector(panels, np.ones_like)
 
 
-@bounded_cache("outer moments", 24)
+@bounded_cache("outer moments")
 def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
     """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent.
 
     The panels of phi and of psi are the same but for the endpoint weight (cached).
     """
-    deeper = _deeper_moments(panels, other)
-    return deeper if sign < 0 else np.outer(moments(panels), moments(other)) - deeper
+    nested = _nested_moments(panels, other)
+    return nested if sign < 0 else np.outer(moments(panels), moments(other)) - nested
 
 
-def _deeper_moments(panels: LogPanels, inner: LogPanels) -> Array:
+def _nested_moments(panels: LogPanels, inner: LogPanels) -> Array:
     """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size)."""
-    terms, h = panels.degree + 1, panels.width
-    # psi on a deeper panel counts whole, on a shallower one not at all
+    terms = panels.degree + 1
+    h = panels.width
+    # psi on a panel nearer the boundary counts in full, on one farther from it not at all
     matrix = np.outer(moments(panels), moments(inner))
     g, w = gauss_rule(panels.degree + EXTRA)
-    x, weights, basis = h * (1.0 + g) / 2.0, w * h / 2.0, legendre_values(g, panels.degree)
+    x = h * (1.0 + g) / 2.0
+    weights = w * h / 2.0
+    basis = legendre_values(g, panels.degree)
     rest = h - x
-    deeper = x[:, None] + rest[:, None] * (1.0 + g) / 2.0
-    values = np.exp(-(1.0 + inner.power) * deeper) * w * rest[:, None] / 2.0
-    within = np.einsum("iq,iqk->ik", values, legendre_values(2.0 * deeper / h - 1.0, panels.degree))
-    own = (basis * (weights * np.exp(-(1.0 + panels.power) * x))[:, None]).T @ within
-    fall = np.exp(-(2.0 + panels.power + inner.power) * h * np.arange(panels.panels))
+    inner_x = x[:, None] + rest[:, None] * (1.0 + g) / 2.0
+    values = np.exp(-(1.0 + inner.power) * inner_x) * w * rest[:, None] / 2.0
+    within = np.einsum(
+        "iq,iqk->ik", values, legendre_values(2.0 * inner_x / h - 1.0, panels.degree)
+    )
+    diagonal_block = (basis * (weights * np.exp(-(1.0 + panels.power) * x))[:, None]).T @ within
+    decay = np.exp(-(2.0 + panels.power + inner.power) * h * np.arange(panels.panels))
     for j in range(panels.panels):
         rows = slice(j * terms, (j + 1) * terms)
         matrix[rows, : j * terms] = 0.0
-        matrix[rows, rows] = fall[j] * own
+        matrix[rows, rows] = decay[j] * diagonal_block
     tail = panels.panels * terms
     matrix[tail:, :tail] = 0.0
     d, weights, basis = panels.tail_rule()
     v = np.sqrt(d / panels.end)
-    deeper = d[:, None] * (d / panels.end)
+    inner_d = d[:, None] * (d / panels.end)
     # dd' = end v**2 2 v' dv', with d' = end v**2 v'**2
-    values = weights * v[:, None] ** 2 * deeper**inner.power
-    tails = tail_values(deeper, inner.end, inner.tail_terms, inner.root_tail)
+    values = weights * v[:, None] ** 2 * inner_d**inner.power
+    tails = tail_values(inner_d, inner.end, inner.tail_terms, inner.root_tail)
     within = np.einsum("iq,iqk->ik", values, tails)
     matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
     return matrix

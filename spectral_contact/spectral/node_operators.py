@@ -1,8 +1,9 @@
 """Abel integrals of the functions on several parts at the Galerkin nodes of one of them.
 
 `blocks` has the integrals of one part at the nodes of another, either at these nodes or, where they
-are smooth, at fewer samples that are interpolated to the nodes. Here these blocks are summed over
-the parts, projected on the parts, and multiplied with each other.
+are smooth, at fewer samples that are interpolated to the nodes. Here integrals are summed over the
+parts (`values`), projected on the functions of each part (`project`, its transpose), and integrated
+against each other (`products`).
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from spectral_contact.spectral.graded import GradedNodes
 
 Array = NDArray[np.float64]
-#: Coefficients of the functions on every part, as columns; by the number of the part.
+#: Coefficients of the functions, as columns, by the number of the part.
 Fields: TypeAlias = Sequence[Array] | Mapping[int, Array]
 
 
@@ -29,8 +30,8 @@ class PartProduct(NamedTuple):
     Attributes
     ----------
     row, column : int
-        Numbers of the two parts.
-    values : ndarray, shape (functions of the first, functions of the second)
+        Numbers of the parts of the first and of the second factor.
+    values : ndarray, shape (functions of part `row`, functions of part `column`)
     """
 
     row: int
@@ -44,7 +45,7 @@ class SideBySide(NamedTuple):
     Attributes
     ----------
     columns : dict of slice
-        Columns of every part in the matrix that it belongs to.
+        Columns of every part: in `on_samples` if its block is sampled, else in `on_nodes`.
     on_nodes : ndarray, shape (nodes, columns)
     on_samples : ndarray, shape (samples, columns)
     """
@@ -98,9 +99,9 @@ class NodeOperators:
         return np.asarray(on_nodes + self.nodes.interpolate(on_samples))
 
     def project(self, weighted: Array) -> Iterable[tuple[int, Array]]:
-        """Yield, part by part, the sums over the nodes of weighted values times the integrals.
+        """Yield, for each part, the sums over the nodes of weighted values times its integrals.
 
-        The weighted values are columns, (nodes, columns), the sums are (functions, columns).
+        The weighted values are (nodes, columns), the sums are (functions of the part, columns).
         """
         any_sampled = any(b.sampled for b in self.blocks.values())
         at_samples = self.nodes.interpolate_transpose(weighted) if any_sampled else weighted
@@ -132,18 +133,21 @@ class NodeOperators:
         other_values: bool = False,
         node_sums: Array | None = None,
     ) -> Iterable[PartProduct]:
-        """Yield, for pairs of parts, the sums over the nodes of these values times others.
+        """Yield, for all pairs of parts, sums over the nodes of the integrals of both.
+
+        The first factors are the values of these operators.
 
         Parameters
         ----------
         other : NodeOperators
             The second factors, at the same nodes.
         weights : ndarray, shape (nodes,)
-            Weights of the sums.
+            Weights of the sums, not negative.
         other_values : bool
             Whether the second factors are the values of `other`, else they are its increments.
         node_sums : ndarray, optional
-            The products of those parts whose integrals are given at the nodes, if they are known.
+            The sums for all parts whose integrals are given at the nodes, if they are known: those
+            of the only such part, a disk.
         """
         same = other is self and other_values
         w = weights[:, None]
@@ -178,7 +182,7 @@ class NodeOperators:
 
 
 def _stacked(matrices: list[Array], rows: int) -> Array:
-    """Return matrices with so many rows side by side, without a copy if there is only one."""
+    """Return matrices side by side; without a copy if there is one, with `rows` rows if none."""
     if len(matrices) == 1:
         return matrices[0]
     return np.hstack(matrices or [np.zeros((rows, 0))])

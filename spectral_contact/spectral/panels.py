@@ -28,7 +28,7 @@ from spectral_contact.spectral.tuning import (
 
 Array = NDArray[np.float64]
 
-#: The estimate sheds two degrees and must keep one.
+#: Error estimates compare with spaces that lack two degrees of every panel, and one must be left.
 LEAST_DEGREE = 2
 
 clear_with_caches(
@@ -39,15 +39,15 @@ clear_with_caches(
 
 
 class BasisRule(NamedTuple):
-    """Points and weights, and the functions of a basis at the points."""
+    """Points and weights of a rule, and a basis at the points, (points, functions)."""
 
     points: Array
     weights: Array
     basis: Array
 
 
-class PartMass(NamedTuple):
-    """Masses of the functions of a panel, and of those of the tail."""
+class MassBlocks(NamedTuple):
+    """Mass matrices of the functions of the first panel, and of those of the tail."""
 
     panel: Array
     tail: Array
@@ -102,21 +102,22 @@ class LogPanels:
         """Number of sampling points on the tail."""
         return self.tail_terms + 1
 
-    @bounded_cache("functions in use", 512)
+    @bounded_cache("functions in use")
     def functions(self, degrees: tuple[int, ...]) -> NDArray[np.int_]:
         """Return the basis functions up to these degrees on the panels, and the tail (cached)."""
-        own = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
-        return np.append(own, np.arange(self.size - self.tail_terms, self.size))
+        on_panels = np.flatnonzero(np.arange(self.degree + 1) <= np.array(degrees)[:, None])
+        return np.append(on_panels, np.arange(self.size - self.tail_terms, self.size))
 
-    @bounded_cache("top degrees", 512)
+    @bounded_cache("top degrees")
     def top(self, degrees: tuple[int, ...], count: int) -> NDArray[np.int_]:
-        """Return places among these of so many top degrees of every panel, and of the tail's last.
+        """Return where, among `functions`, the top `count` degrees of every panel are.
 
-        Constants are none of them. They are kept.
+        Constants are not among them, and the last function of the tail is (cached).
         """
-        functions, highest = self.functions(degrees), np.repeat(degrees, np.add(degrees, 1))
-        own = functions[: -self.tail_terms] % (self.degree + 1)
-        tops = np.flatnonzero(own > highest - np.minimum(count, highest))
+        functions = self.functions(degrees)
+        highest = np.repeat(degrees, np.add(degrees, 1))
+        degree = functions[: -self.tail_terms] % (self.degree + 1)
+        tops = np.flatnonzero(degree > highest - np.minimum(count, highest))
         return np.append(tops, len(functions) - 1)
 
     @property
@@ -127,27 +128,30 @@ class LogPanels:
         """
         return max(self.degree + SAMPLING_EXTRA, LEAST_SAMPLING_POINTS)
 
-    def sampling(self, points: int | None = None) -> Array:
-        """Return ``x`` of Gauss-Legendre points on every panel, by default `samples`."""
-        g, _ = gauss_rule(points or self.samples)
+    def sampling(self, count: int | None = None) -> Array:
+        """Return ``x`` of `count` Gauss-Legendre points on every panel, by default `samples`.
+
+        The shape is (panels, count).
+        """
+        g, _ = gauss_rule(count or self.samples)
         return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:
-        """Return the distances of Gauss-Legendre sampling points on the tail, shape (n,)."""
+        """Return the distances of Gauss-Legendre points on a tail that is polynomial in d, (n,)."""
         g, _ = gauss_rule(self.tail_points)
         return self.end * (1.0 + g) / 2.0
 
     @property
-    @bounded_cache("sampling points", 48)
-    def distances(self) -> Array:
+    @bounded_cache("sampling points")
+    def sampling_distances(self) -> Array:
         """Distances of the sampling points, those of the panels and then the tail's (cached)."""
         return np.concatenate([np.exp(-self.sampling()).ravel(), self.tail_sampling()])
 
-    @bounded_cache("rules on tails", 256)
+    @bounded_cache("rules on tails")
     def tail_rule(self) -> BasisRule:
         """Return distances and ``dd`` weights on the tail, and the polynomials there (cached).
 
-        For integrands with the endpoint weight: in ``d = end v**2`` it is ``v**(2 power)``.
+        The weights are for integrands that contain ``d**power``; the polynomials do not contain it.
         """
         v, w = power_rule(self.tail_terms + TAIL_EXTRA, 1.0 + 2.0 * self.power)
         d = self.end * v**2
@@ -157,11 +161,12 @@ class LogPanels:
     def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Array:
         """Return ``int_0^1 phi psi (constant + rising d) dd``, block diagonal.
 
-        Of the functions up to these degrees on the panels, and of the tail.
+        The functions are those up to these degrees on the panels, and those of the tail. With an
+        endpoint weight the matrix is zero: such panels serve where there is no compliance.
         """
         last = sum(degrees) + len(degrees)
         mass = np.zeros((last + self.tail_terms,) * 2)
-        if self.power != 0.0:  # not square integrable: such panels serve zero compliance
+        if self.power != 0.0:
             return mass
         masses = self._masses()
         extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
@@ -176,31 +181,35 @@ class LogPanels:
     def mass_times(
         self, degrees: tuple[int, ...], values: Array, constant: float, rising: float = 0.0
     ) -> Array:
-        """Return that mass times coefficients of these functions, as columns, without making it."""
+        """Return `mass` times coefficients of these functions, as columns, without the matrix.
+
+        Without endpoint weight.
+        """
         table, product = np.zeros((2, self.size, values.shape[1]))
-        used, inner = self.functions(degrees), slice(-self.tail_terms)
+        used = self.functions(degrees)
+        inner = slice(-self.tail_terms)
         table[used] = values
-        own = table[inner].reshape(self.panels, self.degree + 1, -1)
+        on_panels = table[inner].reshape(self.panels, self.degree + 1, -1)
         (first, tail), (second, rising_tail) = self._masses()
         extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
-        each = constant * extents * (first @ own) + rising * extents**2 * (second @ own)
+        each = constant * extents * (first @ on_panels) + rising * extents**2 * (second @ on_panels)
         product[inner] = each.reshape(-1, values.shape[1])
         last = slice(-self.tail_terms, None)
         product[last] = (constant * tail + rising * rising_tail) @ table[last]
         return np.asarray(product[used])
 
-    @bounded_cache("masses", 256)
-    def _masses(self) -> list[PartMass]:
-        """Return the masses of the first panel and of the tail, of ``dd`` and of ``d dd``."""
+    @bounded_cache("masses")
+    def _masses(self) -> list[MassBlocks]:
+        """Return masses with the density 1, and with the density d (cached)."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
         d, weights, tail = self.tail_rule()
-        found = []
+        masses = []
         for decay in (1, 2):
             falling = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
             on_tail = (tail.T * (weights * d ** (decay - 1))) @ tail
-            found.append(PartMass((values.T * falling) @ values, on_tail))
-        return found
+            masses.append(MassBlocks((values.T * falling) @ values, on_tail))
+        return masses
 
 
 class DiscreteSpace(NamedTuple):

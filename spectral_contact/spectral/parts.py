@@ -1,4 +1,4 @@
-"""Where functions live: families of panels to a boundary, their points, and the parts of a disk."""
+"""Where functions live: panels graded to a boundary, their points, and the parts of a disk."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 def gap(a: Radius, b: Radius) -> float:
-    """Return ``b**2 - a**2`` without cancellation."""
+    """Return ``b**2 - a**2``, of either sign, without cancellation."""
     difference = a.from_edge - b.from_edge if a.value >= 0.5 else b.value - a.value
     return difference * (a.value + b.value)
 
@@ -55,27 +55,28 @@ class GradedMesh(NamedTuple):
         The end.
     sign : int
         +1 if the annulus lies above (outside) the boundary, -1 if below.
-    reach : float
-        Extent in ``s**2``.
+    extent : float
+        Of the part, in ``s**2``.
     panels : LogPanels
-        With an endpoint weight only below the boundary.
+        With an endpoint weight only at the edge of the contact.
     """
 
     boundary: Radius
     sign: int
-    reach: float
+    extent: float
     panels: LogPanels
 
     def points(self, d: Array) -> OffsetRadii:
         """Return the points at scaled distances `d` in [0, 1]."""
-        return OffsetRadii(self.boundary, self.sign * self.reach * d)
+        return OffsetRadii(self.boundary, self.sign * self.extent * d)
 
     def mass(self, degrees: tuple[int, ...], values: Array | None = None, *, shear: bool) -> Array:
-        """Return ``int phi psi s ds`` of pressures, or ``int phi psi s**3 ds`` of q/s.
+        """Return ``int phi psi s ds`` of functions p, or ``int phi psi s**3 ds`` of functions q/s.
 
-        Or that times values, if there are any: coefficients of the functions as columns.
+        With `values`, coefficients of the functions as columns, return the product with them.
         """
-        half, rising = self.reach / 2.0, self.sign * self.reach
+        half = self.extent / 2.0
+        rising = self.sign * self.extent
         density = (half * self.boundary.square, half * rising) if shear else (half, 0.0)
         if values is None:
             return self.panels.mass(degrees, *density)
@@ -83,14 +84,18 @@ class GradedMesh(NamedTuple):
 
     def sampling(self) -> OffsetRadii:
         """Return the sampling points: panels, then tail."""
-        return self.points(self.panels.distances)
+        return self.points(self.panels.sampling_distances)
 
     def unresolved(self, series: LogSeries) -> float:
-        """Return the largest of the last coefficients of any panel or of the tail."""
+        """Return the largest of the last three coefficients of a panel, and two of the tail."""
         return float(max(np.abs(series.coefficients[:, -3:]).max(), np.abs(series.tail[-2:]).max()))
 
     def truncated(self, values: Array, power: float) -> float:
-        """Return the largest that `expand` drops of any panel or tail, times ``d**power``."""
+        """Return the largest coefficient that `expand` drops anywhere, times ``d**power``.
+
+        The power is that by which the effect of an error falls toward the boundary: 1/2 for Abel
+        integrals.
+        """
         table, tail = sampled_coefficients(self.panels, values)
         p = self.panels
         dropped = np.abs(table[:, p.degree + 1 :]).max(axis=1)
@@ -98,43 +103,49 @@ class GradedMesh(NamedTuple):
         return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
-        """Return coefficients, (..., size), through values at the sampling points, (..., n)."""
+        """Return coefficients, (..., size), through values at the sampling points, (..., n).
+
+        The tail is expanded in polynomials of d.
+        """
         table, tail = sampled_coefficients(self.panels, values)
-        p, shape = self.panels, values.shape[:-1]
+        p = self.panels
+        shape = values.shape[:-1]
         inner = table[..., : p.degree + 1].reshape(*shape, -1)
         return np.concatenate([inner, tail[..., : p.tail_terms]], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)
 class DiskPartition:
-    """How a disk is cut: radii of the breaks, and whether panels are graded to the centre, too.
+    """The parts of a disk: a central disk or annulus, and annuli around it, of two halves each.
 
     Parameters
     ----------
     breaks : tuple of Radius
-        From the centre outward.
+        Ends of parts between the centre and the edge, outward: boundaries between zones, or radii
+        at which a derivative of the profile or of the pressure jumps.
     pointed : bool
-    turns : tuple of Radius
-        Those of the breaks at which the profile itself is smooth.
+        Whether the punch has a tip, so that panels are graded to the centre, too.
+    smooth_breaks : tuple of Radius
+        Breaks at which the profile is smooth: `profile_breaks` passes over them.
     """
 
     breaks: tuple[Radius, ...]
     pointed: bool
-    turns: tuple[Radius, ...] = ()
-    #: boundary, side of it that the part is on, and extent in s**2, of every part
+    smooth_breaks: tuple[Radius, ...] = ()
+    #: of every part: its boundary, +1 if it lies outside of that or -1, and its extent in s**2
     ends: list[tuple[Radius, int, float]] = field(init=False, compare=False, default_factory=list)
-    #: the last break of the profile before every part, or the centre
-    inner: list[Radius] = field(init=False, compare=False, default_factory=list)
+    #: for every part the last break of the profile inside of it, or the centre
+    profile_breaks: list[Radius] = field(init=False, compare=False, default_factory=list)
 
     def __post_init__(self) -> None:
-        last = CENTRE
+        profile_break = CENTRE
         for inner, outer in pairwise((CENTRE, *self.breaks, EDGE)):
-            whole = inner is CENTRE and not self.pointed
-            halves = [(outer, -1)] if whole else [(inner, 1), (outer, -1)]
-            extent = gap(inner, outer) / len(halves)
-            self.ends.extend((boundary, sign, extent) for boundary, sign in halves)
-            last = last if inner in self.turns else inner
-            self.inner.extend([last] * len(halves))
+            is_disk = inner is CENTRE and not self.pointed
+            sides = [(outer, -1)] if is_disk else [(inner, 1), (outer, -1)]
+            extent = gap(inner, outer) / len(sides)
+            self.ends.extend((boundary, sign, extent) for boundary, sign in sides)
+            profile_break = profile_break if inner in self.smooth_breaks else inner
+            self.profile_breaks.extend([profile_break] * len(sides))
 
 
 def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array]:

@@ -1,9 +1,11 @@
 """Positive definite problems: solutions for many right-hand sides, and those in coarser spaces.
 
-Most are the regularised least-squares problem of a space. The first-kind part of ``(c M + K) a =
-H^T W target - c load`` cancels in the normal equations, which loses ``eps/sqrt(c)`` at the edge;
-one correction with the residual taken in the half-integral, where nothing cancels, restores it
-(corrected seminormal equations).
+Most are the regularised least-squares problem of a space (docs/theory): with the compliance c, the
+mass matrix M, the half-integrals H of the functions at the nodes, the weights W of the nodes and
+the Gram matrix ``K = H^T W H``, the coefficients a solve ``(c M + K) a = H^T W target - c load``.
+Next to the edge ``target - H a`` is small, and forming ``K a`` loses ``eps/sqrt(c)``; one
+correction with the residual ``H^T W (target - H a) - c M a`` restores it (corrected seminormal
+equations).
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ class Change:
     ----------
     coefficients : ndarray, shape (size,)
     energies : ndarray, shape (panels + 1,)
-        Diagonal part of its energy on every panel, and on the tail.
+        Diagonal part of its energy, by the numbers `NodalSpace.panel`.
     """
 
     coefficients: Array
@@ -37,23 +39,27 @@ class Change:
 
 
 class NodalSpace(ABC):
-    """Functions with the half-integrals that they have at nodes.
+    """Functions p, and their half-integrals ``F(t) = int_t^1 p s ds / sqrt(s^2 - t^2)`` at nodes t.
 
     Attributes
     ----------
     t, y : ndarray, shape (nodes,)
         Nodes of the half-integral, and ``1 - t**2`` without cancellation.
     past : ndarray, shape (nodes,)
-        ``t**2 - b**2`` without cancellation for the last break b before t, 0 if there is none.
+        ``t**2 - b**2`` without cancellation for the largest break b of the profile inside t, 0 if
+        there is none; profiles are evaluated with it.
     weights, measure : ndarray, shape (nodes,)
-        Weights of ``dt``, and of the measure of inner products.
+        Weights of ``dt``, and of ``dt / pi`` or, for shear, ``t**2 dt / pi``, the measure in which
+        half-integrals are multiplied.
     index, panel : ndarray of int, shape (unknowns,)
-        Places of the unknowns among the coefficients, and the panels that they belong to.
+        Places of the unknowns among the coefficients, and the number of the panel of each, through
+        all parts. A tail has the number `panels` if there is one part, else that of the last panel
+        of its part.
     size, panels : int
         Length of a vector of coefficients, and number of panels.
-    unknowns_two_less, unknowns_one_less : int
-        How many unknowns the space has with two degrees less on every panel, and with one degree
-        less: these come first.
+    coarsest_unknowns, coarse_unknowns : int
+        Numbers of unknowns of the two coarser spaces: with two degrees less on every panel, and
+        with one degree less. These unknowns come first.
     gram, mass : ndarray, shape (unknowns, unknowns)
         Gram matrix of the half-integrals, and mass matrix, in the order of `index`.
     """
@@ -67,8 +73,8 @@ class NodalSpace(ABC):
     panel: NDArray[np.int_]
     size: int
     panels: int
-    unknowns_two_less: int
-    unknowns_one_less: int
+    coarsest_unknowns: int
+    coarse_unknowns: int
     gram: cached_property[Array]
     mass: cached_property[Array]
 
@@ -79,7 +85,10 @@ class NodalSpace(ABC):
 
     @cached_property
     def constant_moments(self) -> Array:
-        """Moments of the density 1: the load of a pressure is 4 pi times its product with them."""
+        """Moments of the density 1.
+
+        The load ``2 pi int p s ds = 4 int F dt`` of a pressure is 4 pi times its product with them.
+        """
         return self.moments(np.ones(len(self.weights)))
 
     def moments(self, density: Array) -> Array:
@@ -93,12 +102,14 @@ class NodalSpace(ABC):
     def project(self, weighted: Array) -> Array:
         """Return the sums over the nodes of the half-integrals times weighted values.
 
+        This is the transpose of `half_integral` for the unknowns.
+
         The result is in the order of `index`; several weighted values are rows, as in `moments`.
         """
 
     @abstractmethod
     def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes."""
+        """Return the half-integral at the nodes; coefficients (size,) are 0 outside the space."""
 
     def factor(self, compliance: float) -> Regularised:
         """Factor ``compliance * mass + gram``."""
@@ -108,8 +119,8 @@ class NodalSpace(ABC):
 class Cholesky:
     """The Cholesky factor of a matrix, which is overwritten.
 
-    The factor is as accurate as that of the matrix scaled to unit diagonal: rounding errors are
-    relative to the diagonal, whatever its range.
+    Rounding errors are relative to the diagonal: the factor is as accurate as that of the matrix
+    scaled to unit diagonal.
 
     Parameters
     ----------
@@ -127,7 +138,7 @@ class Cholesky:
         self.diagonal: Array = matrix.diagonal().copy()
         # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
         # replaces the lower triangle; the upper one stays as it is, and
-        # `coarse_difference` needs it.
+        # `coarse_change` needs it.
         self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
@@ -141,14 +152,14 @@ class Cholesky:
             step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
         return np.asarray(step.T)
 
-    def coarse_difference(self, solution: Array, coarse_unknowns: int) -> Array:
+    def coarse_change(self, solution: Array, coarse_unknowns: int) -> Array:
         """Return the solution in a coarser space less the solution.
 
         The coarser space has the first `coarse_unknowns` unknowns alone, with the same right-hand
         side. It takes no other factorisation, and nothing cancels.
         """
         last = solution[coarse_unknowns:]
-        # with the whole factor, as the leading block would have to be copied
+        # with all of the factor: its leading block would have to be copied
         step = np.zeros(len(solution))
         step[:coarse_unknowns] = self._factor[:coarse_unknowns, coarse_unknowns:] @ last
         step, _ = lapack.dtrtrs(self._factor, step, lower=1, overwrite_b=1)
@@ -178,10 +189,11 @@ class Regularised:
         target : ndarray, shape (nodes,), or float
             What the half-integral should be; a number is a constant.
         load : ndarray, shape (size,), optional
-            Inner products of the basis with a known part of the solution, the lift.
+            Inner products of the basis with the lift, a known part of the solution.
         correct : bool
-            Whether to correct with the half-integral residual. Integral quantities do not need
-            it, nor does a solution whose singular part is in the lift.
+            Whether to correct with the half-integral residual below UNCORRECTED_COMPLIANCE.
+            Integral quantities do not need it, nor does a solution whose singular part is in the
+            lift.
 
         Returns
         -------
@@ -190,15 +202,15 @@ class Regularised:
         """
         space = self.space
         index = space.index
-        # what the half-integral of the coefficients lacks of the target
-        misfit = target
+        # the target less the half-integral of the coefficients
+        remaining_target = target
         coefficients = np.zeros(space.size)
         rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
         for correction in range(rounds):
-            if isinstance(misfit, float):
-                residual = misfit * space.constant_moments
+            if isinstance(remaining_target, float):
+                residual = remaining_target * space.constant_moments
             else:
-                residual = space.moments(misfit)
+                residual = space.moments(remaining_target)
             if load is not None:
                 residual -= self.compliance * load[index]
             if correction and self.compliance != 0.0:
@@ -206,7 +218,7 @@ class Regularised:
             step = self.cholesky.solve(residual)
             coefficients[index] = coefficients[index] + step if correction else step
             if correction + 1 < rounds:
-                misfit = target - space.half_integral(coefficients)
+                remaining_target = target - space.half_integral(coefficients)
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
@@ -223,8 +235,8 @@ class Regularised:
             2 or 1.
         """
         space = self.space
-        coarse_unknowns = space.unknowns_two_less if degrees == 2 else space.unknowns_one_less
-        difference = self.cholesky.coarse_difference(coefficients[space.index], coarse_unknowns)
+        unknowns = space.coarsest_unknowns if degrees == 2 else space.coarse_unknowns
+        difference = self.cholesky.coarse_change(coefficients[space.index], unknowns)
         change = np.zeros(len(coefficients))
         change[space.index] = difference
         energies = np.bincount(

@@ -62,11 +62,11 @@ def graded_rings(count: int, exponent: float, widest: float, centre: float, edge
     inner = 2.0 * np.log1p(-depth) - np.log(depth * (2.0 - depth))
     narrow = np.flatnonzero(np.diff(inner) <= widest)
     inner = inner[narrow[0] : narrow[-1] + 2]
-    deeper, farther = (
+    to_centre, to_edge = (
         a + (b - a) * np.linspace(0.0, 1.0, int(np.ceil(abs(b - a) / widest)) + 1)[1:]
         for a, b in ((inner[0], -centre), (inner[-1], edge))
     )
-    return np.concatenate([[-np.inf], deeper[::-1], inner, farther, [np.inf]])
+    return np.concatenate([[-np.inf], to_centre[::-1], inner, to_edge, [np.inf]])
 
 
 def ring_operators(logits: Array) -> RingOperators:
@@ -74,11 +74,11 @@ def ring_operators(logits: Array) -> RingOperators:
     return _assembled(logits.tobytes())
 
 
-def _between(lower: Array, upper: Array) -> Array:
+def _square_difference(lower: Array, upper: Array) -> Array:
     """Return the difference of the squares of two radii with these logits, to full accuracy."""
     with np.errstate(invalid="ignore"):  # both at the edge: the difference is 0
-        fall = -np.expm1(np.where(lower == upper, 0.0, lower - upper))
-    return np.asarray(fall * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
+        relative = -np.expm1(np.where(lower == upper, 0.0, lower - upper))
+    return np.asarray(relative * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
 
 
 @bounded_cache("rings", 8)  # the first ones, and some that were refined
@@ -86,31 +86,35 @@ def _assembled(grid: bytes) -> RingOperators:
     """Return the operators: F and G of every ring at Gauss points of every ring.
 
     The half-integrals have square roots at the ends of rings, which ``t**2 = a**2 + w sin(phi)**2``
-    takes away; radii beyond t are measured from t, so that nothing cancels.
+    takes away; radii outside of t are measured from t, so that nothing cancels.
     """
     logits = np.frombuffer(grid)
-    a, b = logits[:-1], logits[1:]
-    width = _between(a, b)
+    a = logits[:-1]
+    b = logits[1:]
+    width = _square_difference(a, b)
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
     thick = width / (radius[1:] + radius[:-1])
     x, weight = gauss_rule(RING_POINTS)
     phi = pi / 4 * (1.0 + x)
-    past, ahead = width[:, None] * np.sin(phi) ** 2, width[:, None] * np.cos(phi) ** 2
-    t = np.sqrt(radius[:-1, None] ** 2 + past)
+    t = np.sqrt(radius[:-1, None] ** 2 + width[:, None] * np.sin(phi) ** 2)
+    # b**2 - t**2
+    to_outer = width[:, None] * np.cos(phi) ** 2
     dt = weight * pi / 4 * width[:, None] * np.sin(phi) * np.cos(phi) / t
 
     n = len(width)
     places = np.arange(n)
-    own = (places == places[:, None])[:, None, :]
-    beyond = (places >= places[:, None])[:, None, :]
-    # of ring j as t on ring i sees it: what lies between t and the ring does not count
-    far = _between(b[:, None], np.maximum(b, b[:, None]))
-    outer = np.sqrt(far[:, None, :] + ahead[:, :, None])
-    inner = np.where(own, 0.0, np.concatenate([np.zeros((n, RING_POINTS, 1)), outer[:, :, :-1]], 2))
-    start = np.where(own, t[:, :, None], np.where(beyond, radius[:-1], 1.0))
-    length = np.where(own, (ahead / (radius[1:, None] + t))[:, :, None], thick)
-    f = np.where(beyond, np.where(own, ahead[:, :, None], width) / (outer + inner), 0.0)
-    g = np.where(beyond, np.log1p((length + f) / (start + inner)), 0.0)
+    same = (places == places[:, None])[:, None, :]
+    outside = (places >= places[:, None])[:, None, :]
+    # from the outer radius of ring i to that of ring j, in s**2; 0 where ring j lies inside
+    distance = _square_difference(b[:, None], np.maximum(b, b[:, None]))
+    outer = np.sqrt(distance[:, None, :] + to_outer[:, :, None])
+    inner = np.where(
+        same, 0.0, np.concatenate([np.zeros((n, RING_POINTS, 1)), outer[:, :, :-1]], 2)
+    )
+    start = np.where(same, t[:, :, None], np.where(outside, radius[:-1], 1.0))
+    length = np.where(same, (to_outer / (radius[1:, None] + t))[:, :, None], thick)
+    f = np.where(outside, np.where(same, to_outer[:, :, None], width) / (outer + inner), 0.0)
+    g = np.where(outside, np.log1p((length + f) / (start + inner)), 0.0)
     f = (np.sqrt(dt)[:, :, None] * f).reshape(-1, n)
     g = ((t * np.sqrt(dt))[:, :, None] * g).reshape(-1, n)
     carried = np.tril(np.outer(thick, width / 2.0), -1)

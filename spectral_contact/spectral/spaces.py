@@ -75,24 +75,24 @@ class Space(NodalSpace):
         self.index = order.index
         self.panel = order.panel
         self.place = order.place
-        self.unknowns_two_less = order.unknowns_two_less
-        self.unknowns_one_less = order.unknowns_one_less
+        self.coarsest_unknowns = order.coarsest_unknowns
+        self.coarse_unknowns = order.coarse_unknowns
         self._nodes = nodes = [graded_nodes(*space) for space in spaces]
         points = [mesh.points(n.d) for mesh, n in zip(meshes, nodes, strict=True)]
         # nodes that are graded to the rim of a disk have their distance from its centre, too
         squares = [
-            mesh.reach * n.rest if mesh.sign < 0 and mesh.reach == mesh.boundary.square else p.z
+            mesh.extent * n.rest if mesh.sign < 0 and mesh.extent == mesh.boundary.square else p.z
             for mesh, n, p in zip(meshes, nodes, points, strict=True)
         ]
         self.t = np.sqrt(np.concatenate(squares))
         self.y = np.concatenate([p.y for p in points])
         self.past = np.concatenate(
             [
-                np.zeros(len(p.offset)) if inner is CENTRE else -p.before(inner)
-                for p, inner in zip(points, parts.inner, strict=True)
+                np.zeros(len(p.offset)) if last is CENTRE else -p.before(last)
+                for p, last in zip(points, parts.profile_breaks, strict=True)
             ]
         )
-        extents = [mesh.reach * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
+        extents = [mesh.extent * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
         self.weights = np.concatenate(extents) / (2.0 * self.t)
         self.measure = self.weights / pi * (self.t**2 if shear else 1.0)
         #: where the nodes of the parts are cut apart
@@ -180,8 +180,8 @@ class _Order:
         Numbers of coefficients and of panels of all parts.
     index, panel : ndarray of int, shape (unknowns,)
         Where the unknowns are among the coefficients, and the panels that they belong to.
-    unknowns_two_less, unknowns_one_less : int
-        How many unknowns have two degrees less on every panel, and one degree less.
+    coarsest_unknowns, coarse_unknowns : int
+        Numbers of unknowns of the spaces with two degrees less on every panel, and with one less.
     columns : list of slice
         Where the functions of every part are, one part after the other.
     place : ndarray of int, shape (unknowns,)
@@ -211,8 +211,8 @@ class _Order:
         # in how many of the two coarser spaces a function is missing
         missing = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
         self.place = np.argsort(missing, kind="stable")
-        self.unknowns_two_less = int((missing < 1).sum())
-        self.unknowns_one_less = int((missing < 2).sum())
+        self.coarsest_unknowns = int((missing < 1).sum())
+        self.coarse_unknowns = int((missing < 2).sum())
         self.columns = [slice(*ends) for ends in pairwise(starts)]
         self.index = np.concatenate(index)[self.place]
         self.panel = np.concatenate(panel)[self.place]
@@ -222,7 +222,7 @@ class _Order:
         return matrix[np.ix_(self.place, self.place)]
 
 
-_order = bounded_cache("orders of functions", 96)(_Order)
+_order = bounded_cache("orders of functions")(_Order)
 _space = bounded_cache("spaces", 96)(Space)
 
 

@@ -47,9 +47,11 @@ class Transforms:
 
     def abel_right(self, coefficients: Array) -> Array:
         """Return the `abel_right` integral, (..., sampling points), of functions (..., size)."""
-        panels, terms = self.panels, self.panels.degree + 1
+        panels = self.panels
+        terms = self.panels.degree + 1
         blocks, tail = self._right_blocks
-        count, shape = panels.panels, coefficients.shape[:-1]
+        count = panels.panels
+        shape = coefficients.shape[:-1]
         values = coefficients[..., count * terms :] @ tail.T
         from_panels = coefficients[..., : count * terms].reshape(*shape, count, terms) @ blocks
         sums = from_panels[..., -1, :].copy()
@@ -62,9 +64,11 @@ class Transforms:
 
     def abel_left(self, coefficients: Array) -> Array:
         """Return the `abel_left` integral, (..., sampling points), of functions (..., size)."""
-        panels, terms = self.panels, self.panels.degree + 1
+        panels = self.panels
+        terms = self.panels.degree + 1
         blocks, tail = self._left_blocks
-        count, shape = panels.panels, coefficients.shape[:-1]
+        count = panels.panels
+        shape = coefficients.shape[:-1]
         series = coefficients[..., : count * terms].reshape(*shape, count, terms)
         scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
         from_panels = scaled @ blocks
@@ -80,7 +84,7 @@ class Transforms:
         panels = self.panels
         to_end = panels.width - self._x[0]
         blocks = abel_right_blocks(to_end, panels.panels, panels.width, panels.degree)
-        return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.distances, panels.end)
+        return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.sampling_distances, panels.end)
 
     @cached_property
     def _left_blocks(self) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """The tuned numbers of this subpackage: what each is, what it was measured against, and how.
 
-A number that follows from a formula stays beside the formula. Capacities of caches stay where the
-caches are: they change the time of a solve and none of its digits.
+A number that follows from a formula stays beside the formula. Capacities of caches change the time
+of a solve and none of its digits.
 
 Commands that measure these numbers again (change the number, then run):
 
@@ -67,10 +67,10 @@ OPPOSITE_POINTS = 12
 #: parts, which may lie at any distance, vary there like square roots. NODES.
 TAIL_NODES = 48
 
-#: A panel of degree n has ``NODE_STEP * ceil(n / 8 + 1)`` Galerkin nodes, at least 16 more than
-#: 2 n. Entries of the Gram matrix are then right to 1.5e-14; with 10 more than 2 n those of low
-#: degrees are off by up to 3e-9, and at the centre it takes 18 more. Few distinct counts let panels
-#: share their blocks. ENTRIES.
+#: A panel of degree n has ``NODE_STEP * ceil(2 n / NODE_STEP + 1)`` Galerkin nodes, at least 16
+#: more than 2 n. Entries of the Gram matrix are then right to 1.5e-14; with 10 more than 2 n those
+#: of low degrees are off by up to 3e-9, and at the centre it takes 18 more. Few distinct counts let
+#: panels share their blocks. ENTRIES.
 NODE_STEP = 16
 
 #: Up to this distance, in extents of the part, an increment of the integral over the other half of
@@ -98,12 +98,17 @@ UNCORRECTED_COMPLIANCE = 0.1
 #: Measured against more points: ``python validation/honesty/ring_zones.py``.
 RING_POINTS = 16
 
-#: All caches together hold at most this many bytes. They are counted when new entries of
-#: `LARGE_BYTES` or more add up to one part in `COUNTED_SHARE` of it, since counting takes 3 ms.
-#: Measured as the memory of a long sweep: ``python validation/cost/memory.py``.
-MAX_CACHE_BYTES = 256 * 2**20
+#: Entries of at least this many bytes, one MiB, are large. Together all caches hold at most
+#: MAX_CACHE_BYTES. They are counted CACHE_COUNTS times while so many bytes of large entries are
+#: made, since counting takes 3 ms. Measured as the memory of a long sweep:
+#: ``python validation/cost/memory.py``.
 LARGE_BYTES = 2**20
-COUNTED_SHARE = 8
+MAX_CACHE_BYTES = 256 * LARGE_BYTES
+CACHE_COUNTS = 8
+#: A cache keeps this many entries unless another number is given where it is made. Integrals of
+#: parts at their own nodes need most: slip inside has 5 parts in some ten spaces. Measured as the
+#: memory of a long sweep: ``python validation/cost/memory.py``.
+CACHE_ENTRIES = 256
 
 #: A cell of degree n has this many nodes beyond twice the degree, for the square roots of functions
 #: on cells farther out. Measured against more nodes: ``pytest tests/unit/spectral/test_cells.py``.

@@ -101,7 +101,7 @@ class StickSpectrum:
     def _targets(self, d: Array) -> Array:
         """Return R of every mode of the pressure, shape (modes, places); see `contact.drive`."""
         own = transforms(self.panels)
-        root = np.sqrt(1.0 - self.panels.distances)
+        root = np.sqrt(1.0 - self.panels.sampling_distances)
         return np.array(
             [
                 sampled_series(self.panels, 2.0 * own.abel_left(np.ascontiguousarray(mode)) / root)(

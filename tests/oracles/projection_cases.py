@@ -180,7 +180,7 @@ class Zones:
         space = self.half(half)
         degrees = extremes(space, number)
         inner, rest = self._exact(self.radii[-1])
-        # the outer end is the edge; the families meet in the middle, in s^2
+        # the outer end is the edge; the meshes meet in the middle, in s^2
         ends = Place(inner**2, rest, rest / 2), Place(mp.mpf(1), mp.mpf(0), -rest / 2)
         piece = basis(space.panels, number, degrees, ends[half])
         return piece, self.places(3 + half, number, degrees)

@@ -186,7 +186,7 @@ MUTANTS = (
     Mutant(
         "the coupled shear has the error of the approach",
         f"{_CONTACT}/error_estimate.py",
-        "shear_error = approach_error + own_shear_error + STICK_INTEGRAL_ROUNDING",
+        "shear_error = approach_error + field_shear_error + STICK_INTEGRAL_ROUNDING",
         "shear_error = approach_error",
         _COUPLED,
     ),

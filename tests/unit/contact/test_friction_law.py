@@ -45,7 +45,7 @@ def test_no_digit_is_infinite():
 
 def test_intervals_of_the_wrong_sense():
     annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
-    y = np.concatenate([one.sampling().y for one in annulus.families])
+    y = np.concatenate([one.sampling().y for one in annulus.meshes])
     assert missing_stick(annulus, -np.ones(len(y)), 1.0) == ()
     deep = np.sort(y)
     inside = (y >= deep[3]) & (y <= deep[6])
@@ -56,13 +56,13 @@ def test_intervals_of_the_wrong_sense():
 
 def test_at_the_edge_slip_is_looked_at_past_all_samples():
     annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
-    y = np.concatenate([one.sampling().y for one in annulus.families])
+    y = np.concatenate([one.sampling().y for one in annulus.meshes])
     assert missing_stick(annulus, -np.ones(len(y)), 1.0, 1e-5) == ((y.min(), 0.0),)
 
 
 def test_inside_what_errors_make_is_no_zone_and_at_the_edge_it_is():
     annulus = Annulus(Radius.from_logit(0.0), EDGE, LogPanels(4, 2.0, 4), LogPanels(4, 2.0, 4))
-    y = np.concatenate([one.sampling().y for one in annulus.families])
+    y = np.concatenate([one.sampling().y for one in annulus.meshes])
     deep = np.sort(y)
     sample = np.where(((y >= deep[3]) & (y <= deep[6])) | (y <= deep[1]), 1e-3, -1.0)
     assert missing_stick(annulus, sample, 1.0, 1e-3, excused=1e-2) == ((deep[1], 0.0),)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
-from oracles.family_integrals import half_integral, inner_integral
+from oracles.mesh_integrals import half_integral, inner_integral
 from scipy.special import eval_legendre
 
 from spectral_contact.fields.series import Radius
@@ -73,14 +73,14 @@ def test_points_keep_the_digits_of_their_offsets():
     assert_allclose(edge.y, [2e-14, 2.1e-14], rtol=1e-14)
 
 
-def test_families_meet_in_the_middle(annulus):
-    inner, outer = annulus.families
+def test_meshes_meet_in_the_middle(annulus):
+    inner, outer = annulus.meshes
     assert (inner.sign, outer.sign) == (1, -1)
-    assert inner.reach == outer.reach
-    assert_allclose(2 * inner.reach, gap(annulus.inner, annulus.outer), rtol=1e-15)
+    assert inner.extent == outer.extent
+    assert_allclose(2 * inner.extent, gap(annulus.inner, annulus.outer), rtol=1e-15)
     ends = inner.points(np.array([0.0, 1.0])), outer.points(np.array([0.0, 1.0]))
-    assert_array_equal(ends[0].before(annulus.inner), [0.0, -inner.reach])
-    assert_array_equal(ends[1].before(annulus.outer), [0.0, outer.reach])
+    assert_array_equal(ends[0].before(annulus.inner), [0.0, -inner.extent])
+    assert_array_equal(ends[1].before(annulus.outer), [0.0, outer.extent])
     assert (inner.panels, outer.panels) == PANELS
 
 
@@ -94,15 +94,15 @@ def function(u):
 
 def expansion(annulus):
     return np.concatenate(
-        [f.expand(one) for f, one in zip(annulus.families, sampled(annulus), strict=True)]
+        [f.expand(one) for f, one in zip(annulus.meshes, sampled(annulus), strict=True)]
     )
 
 
 def sampled(annulus):
-    inner, outer = annulus.families
+    inner, outer = annulus.meshes
     return [
-        function(inner.sampling().offset / (2 * inner.reach)),
-        function(1 + outer.sampling().offset / (2 * outer.reach)),
+        function(inner.sampling().offset / (2 * inner.extent)),
+        function(1 + outer.sampling().offset / (2 * outer.extent)),
     ]
 
 
@@ -151,7 +151,7 @@ def exact_integral(annulus, points, below):
 @pytest.mark.parametrize("side", [0, 1], ids=["anchored inside", "anchored outside"])
 def test_half_integral(annulus, side):
     points = sample(annulus)[side]
-    matrix = np.hstack([half_integral(family, points) for family in annulus.families])
+    matrix = np.hstack([half_integral(mesh, points) for mesh in annulus.meshes])
     assert len(matrix) == len(points.offset)
     exact = exact_integral(annulus, points, below=False)
     assert np.count_nonzero(exact) > 5
@@ -161,7 +161,7 @@ def test_half_integral(annulus, side):
 @pytest.mark.parametrize("side", [0, 1], ids=["anchored inside", "anchored outside"])
 def test_inner_integral(annulus, side):
     points = sample(annulus)[side]
-    matrix = np.hstack([inner_integral(family, points) for family in annulus.families])
+    matrix = np.hstack([inner_integral(mesh, points) for mesh in annulus.meshes])
     exact = exact_integral(annulus, points, below=True)
     assert np.count_nonzero(exact) > 5
     assert_allclose(matrix @ expansion(annulus), exact, rtol=1e-14)
@@ -170,17 +170,17 @@ def test_inner_integral(annulus, side):
 def test_nothing_comes_from_the_far_side(annulus):
     width = gap(annulus.inner, annulus.outer)
     past = np.array([0.0, 1e-30, 0.1])
-    for family in annulus.families:
-        assert not np.any(half_integral(family, OffsetRadii(annulus.outer, width * past)))
-        assert not np.any(inner_integral(family, OffsetRadii(annulus.inner, -width * past)))
+    for mesh in annulus.meshes:
+        assert not np.any(half_integral(mesh, OffsetRadii(annulus.outer, width * past)))
+        assert not np.any(inner_integral(mesh, OffsetRadii(annulus.inner, -width * past)))
 
 
 def test_own_integrals_are_those_at_the_sampling_points(annulus):
     values, few = sampled(annulus), slice(None, None, 17)
     for side in (1, -1):
         found = annulus.integrals(values, side)
-        for family, own in zip(annulus.families, found, strict=True):
-            points = family.sampling()
+        for mesh, own in zip(annulus.meshes, found, strict=True):
+            points = mesh.sampling()
             assert len(own) == len(points.offset)
             chosen = OffsetRadii(points.anchor, points.offset[few])
             exact = exact_integral(annulus, chosen, below=side < 0)
@@ -191,7 +191,7 @@ def test_own_integrals_are_those_at_the_sampling_points(annulus):
 
 
 FAMILIES = pytest.mark.parametrize(
-    "family",
+    "mesh",
     [
         GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(5, 1.0, 10)),
         GradedMesh(Radius(0.75, 0.25), -1, 0.25, LogPanels(3, 2.0, 14)),
@@ -202,9 +202,9 @@ FAMILIES = pytest.mark.parametrize(
 )
 
 
-def basis(family):
+def basis(mesh):
     """Return (column, function of the scaled distance, its interval) for some of the basis."""
-    p = family.panels
+    p = mesh.panels
     h, end = mp.mpf(p.width), mp.exp(-p.panels * mp.mpf(p.width))
     chosen = []
     for j in {0, p.panels - 1}:
@@ -223,19 +223,19 @@ def basis(family):
 
 
 @FAMILIES
-def test_moments_with_smooth_densities(family):
-    moments = moments_on(family.panels, (family.panels.degree,) * family.panels.panels)
-    points = family.points(moments.d)
-    base, reach = square(family.boundary), mp.mpf(family.reach)
-    for column, polynomial, ends in basis(family):
+def test_moments_with_smooth_densities(mesh):
+    moments = moments_on(mesh.panels, (mesh.panels.degree,) * mesh.panels.panels)
+    points = mesh.points(moments.d)
+    base, reach = square(mesh.boundary), mp.mpf(mesh.extent)
+    for column, polynomial, ends in basis(mesh):
         for m in (0, 2):
 
             def integrand(d, polynomial=polynomial, m=m):
-                return reach / 2 * polynomial(d) * (base + family.sign * reach * d) ** m
+                return reach / 2 * polynomial(d) * (base + mesh.sign * reach * d) ** m
 
             exact = float(mp.quad(integrand, mp.linspace(*ends, 4)))
-            scale = family.reach / 2 * float(ends[1] - ends[0])
-            found = family.reach * moments.with_densities(points.z[None] ** m)
+            scale = mesh.extent / 2 * float(ends[1] - ends[0])
+            found = mesh.extent * moments.with_densities(points.z[None] ** m)
             assert abs(found[0, column] - exact) < 4e-15 * scale
 
 
@@ -243,36 +243,36 @@ def test_moments_with_smooth_densities(family):
 
 
 def test_expansion_and_series_are_inverse():
-    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
-    d = family.sampling().offset / family.reach
-    coefficients = family.expand(function(d))
-    assert coefficients.shape == (family.panels.size,)
-    series = series_of(family.panels, coefficients)
+    mesh = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(6, 1.0, 16))
+    d = mesh.sampling().offset / mesh.extent
+    coefficients = mesh.expand(function(d))
+    assert coefficients.shape == (mesh.panels.size,)
+    series = series_of(mesh.panels, coefficients)
     assert series.coefficients.shape == (6, 17)
     for d in (np.geomspace(1e-9, 1, 50), np.array([0.0]), np.exp(-np.arange(7.0))):
         assert_allclose(series(d), function(d), rtol=1e-14)
 
 
 def test_unresolved_looks_at_the_last_coefficients():
-    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
-    coefficients = np.zeros(family.panels.size)
+    mesh = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    coefficients = np.zeros(mesh.panels.size)
     coefficients[[0, 7, 14, 15]] = 5.0  # low degrees of every panel
     coefficients[7 + 4] = -0.25
-    assert family.unresolved(series_of(family.panels, coefficients)) == 0.25
+    assert mesh.unresolved(series_of(mesh.panels, coefficients)) == 0.25
     coefficients[-1] = -7.0  # the tail
-    assert family.unresolved(series_of(family.panels, coefficients)) == 7.0
+    assert mesh.unresolved(series_of(mesh.panels, coefficients)) == 7.0
 
 
 def test_truncated_is_what_expand_drops():
-    family = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
-    d = family.sampling().offset / family.reach
+    mesh = GradedMesh(Radius(0.75, 0.25), 1, 0.25, LogPanels(3, 1.0, 6))
+    d = mesh.sampling().offset / mesh.extent
     inside = -np.log(d) < 3.0
     # Legendre polynomials of the panel coordinate, one within the basis and one beyond it
     kept, dropped = (eval_legendre(n, 2.0 * (-np.log(d) % 1.0) - 1.0) * inside for n in (6, 7))
     second = (d < np.exp(-1.0)) & (d > np.exp(-2.0))
-    assert family.truncated(kept, 0.0) < 1e-14
-    assert_allclose(family.truncated(kept - 3.0 * dropped, 0.0), 3.0)
-    assert_allclose(family.truncated(dropped * second, 0.5), np.exp(-0.5))
+    assert mesh.truncated(kept, 0.0) < 1e-14
+    assert_allclose(mesh.truncated(kept - 3.0 * dropped, 0.0), 3.0)
+    assert_allclose(mesh.truncated(dropped * second, 0.5), np.exp(-0.5))
 
 
 def test_sampled_series_takes_more_points_than_the_basis():

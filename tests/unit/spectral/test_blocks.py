@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from oracles.family_integrals import half_integral, inner_integral, sources
+from oracles.mesh_integrals import half_integral, inner_integral, sources
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.blocks import block
@@ -17,7 +17,7 @@ COUNT, DEGREE = 14, 16
 USED, WHOLE = (12,) * COUNT, (DEGREE,) * COUNT
 
 
-def families(power=0.0):
+def meshes(power=0.0):
     """Return the halves of a disk and two annuli to the edge, the last with an endpoint weight."""
     panels = LogPanels(COUNT, 2.0, DEGREE)
     wide, narrow = gap(FIRST, SECOND) / 2.0, gap(SECOND, EDGE) / 2.0
@@ -49,15 +49,15 @@ def scale(matrix):
 
 @pytest.mark.parametrize("power", [0.0, -0.5])
 @pytest.mark.parametrize(("i", "k"), list(product(range(5), range(5))))
-def test_they_are_the_integrals_of_the_families(i, k, power):
-    nodes, family = families(power)[i], families(power)[k]
+def test_they_are_the_integrals_of_the_meshes(i, k, power):
+    nodes, mesh = meshes(power)[i], meshes(power)[k]
     rule = graded_nodes(nodes.panels, USED)
     points = nodes.points(rule.d)
     # next to the far end all is as near to it as the last digit of d says
     allowed = (1e-13 + 2e-16 / np.sqrt(rule.rest))[:, None]
     for side, reference in ((1, half_integral), (-1, inner_integral)):
-        integrals = block(family, WHOLE, nodes, USED, side)
-        known = reference(family, points)
+        integrals = block(mesh, WHOLE, nodes, USED, side)
+        known = reference(mesh, points)
         if integrals is None:
             assert not known.any()
             continue
@@ -68,15 +68,15 @@ def test_they_are_the_integrals_of_the_families(i, k, power):
 
 @pytest.mark.parametrize(("i", "k"), [(0, 2), (1, 4), (2, 0), (3, 1), (1, 2), (2, 1), (2, 4)])
 def test_differences_keep_their_digits_next_to_the_boundary(i, k):
-    nodes, family = families()[i], families()[k]
+    nodes, mesh = meshes()[i], meshes()[k]
     rule = graded_nodes(nodes.panels, USED)
     outside = k > i
-    integrals = block(family, WHOLE, nodes, USED, 1 if outside else -1)
+    integrals = block(mesh, WHOLE, nodes, USED, 1 if outside else -1)
     _, _, more = at_nodes(integrals, rule)
     # of a point source, from the sum and not from the difference
     d = rule.d[rule.d < 1e-6]
-    z = nodes.sign * nodes.reach * d
-    points, matrix = sources(family)
+    z = nodes.sign * nodes.extent * d
+    points, matrix = sources(mesh)
     apart = np.abs(points.before(nodes.boundary))[None]
     moved = apart - z[:, None] if outside else apart + z[:, None]
     closer = z[:, None] if outside else -z[:, None]

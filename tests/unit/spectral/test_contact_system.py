@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.family_integrals import half_integral, inner_integral, sources
+from oracles.mesh_integrals import half_integral, inner_integral, sources
 
 from spectral_contact.contact.free_boundary import FieldSolution
 from spectral_contact.contact.normal import solve_normal
@@ -81,12 +81,12 @@ def both_fields(system, values):
     """Return the coefficients of p and of u on every part, for all functions of the panels."""
     fields = []
     for k, part in enumerate(system.parts):
-        pressure = np.zeros(part.family.panels.size)
+        pressure = np.zeros(part.mesh.panels.size)
         on_part = system.pressure_on(k, values[:, None])[:, 0]
-        pressure[part.family.panels.functions(part.pressure_degrees)] = on_part
-        shear = np.zeros(part.shear.panels.size)
+        pressure[part.mesh.panels.functions(part.pressure_degrees)] = on_part
+        shear = np.zeros(part.shear_mesh.panels.size)
         on_part = system.shear_on(k, values[:, None])[:, 0]
-        shear[part.shear.panels.functions(part.shear_degrees)] = on_part
+        shear[part.shear_mesh.panels.functions(part.shear_degrees)] = on_part
         fields.append((pressure, shear))
     return fields
 
@@ -135,13 +135,13 @@ def test_the_tangential_residual_is_the_drive_less_the_half_integral(states, kno
     fields = both_fields(system, values)
     assert len(residual.tangential) == system.stick_parts[-1] + 1
     for i, found in enumerate(residual.tangential):
-        points = system.parts[i].family.points(system.operators.nodes[i].d[::7])
+        points = system.parts[i].mesh.points(system.operators.nodes[i].d[::7])
         expected = np.zeros(len(points.z))
         size = np.zeros(len(points.z))
         for part, (pressure, shear) in zip(system.parts, fields, strict=True):
-            inner = inner_integral(part.family, points) @ pressure
+            inner = inner_integral(part.mesh, points) @ pressure
             drive = 2.0 * PARAMETERS.kappa / np.sqrt(points.z) * inner
-            outer = half_integral(part.family, points) @ shear
+            outer = half_integral(part.mesh, points) @ shear
             expected += drive - outer
             size += np.abs(drive) + np.abs(outer)
         assert (np.abs(found[::7, 0] - expected) <= 1e-11 * size.max()).all()
@@ -153,14 +153,14 @@ def test_the_residual_in_slip_is_that_of_all_parts(known):
     values = random_vector(system)
     fields = both_fields(system, values)
     annulus = system.slip_annulus(1)
-    found = system.residual_in_slip(values[:, None], annulus)
-    for family, residual in zip(annulus.families, found, strict=True):
-        points = family.sampling()
+    found = system.residual_on_annulus(values[:, None], annulus)
+    for mesh, residual in zip(annulus.meshes, found, strict=True):
+        points = mesh.sampling()
         expected = np.zeros(len(points.offset))
         for part, (pressure, shear) in zip(system.parts, fields, strict=True):
-            inner = inner_integral(part.family, points) @ pressure
+            inner = inner_integral(part.mesh, points) @ pressure
             expected += 2.0 * PARAMETERS.kappa / np.sqrt(points.z) * inner
-            expected -= half_integral(part.family, points) @ shear
+            expected -= half_integral(part.mesh, points) @ shear
         assert np.abs(residual[:, 0] - expected).max() < 1e-11 * np.abs(expected).max()
 
 
@@ -177,12 +177,12 @@ def test_rows_at_boundaries_are_integrals_there(states, known):
         outer = 0.0
         for part, (pressure, shear) in zip(system.parts, fields, strict=True):
             if part.zone <= j:
-                inner += float((inner_integral(part.family, at_boundary) @ pressure)[0])
+                inner += float((inner_integral(part.mesh, at_boundary) @ pressure)[0])
             else:
-                outer += float((half_integral(part.family, at_boundary) @ shear)[0])
+                outer += float((half_integral(part.mesh, at_boundary) @ shear)[0])
         drive = 2.0 * PARAMETERS.kappa * inner / radius.value
-        assert rows.drive[j] @ values == pytest.approx(drive, rel=1e-10)
-        assert rows.shortfall[j] @ values == pytest.approx(drive - outer, rel=1e-10, abs=1e-12)
+        assert rows.stick_target[j] @ values == pytest.approx(drive, rel=1e-10)
+        assert rows.residual[j] @ values == pytest.approx(drive - outer, rel=1e-10, abs=1e-12)
 
 
 @known_or_not
@@ -197,24 +197,27 @@ def test_no_jump_of_a_continuous_traction(states, known):
     else:
         for k, place in enumerate(system.pressure_places):
             part = system.parts[k]
-            coefficients = part.family.expand(pressure.at(part.family.sampling().y)[None])[0]
-            values[place] = coefficients[part.family.panels.functions(part.pressure_degrees)]
+            coefficients = part.mesh.expand(pressure.evaluate(part.mesh.sampling().y)[None])[0]
+            values[place] = coefficients[part.mesh.panels.functions(part.pressure_degrees)]
     for k, place in system.shear_places.items():
         part = system.parts[k]
         if part.boundary < 0:
             continue
-        points = part.shear.sampling()
+        points = part.shear_mesh.sampling()
         sign = system.states[part.boundary] + system.states[part.boundary + 1]
-        traction = sign * PARAMETERS.friction * pressure.at(points.y)
-        coefficients = part.shear.expand((traction / np.sqrt(points.z))[None])[0]
-        values[place] = coefficients[part.shear.panels.functions(part.shear_degrees)]
+        traction = sign * PARAMETERS.friction * pressure.evaluate(points.y)
+        coefficients = part.shear_mesh.expand((traction / np.sqrt(points.z))[None])[0]
+        values[place] = coefficients[part.shear_mesh.panels.functions(part.shear_degrees)]
     jumps = system.jump_rows @ values
     assert np.abs(jumps).max() < 1e-5  # what tails of 3e-6 and degree 6 leave
     # half of the traction in stick is missing: that is the jump
     for place in system.shear_places.values():
         values[place] *= 0.5
     expected = [
-        -0.5 * (system.states[j] + system.states[j + 1]) * PARAMETERS.friction * pressure.at(r.rest)
+        -0.5
+        * (system.states[j] + system.states[j + 1])
+        * PARAMETERS.friction
+        * pressure.evaluate(r.rest)
         for j, r in enumerate(system.radii)
     ]
     assert system.jump_rows @ values == pytest.approx(expected, rel=1e-4)
@@ -223,7 +226,7 @@ def test_no_jump_of_a_continuous_traction(states, known):
 @pytest.mark.parametrize(
     ("states", "alpha", "beta", "known"), [case for case in CASES if case[0] != FULL_STICK]
 )
-def test_defects_make_the_traction_continuous_or_the_shortfall_zero(states, alpha, beta, known):
+def test_defects_make_the_traction_continuous_or_the_residual_zero(states, alpha, beta, known):
     system = contact_system(states, known, PARAMETERS._replace(alpha=alpha, beta=beta))
     fields = solved(system)
     residual = system.residual(fields.values[:, None], np.ones(1), fields.defects[:, None])[:, 0]
@@ -234,7 +237,7 @@ def test_defects_make_the_traction_continuous_or_the_shortfall_zero(states, alph
         jumps = np.abs(system.jump_rows) @ np.abs(fields.values)
         assert (np.abs(system.jump_rows @ fields.values) <= 1e-12 * jumps).all()
     else:
-        expected = system.boundary_rows.shortfall @ fields.values
+        expected = system.boundary_rows.residual @ fields.values
         assert fields.defects == pytest.approx(-expected, rel=1e-6, abs=1e-12)
 
 
@@ -265,7 +268,7 @@ def test_loads_and_shears_are_those_of_the_fields(states):
     load = 0.0
     shear = 0.0
     for part, (p, u) in zip(system.parts, both_fields(system, values), strict=True):
-        points, matrix = sources(part.family)
+        points, matrix = sources(part.mesh)
         # quadrature of a disk has a root at the centre
         load += float((matrix @ p).sum())
         shear += 2.0 * np.pi * float(np.sqrt(points.z) @ (matrix @ u))
@@ -287,11 +290,11 @@ def test_under_a_known_pressure_slip_bears_its_load():
 
 def test_parts_fill_the_contact():
     system = contact_system((0, 1, 0, -1), known=False)
-    assert sum(part.family.reach for part in system.parts) == pytest.approx(1.0, rel=1e-14)
+    assert sum(part.mesh.extent for part in system.parts) == pytest.approx(1.0, rel=1e-14)
     assert [part.zone for part in system.parts] == [0, 1, 1, 2, 2, 3, 3]
     assert [part.boundary for part in system.parts] == [0, 0, 1, 1, 2, 2, -1]
     assert system.stick_parts == [0, 3, 4]
-    assert system.parts[-1].family.boundary == EDGE
+    assert system.parts[-1].mesh.boundary == EDGE
 
 
 @known_or_not
@@ -306,7 +309,7 @@ def test_a_coarse_difference_is_what_a_solve_without_top_degrees_lacks(states, k
     for _ in range(3):
         solution += factors.step(system.residual(solution, np.ones(1), defects))
     for change, top in zip(
-        factors.change(solution[:, 0], system), system.top_degree_indices, strict=True
+        factors.coarse_differences(solution[:, 0], system), system.top_degree_indices, strict=True
     ):
         coarse = solution[:, 0] - change
         kept = np.setdiff1d(np.arange(system.unknowns), top)

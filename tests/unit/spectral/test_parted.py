@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from oracles.family_integrals import half_integral
+from oracles.mesh_integrals import half_integral
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import LogPanels
@@ -16,11 +16,11 @@ def space_of(breaks, pointed):
     """Return a space, and its half-integrals at its nodes without any block that is kept."""
     parts = DiskPartition(tuple(Radius(b, 1.0 - b) for b in breaks), pointed)
     space = Space(parts, ((PANELS, DEGREES),) * len(parts.ends))
-    families = [GradedMesh(*end, PANELS) for end in parts.ends]
+    meshes = [GradedMesh(*end, PANELS) for end in parts.ends]
     rows = []
-    for target, nodes in zip(families, space._nodes, strict=True):
+    for target, nodes in zip(meshes, space._nodes, strict=True):
         points = target.points(nodes.d)
-        rows.append(np.hstack([half_integral(one, points) for one in families]))
+        rows.append(np.hstack([half_integral(one, points) for one in meshes]))
     return space, np.vstack(rows)[:, space.index]
 
 
@@ -46,9 +46,9 @@ def test_matrices_are_those_of_the_half_integrals(breaks, pointed):
 
 def test_coarser_spaces_come_first_and_masses_are_of_their_parts():
     space, _ = space_of((0.4,), False)
-    assert space.unknowns_two_less < space.unknowns_one_less < space.unknowns
+    assert space.coarsest_unknowns < space.coarse_unknowns < space.unknowns
     # two degrees of every panel are shed, and of every tail one function
-    assert space.unknowns - space.unknowns_one_less == 3 * (len(DEGREES) + 1)
+    assert space.unknowns - space.coarse_unknowns == 3 * (len(DEGREES) + 1)
     extents = np.bincount(space.panel, minlength=space.panels)
     assert extents.sum() == space.unknowns
     # the constants of all panels and tails add up to 1, whose mass is the half of the disk

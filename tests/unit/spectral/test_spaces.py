@@ -175,7 +175,7 @@ def test_a_space_chooses_degrees():
     assert sorted(space.index.tolist()) == expected
     # the coarser space, two degrees less but one function at least, comes first
     coarser = [*range(5), 7, 8, 14, 21, 28, 29]
-    assert space.index[: space.unknowns_two_less].tolist() == coarser
+    assert space.index[: space.coarsest_unknowns].tolist() == coarser
 
 
 def dense(space, compliance):
@@ -313,7 +313,7 @@ def test_change_is_the_difference_to_the_coarser_solution(kind, compliance, degr
     solution = factored.solve(target)
     change = factored.change(solution, degrees=shed)
     matrix, right = dense(space, compliance), moments(space, target)
-    k = space.unknowns_two_less if shed == 2 else space.unknowns_one_less
+    k = space.coarsest_unknowns if shed == 2 else space.coarse_unknowns
     coarser = np.zeros_like(solution)
     coarser[space.index[:k]] = np.linalg.solve(matrix[:k, :k], right[:k])
     scale = np.sqrt(matrix.diagonal())
@@ -326,8 +326,8 @@ def test_a_panel_sheds_its_highest_degrees_and_the_tail_one_function():
     space = unit_space(LogPanels(4, 2.0, 5), (5, 2, 1, 0))
     terms, size = 6, space.size
     both = {4, 5, terms + 1, terms + 2, 2 * terms + 1, size - 1}
-    assert set(space.index[space.unknowns_two_less :]) == both
-    assert set(space.index[space.unknowns_one_less :]) == both - {4, terms + 1}
+    assert set(space.index[space.coarsest_unknowns :]) == both
+    assert set(space.index[space.coarse_unknowns :]) == both - {4, terms + 1}
 
 
 def test_energies_of_the_change_are_by_panel():

@@ -18,8 +18,8 @@ def test_transforms_are_the_matrices_at_the_sampling_points(count, width):
     own = transforms(panels)
     mesh = count, width, 6
     for matrix, values in [
-        (abel_right(panels.distances, *mesh), own.abel_right(coefficients)),
-        (abel_left(panels.distances, *mesh), own.abel_left(coefficients)),
+        (abel_right(panels.sampling_distances, *mesh), own.abel_right(coefficients)),
+        (abel_left(panels.sampling_distances, *mesh), own.abel_left(coefficients)),
     ]:
         assert_allclose(values, matrix @ coefficients, rtol=0, atol=1e-14)
 
@@ -31,7 +31,7 @@ def test_across_is_the_integral_past_the_first_panel(count, other, end):
     coefficients = np.random.default_rng(4).standard_normal(panels.size)
     half = gap(start, end) / 2.0
     outside, inside = GradedMesh(end, -1, half, panels), GradedMesh(start, 1, half, points)
-    matrix = np.sqrt(half) * abel_right(2.0 - points.distances, count, 2.0, 8)
+    matrix = np.sqrt(half) * abel_right(2.0 - points.sampling_distances, count, 2.0, 8)
     values = abel_integral_on(inside, outside, coefficients, 1)
     assert_allclose(values, matrix @ coefficients, rtol=0, atol=2e-14)
     # and the other way round

@@ -143,7 +143,7 @@ def test_lines_are_of_one_material_and_have_slip():
 
 @pytest.mark.parametrize("logit", [-20.0, -2.0, 3.0, 20.0])
 def test_the_friction_of_a_radius_on_a_smooth_surface(logit):
-    contact = solve_normal(0.0, 1e-12, 1000, goal="drive")
+    contact = solve_normal(0.0, 1e-12, 1000, goal="traction")
     form = Parameters(0.0, 0.0, 1.0, 1.0), Radius.from_logit(logit)
     solved, friction = solve_given_radius(contact, *form, 1e-10, 1000)
     with mpmath.workdps(40):

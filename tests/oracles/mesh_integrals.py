@@ -6,11 +6,11 @@ from spectral_contact.spectral.abel import abel_exterior, abel_left, abel_right
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
 
 
-def half_integral(family, points):
+def half_integral(mesh, points):
     """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)``, shape (points, size)."""
-    p, e = family.panels, points.before(family.boundary) / family.reach
+    p, e = mesh.panels, points.before(mesh.boundary) / mesh.extent
     matrix = np.zeros((len(e), p.size))
-    if family.sign < 0:
+    if mesh.sign < 0:
         rows = e > 0.0
         matrix[rows] = abel_right(e[rows], p.panels, p.width, p.degree, p.power)
     else:
@@ -18,14 +18,14 @@ def half_integral(family, points):
         matrix[rows] = abel_exterior(e[rows], p.panels, p.width, p.degree)
         rows = (e < 0.0) & (e >= -1.0)
         matrix[rows] = abel_left(-e[rows], p.panels, p.width, p.degree)
-    return matrix * np.sqrt(family.reach)
+    return matrix * np.sqrt(mesh.extent)
 
 
-def inner_integral(family, points):
+def inner_integral(mesh, points):
     """Return ``1/2 int_{z < s^2} psi dz / sqrt(s^2 - z)``, shape (points, size)."""
-    p, e = family.panels, points.before(family.boundary) / family.reach
+    p, e = mesh.panels, points.before(mesh.boundary) / mesh.extent
     matrix = np.zeros((len(e), p.size))
-    if family.sign < 0:
+    if mesh.sign < 0:
         rows = e <= 0.0
         matrix[rows] = abel_exterior(-e[rows], p.panels, p.width, p.degree)
         rows = (e > 0.0) & (e <= 1.0)
@@ -33,12 +33,12 @@ def inner_integral(family, points):
     else:
         rows = e < 0.0
         matrix[rows] = abel_right(-e[rows], p.panels, p.width, p.degree)
-    return matrix * np.sqrt(family.reach)
+    return matrix * np.sqrt(mesh.extent)
 
 
-def sources(family):
+def sources(mesh):
     """Return plain quadrature: points, and ``1/2 w psi`` as a matrix (points, size)."""
-    p, (g, w) = family.panels, gauss_rule(family.panels.degree + 12)
+    p, (g, w) = mesh.panels, gauss_rule(mesh.panels.degree + 12)
     d, share = np.exp(-p.sampling(len(g))), (1.0 + g) / 2.0
     matrix = np.zeros((d.size + len(g), p.size))
     for j, own in enumerate(d):
@@ -46,5 +46,5 @@ def sources(family):
         matrix[rows, columns] = (0.5 * p.width * w * own)[:, None] * legendre_values(g, p.degree)
     tail = tail_values(p.end * share, p.end, p.tail_terms, p.root_tail)
     matrix[d.size :, -p.tail_terms :] = (0.5 * p.end * w)[:, None] * tail
-    points = family.points(np.concatenate([d.ravel(), p.end * share]))
-    return points, 0.5 * family.reach * matrix
+    points = mesh.points(np.concatenate([d.ravel(), p.end * share]))
+    return points, 0.5 * mesh.extent * matrix
