@@ -1,4 +1,4 @@
-"""What many solves show: how good any solver or number is, sensitivities, and the `paper` anew.
+"""What many solves show: how good any solver or number is, and sensitivities.
 
 `convergence` measures how the errors of one solver fall with the number of unknowns, and what they
 cost; `work_precision` what it takes several solvers to reach an accuracy. A solver is any callable
