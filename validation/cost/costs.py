@@ -39,7 +39,7 @@ from costs_report import (
     growth_argument,
     tables,
 )
-from honesty import sources
+from flat_punches import sources
 from honesty_scenes import true_solution
 
 from spectral_contact import Scene, Solution, __version__, gold, solve
