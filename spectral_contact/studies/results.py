@@ -90,9 +90,9 @@ class _Result:
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        from spectral_contact.studies import files
+        from spectral_contact.studies.study_files import save
 
-        files.save(self._study, path)
+        save(self._study, path)
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, cold: bool = True) -> Any:
         """Draw the errors over times, and over unknowns with their rates; write the figure.
@@ -118,14 +118,14 @@ class _Result:
         SolutionFileError
             For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
         """
-        from spectral_contact.studies import pictures
+        from spectral_contact.studies.study_pictures import drawn
 
-        return pictures.drawn(self._study, path, flag("cold", cold))
+        return drawn(self._study, path, flag("cold", cold))
 
     def __str__(self) -> str:
-        from spectral_contact.studies import tables
+        from spectral_contact.studies.tables import text_of
 
-        return tables.text_of(self._study)
+        return text_of(self._study)
 
 
 @dataclass(frozen=True, slots=True)

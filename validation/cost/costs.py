@@ -53,7 +53,7 @@ from spectral_contact.studies import (
     this_machine,
     truth_of,
 )
-from spectral_contact.studies.files import point_row
+from spectral_contact.studies.study_files import point_row
 from spectral_contact.studies.timing import times_of
 from spectral_contact.view.progress import ProgressLine
 

@@ -21,7 +21,7 @@ from spectral_contact.io import documents
 from spectral_contact.studies import convergence
 from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.request import Outcome
-from spectral_contact.sweeps.store import Store
+from spectral_contact.sweeps.sweep_store import Store
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import sweep as cli_sweep
 from spectral_contact.view.report import write_csv
@@ -229,7 +229,7 @@ def test_nothing_in_the_library_writes_in_another_way():
                 found.append(f"{path.name}: {ast.unparse(node)}")
     assert found == [
         "processes.py: open(os.devnull, 'w', encoding='utf-8')",
-        "worker.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
+        "timed_process.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
         "worker.py: os.fdopen(os.dup(1), 'wb')",  # of the explorer: a pipe
     ]
 
