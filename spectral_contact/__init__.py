@@ -52,7 +52,6 @@ if TYPE_CHECKING:
     from spectral_contact.gold import benchmarks as benchmarks
     from spectral_contact.precise.reference import reference as reference
     from spectral_contact.studies import compare as compare
-    from spectral_contact.studies import paper as paper
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
     from spectral_contact.view.explorer import explore as explore
@@ -88,7 +87,6 @@ __all__ = [
     "fit",
     "gold",
     "layers",
-    "paper",
     "plan",
     "plotting",
     "precise",
@@ -110,7 +108,6 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "compare": ("studies", "compare"),
     "explore": ("view.explorer", "explore"),
     "fit": ("calibration", "fit"),
-    "paper": ("studies.paper", None),
     "plotting": ("view.plotting", None),
     "reference": ("precise", "reference"),
     "sweep": ("sweeps", "sweep"),

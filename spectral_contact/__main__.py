@@ -28,8 +28,6 @@ from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
 from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
-from spectral_contact.studies.paper.figures import FIGURES
-from spectral_contact.studies.paper.run import reproduce
 from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import benchmark as cli_benchmark
@@ -58,7 +56,6 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "inside": (
         "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
     ),
-    "paper": ("paper --output figures",),
     "sweep": ("sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",),
     "explore": ("explore --poisson-ratio 0.3 --friction 0.05",),
 }
@@ -150,7 +147,6 @@ def _parser() -> _Parser:
     _add_request(command)
     command.set_defaults(run=_solve)
     _add_inside(commands)
-    _add_paper(commands)
     _add_studies(commands)
     _add_sweep(commands)
     _add_benchmarks(commands)
@@ -220,39 +216,6 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
     add_any_scene(command)
     cli_inside.add_options(command)
     command.set_defaults(run=_inside)
-
-
-def _add_paper(commands: argparse._SubParsersAction[_Parser]) -> None:
-    command = commands.add_parser(
-        "paper",
-        usage=_usage("paper"),
-        help="reproduce the figures of the paper",
-        description="Recompute Figures 2 to 6 of the paper, the numbers in its text, and a figure "
-        "that it lacks: where slip starts, with the true critical friction. Each figure becomes "
-        "a table (.csv) and a picture (.png). A run that was stopped resumes.",
-        epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
-    )
-    command.add_argument(
-        "--output", metavar="FOLDER", required=True, help="folder of the results; created if needed"
-    )
-    command.add_argument(
-        "--figures",
-        nargs="+",
-        choices=FIGURES,
-        default=FIGURES,
-        metavar="NAME",
-        help=f"which figures (default: all): {', '.join(FIGURES)}",
-    )
-    command.add_argument(
-        "--rtol",
-        type=number,
-        default=1e-9,
-        help="bound on relative errors of every solve, 1e-12 to 1e-2 (default: %(default)s)",
-    )
-    command.add_argument(
-        "--no-pictures", action="store_true", help="tables only (pictures need the extra: plot)"
-    )
-    command.set_defaults(run=_paper)
 
 
 def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -354,13 +317,6 @@ def _solve(arguments: argparse.Namespace) -> None:
 def _inside(arguments: argparse.Namespace) -> None:
     _check_paths(arguments, cli_inside.OUTPUTS)
     print(cli_inside.run(arguments))
-
-
-def _paper(arguments: argparse.Namespace) -> None:
-    made = reproduce(
-        arguments.output, arguments.figures, rtol=arguments.rtol, pictures=not arguments.no_pictures
-    )
-    print(made)
 
 
 def _study(arguments: argparse.Namespace) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 from enum import Enum
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
+from spectral_contact.view.output import notebook_table
 
 __all__ = [
     "COUPLING",
@@ -124,8 +124,7 @@ class Plan:
         return f"<Plan {'; '.join(parts)}>"
 
     def _repr_html_(self) -> str:
-        # by name: an import would go up the layers
-        return str(import_module("spectral_contact.view.html").of_plan(self))
+        return notebook_table(self)
 
     def __str__(self) -> str:
         width = max(len(step.name) for step in self.steps)

@@ -9,7 +9,6 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
-from importlib import import_module
 from typing import Any, Final, Self
 
 from spectral_contact.errors import SceneError, SolutionFileError
@@ -28,6 +27,7 @@ from spectral_contact.layers import Layer
 from spectral_contact.layers.control import check_layer, in_own_units, layer_from
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import ALL_CONTROLS, checked_controls, profile_from
+from spectral_contact.view.output import notebook_table
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
 
@@ -270,8 +270,7 @@ class Scene(Suggesting):
         return f"{made_by}({given})"
 
     def _repr_html_(self) -> str:
-        # by name: an import would go up the layers
-        return str(import_module("spectral_contact.view.html").of_scene(self))
+        return notebook_table(self)
 
     @property
     def kappa(self) -> float:

@@ -33,7 +33,7 @@ from spectral_contact.records import (
     Work,
     Zone,
 )
-from spectral_contact.view.output import Output, above
+from spectral_contact.view.output import Output, inside_of
 
 if TYPE_CHECKING:
     from spectral_contact.equations.interior import Inside
@@ -342,8 +342,7 @@ class Solution(Output):
     @property
     def inside(self) -> Inside:
         """Stress and displacement anywhere in the half-space; needs pressure and traction."""
-        inside: Inside = above("equations.interior").Inside(self)
-        return inside
+        return inside_of(self)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Solution):

@@ -27,7 +27,7 @@ FIELD_ROUNDING = 20.0 * ROUNDING
 TRACTION_ROUNDING = 60.0 * ROUNDING
 #: TRACTION_ROUNDING is multiplied by this in full stick whose pressure is unknown or infinite at
 #: the edge. Two solves of 400 scenes on different panels differ by 1.8e-13 at most:
-#: validation/honesty/honesty.py --coupled.
+#: validation/honesty/honesty.py coupled.
 CENTRE_ROUNDING_FACTOR = 1.8
 #: TRACTION_ROUNDING is multiplied by this where the tangential compliance is too small to
 #: regularise the traction (beta over the stick radius below UNCORRECTED_COMPLIANCE of
@@ -40,7 +40,7 @@ STICK_INTEGRAL_ROUNDING = 2.0 * ROUNDING
 #: The same with slip under a known pressure. The shears of 60 random scenes, solved at 1e-12 by two
 #: methods, differ by 9.6 ROUNDING at most, half of them by 0.1: validation/honesty/honesty.py.
 KNOWN_PRESSURE_INTEGRAL_ROUNDING = 12.0 * ROUNDING
-#: The same with slip and an unknown pressure: validation/honesty/coupled_slip_honesty.py.
+#: The same with slip and an unknown pressure: validation/honesty/honesty.py coupled_slip.
 COUPLED_INTEGRAL_ROUNDING = 2.0 * FIELD_ROUNDING
 #: Boundary residuals and relative changes of fields that are smaller than this are rounding. With
 #: 1e-15 or 1e-12 no space of 91 scenes is another one: validation/honesty/honesty.py.
@@ -101,7 +101,7 @@ ROOT_EDGE_SAFETY = 2.5
 #: estimate: validation/honesty/honesty.py.
 RATIO_BOUND_FACTOR = 0.5
 #: Relative change of the Jacobian of the boundary residual while a boundary moves by the width of
-#: the narrowest zone. Not measured again; validation/honesty/honesty_thresholds.py compares the
+#: the narrowest zone. Not measured again; validation/honesty/honesty.py thresholds compares the
 #: boundaries of narrow zones with their estimates.
 JACOBIAN_CURVATURE = 8.0
 #: Least contraction of one correction of the fields that is taken for the estimate of what is left.
@@ -110,7 +110,7 @@ JACOBIAN_CURVATURE = 8.0
 MIN_CONTRACTION = 0.01
 
 #: Relative distance from the critical friction up to which full stick may stand for slip that no
-#: search resolves: validation/honesty/honesty_thresholds.py.
+#: search resolves: validation/honesty/honesty.py thresholds.
 ONSET_BAND = 1e-4
 
 # Refinement
@@ -127,7 +127,7 @@ MAX_DEGREE = 40
 MAX_SPACES = 12
 #: Where refinement of unknown zones stalls, it begins again with the first space of this fraction
 #: of the tolerance, this many times in all, and never with that of a tolerance below the last of
-#: the three: not measured again. validation/net.py lists scenes that no longer converge.
+#: the three: not measured again. validation/net/net.py lists scenes that no longer converge.
 RESTART_FACTOR = 0.1
 MAX_STARTS = 3
 MIN_RESTART_TOL = 1e-12
@@ -218,17 +218,17 @@ WIDE_LOGIT_STEP = 0.05
 #: 0.5 no digit of 25 scenes changes.
 MAX_DIFFERENCE_STEP = 0.2
 #: The Jacobian is valid while boundaries move by less than this fraction of the narrowest zone: not
-#: measured again. validation/honesty/honesty_thresholds.py counts scenes that are refused.
+#: measured again. validation/honesty/honesty.py thresholds counts scenes that are refused.
 JACOBIAN_RANGE = 0.1
 #: A last zone that is narrower than this times alpha is taken for none: 1e-12 loses annuli of
-#: 4e-12, and with 1e-16 no digit of them changes: validation/honesty/honesty_thresholds.py.
+#: 4e-12, and with 1e-16 no digit of them changes: validation/honesty/honesty.py thresholds.
 MIN_EDGE_ZONE_WIDTH = 1e-14
 #: The matrix is factored anew when a correction is more than this fraction of the one before. Its
 #: cost: validation/cost/bench_coupled.py.
 MAX_CONTRACTION = 0.2
 #: A step of the boundaries stalls if it leaves more than this fraction of the boundary residual,
 #: and the search ends after more than so many stalled steps in a row. Not measured again;
-#: validation/honesty/honesty_thresholds.py counts scenes that are refused.
+#: validation/honesty/honesty.py thresholds counts scenes that are refused.
 STALLED_RESIDUAL_RATIO = 0.5
 MAX_STALLED_STEPS = 8
 #: Most steps of the boundaries, and most corrections of the fields at given boundaries. Not
@@ -331,7 +331,7 @@ BOUNDARY_SLIP_FACTOR = 10.0
 DOUBTFUL_VIOLATION = 0.5
 #: Relative error of slip from which on a zone of slip inside is taken to be off by as much of its
 #: width: at the onset of slip, where an ulp of f moves its boundaries by 1e-4 of the width, both
-#: errors grow together. `python validation/honesty/honesty_thresholds.py` checks the estimates.
+#: errors grow together. `python validation/honesty/honesty.py thresholds` checks the estimates.
 UNCERTAIN_SLIP_ERROR = 0.1
 #: Violation of the friction law that rounding cannot explain, so that other zones are tried.
 #: Not measured again.
@@ -339,7 +339,7 @@ REFUTING_VIOLATION = 1e-6
 #: Factor by which the relative error of the displacement is below that of E in slip, because the
 #: displacement is an integral of E over ``1/sqrt(d)``. Estimates of slip are 4 times as large with
 #: 1; with 16 none of 300 true errors exceeds its estimate.
-#: `python validation/honesty/coupled_slip_honesty.py` checks the estimates.
+#: `python validation/honesty/honesty.py coupled_slip` checks the estimates.
 DISPLACEMENT_SMOOTHING = 16.0
 
 # .. onset of slip (contact/onset.py, solving/coupled_run.py)
@@ -356,7 +356,7 @@ SLIP_WIDENING = 4.0
 #: violates the law is tried before the zones on rings. Not measured again.
 NARROW_SLIP = 0.25
 #: Error of full stick in place of slip that was not resolved, over ``1 - f/f_crit``.
-#: `python validation/honesty/honesty_thresholds.py` checks the estimates.
+#: `python validation/honesty/honesty.py thresholds` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
 #: With coupling, slip is not looked for if ``1 - f/f_crit`` is below this and full stick meets the
 #: tolerance in its place. Not measured again.

@@ -12,7 +12,7 @@ import os
 import re
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import import_module, resources
+from importlib import resources
 from importlib.resources.abc import Traversable
 from typing import Any, Final
 
@@ -23,6 +23,7 @@ from spectral_contact.layers.control import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
 from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
+from spectral_contact.view.output import notebook_gold, notebook_gold_table
 
 _SCHEMA: Final = "spectral_contact.gold"
 _VERSION: Final = 1
@@ -110,8 +111,7 @@ class GoldSolution:
         return f"<GoldSolution {self.name!r}, {self.digits} digits: approach={self.approach}>"
 
     def _repr_html_(self) -> str:
-        # by name: an import would go up the layers
-        return str(import_module("spectral_contact.view.html").of_gold(self))
+        return notebook_gold(self)
 
     @property
     def stick_radius(self) -> Any:
@@ -146,8 +146,7 @@ class GoldTable:
         return f"<GoldTable {self.name!r}: {len(self.solutions)} scenes, {self.regime}>"
 
     def _repr_html_(self) -> str:
-        # by name: an import would go up the layers
-        return str(import_module("spectral_contact.view.html").of_gold_table(self))
+        return notebook_gold_table(self)
 
 
 def names() -> tuple[str, ...]:

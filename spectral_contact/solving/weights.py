@@ -48,8 +48,8 @@ _TINY = 1e-300
 #: oscillates.
 _PLACES = 1.6
 #: Errors of panels below this are rounding of this equation. On a smooth surface, where all flat
-#: punches are alike, panels under a sphere and a cone have 3e-12 to 2.5e-11, and halves of them 5e-11
-#: to 1e-10: validation/honesty/growing.py.
+#: punches are alike, panels under a sphere and a cone have 3e-12 to 2.5e-11, and halves of them
+#: 5e-11 to 1e-10.
 _VOLTERRA_ROUNDING = 5e-11
 
 

@@ -116,7 +116,7 @@ CELL_EXTRA_NODES = 16
 
 #: A polynomial on a cell of degree n is sampled at so many points more than n, since products with
 #: a law's slope are expanded from them. Measured as the error of layered contacts:
-#: ``python validation/honesty/layers.py``.
+#: ``python validation/honesty/honesty.py layers``.
 POINTWISE_EXTRA = 8
 
 #: A part is far off if it is at least this many of its own extents away: there `FAR_POINTS`

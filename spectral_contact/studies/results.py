@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import flag, real
@@ -14,7 +14,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.machine import Machine
 from spectral_contact.studies.timing import Stopwatch, Times
-from spectral_contact.view.output import above
 
 #: What a study can look at.
 QUANTITIES = ("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius")
@@ -75,9 +74,13 @@ class Point:
 
 
 class _Result:
-    """What every study can do."""
+    """What every study can do; files, pictures and text know the studies, and are loaded late."""
 
     __slots__ = ()
+
+    @property
+    def _study(self) -> Study:
+        return cast("Study", self)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Store the study: ``.json`` whole and exact, for `load`; ``.csv`` a row for each point.
@@ -87,7 +90,9 @@ class _Result:
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        above("studies.files").save(self, path)
+        from spectral_contact.studies.study_files import save
+
+        save(self._study, path)
 
     def plot(self, path: str | os.PathLike[str] | None = None, *, cold: bool = True) -> Any:
         """Draw the errors over times, and over unknowns with their rates; write the figure.
@@ -113,10 +118,14 @@ class _Result:
         SolutionFileError
             For a path that cannot be written, or whose suffix is not .png, .pdf or .svg.
         """
-        return above("studies.pictures").drawn(self, path, flag("cold", cold))
+        from spectral_contact.studies.study_pictures import drawn
+
+        return drawn(self._study, path, flag("cold", cold))
 
     def __str__(self) -> str:
-        return str(above("studies.tables").text_of(self))
+        from spectral_contact.studies.tables import text_of
+
+        return text_of(self._study)
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from spectral_contact.solving.solver import solve
 from spectral_contact.studies.machine import Machine, this_machine
 from spectral_contact.studies.results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.solvers import Solver, solver_name
-from spectral_contact.studies.store import StudyStore
+from spectral_contact.studies.study_store import StudyStore
 from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine

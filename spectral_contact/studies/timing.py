@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from spectral_contact.scene import Scene
 
 _START = (
-    "import sys; sys.path[:] = {path!r}; from spectral_contact.studies.worker import main; main()"
+    "import sys; sys.path[:] = {path!r}; "
+    "from spectral_contact.studies.timed_process import main; main()"
 )
 
 

@@ -4,7 +4,7 @@
 ``sweep``.
 """
 
-from spectral_contact.sweeps.pictures import plot_slice
-from spectral_contact.sweeps.run import sweep
+from spectral_contact.sweeps.slice_pictures import plot_slice
+from spectral_contact.sweeps.sweep_run import sweep
 
 __all__ = ["plot_slice", "sweep"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from html import escape
-from typing import Any, Final
+from typing import TYPE_CHECKING, Final
 
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.records import Plan, Zone
@@ -13,6 +13,9 @@ from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.figures import SLIP_GREY, STICK_WHITE, ZONE_EDGE
 from spectral_contact.view.report import quantity_cells, si_cells, zone_cells
+
+if TYPE_CHECKING:
+    from spectral_contact.gold.loader import GoldSolution, GoldTable
 
 #: Symbol, and unit of the SI data, of what makes a scene.
 _SYMBOLS: Final = {
@@ -31,6 +34,16 @@ _WIDTH, _HEIGHT = 360.0, 26.0
 #: A zone is drawn no narrower, so that it is seen.
 _LEAST = 1.5
 _COLOURS: Final = {"stick": STICK_WHITE, "slip": SLIP_GREY}
+
+
+def html_of(shown: Scene | Plan | Solution) -> str:
+    """Return what notebooks show of a record."""
+    match shown:
+        case Scene():
+            return of_scene(shown)
+        case Plan():
+            return of_plan(shown)
+    return of_solution(shown)
 
 
 def of_scene(scene: Scene) -> str:
@@ -83,7 +96,7 @@ def of_plan(plan: Plan) -> str:
     return _block([table_html(rows), table_html(missing) if plan.missing else ""])
 
 
-def of_gold_table(table: Any) -> str:
+def of_gold_table(table: GoldTable) -> str:
     """Return the scenes of a gold table, with approach and stick radius."""
     rows: list[tuple[str, ...]] = [("scene", "zones", "approach δ*", "stick radius c*")]
     for one in table.solutions:
@@ -93,7 +106,7 @@ def of_gold_table(table: Any) -> str:
     return _block([f"<p><b>{escape(table.name)}</b>: {escape(table.regime)}</p>", table_html(rows)])
 
 
-def of_gold(one: Any) -> str:
+def of_gold(one: GoldSolution) -> str:
     """Return the numbers of a gold solution with all their digits."""
     rows: list[tuple[str, ...]] = [("quantity", f"to {one.digits} digits", "relative error")]
     for name in ("approach", "total_shear", "stick_radius", "edge_ratio"):

@@ -1,11 +1,14 @@
-"""Output of a solution: SI values, tables, pictures, files."""
+"""Output of a solution: SI values, tables, pictures, files.
+
+What makes it is above a solution in the order of imports, and is imported by the method that asks
+for it: this module alone has such imports, and those that show a scene, a plan or gold call it.
+"""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, cast, overload
 
 from numpy.typing import ArrayLike
 
@@ -15,14 +18,41 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
+    from spectral_contact.equations.interior import Inside
+    from spectral_contact.gold.loader import GoldSolution, GoldTable
+    from spectral_contact.records import Plan
+    from spectral_contact.scene import Scene
     from spectral_contact.solution import Solution
     from spectral_contact.studies.derivatives import Sensitivity
     from spectral_contact.view.physical import PhysicalSolution
 
 
-def above(module: str) -> Any:
-    """Return a module that knows who asks for it, by name: an import would go up the layers."""
-    return import_module(f"spectral_contact.{module}")
+def notebook_table(shown: Scene | Plan | Solution) -> str:
+    """Return what notebooks show of a record, as HTML."""
+    from spectral_contact.view.html import html_of
+
+    return html_of(shown)
+
+
+def notebook_gold(shown: GoldSolution) -> str:
+    """Return what notebooks show of a gold solution, as HTML."""
+    from spectral_contact.view.html import of_gold
+
+    return of_gold(shown)
+
+
+def notebook_gold_table(shown: GoldTable) -> str:
+    """Return what notebooks show of a gold table, as HTML."""
+    from spectral_contact.view.html import of_gold_table
+
+    return of_gold_table(shown)
+
+
+def inside_of(solution: Solution) -> Inside:
+    """Return stress and displacement inside the body under a solution."""
+    from spectral_contact.equations.interior import Inside
+
+    return Inside(solution)
 
 
 class _Load:
@@ -48,8 +78,9 @@ def _loaded(path: str | os.PathLike[str]) -> Solution:
     SolutionFileError
         For a file that is not there, not ours, damaged, or of another version.
     """
-    solution: Solution = above("io.storage").load(path)
-    return solution
+    from spectral_contact.io import storage
+
+    return storage.load(path)
 
 
 class Output(Suggesting):
@@ -58,9 +89,15 @@ class Output(Suggesting):
     __slots__ = ()
 
     @property
+    def _solution(self) -> Solution:
+        return cast("Solution", self)
+
+    @property
     def _comparable(self) -> object:
         """What is the same of equal solutions."""
-        return above("io.storage").comparable(self)
+        from spectral_contact.io import storage
+
+        return storage.comparable(self._solution)
 
     @property
     def physical(self) -> PhysicalSolution:
@@ -71,12 +108,15 @@ class Output(Suggesting):
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
-        found: PhysicalSolution = above("view.physical").PhysicalSolution(self)
-        return found
+        from spectral_contact.view.physical import PhysicalSolution
+
+        return PhysicalSolution(self._solution)
 
     def summary(self) -> str:
         """Return the report of the command line: quantities with errors, zones, plan and work."""
-        return str(above("view.report").report(self))
+        from spectral_contact.view.report import report
+
+        return report(self._solution)
 
     def plot(self) -> Figure:
         """Draw the fields, the zones and the errors; see `plotting.plot_solution`.
@@ -88,8 +128,9 @@ class Output(Suggesting):
         MissingDependencyError
             If matplotlib is not installed (extra: plot).
         """
-        figure: Figure = above("view.plotting").plot_solution(self)
-        return figure
+        from spectral_contact.view.plotting import plot_solution
+
+        return plot_solution(self._solution)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write a table of the fields with estimates of their errors; the rest is in its comments.
@@ -103,7 +144,9 @@ class Output(Suggesting):
         SolutionFileError
             If the path cannot be written.
         """
-        above("view.report").write_csv(self, path)
+        from spectral_contact.view.report import write_csv
+
+        write_csv(self._solution, path)
 
     def to_xarray(
         self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
@@ -128,8 +171,9 @@ class Output(Suggesting):
         MissingDependencyError
             If xarray is not installed (extra: sweep).
         """
-        dataset: xarray.Dataset = above("sweeps.dataset").of_solution(self, s, from_edge)
-        return dataset
+        from spectral_contact.sweeps.dataset import of_solution
+
+        return of_solution(self._solution, s, from_edge)
 
     def sensitivity(
         self,
@@ -168,14 +212,12 @@ class Output(Suggesting):
         NotComputedError
             With elastic coupling, if no zones are found that obey the friction law.
         """
-        study = above("studies.derivatives")
-        found: Sensitivity = study.sensitivity(
-            self, parameters, s=s, from_edge=from_edge, progress=progress
-        )
-        return found
+        from spectral_contact.studies.derivatives import sensitivity
+
+        return sensitivity(self._solution, parameters, s=s, from_edge=from_edge, progress=progress)
 
     def _repr_html_(self) -> str:
-        return str(above("view.html").of_solution(self))
+        return notebook_table(self._solution)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Store the solution in one ``.npz`` or ``.json`` file, every value exactly.
@@ -185,7 +227,9 @@ class Output(Suggesting):
         SolutionFileError
             For another suffix, or a path that cannot be written.
         """
-        above("io.storage").save(self, path)
+        from spectral_contact.io import storage
+
+        storage.save(self._solution, path)
 
     #: Of the class, ``Solution.load(path)``: load what `save` stored. Of a solution with a profile,
     #: ``solution.load``: its load, in E'L² with E' = E/(4(1−ν²)).
@@ -199,7 +243,9 @@ class Output(Suggesting):
         SolutionFileError
             If it holds NaN.
         """
-        return str(above("io.storage").to_json(self))
+        from spectral_contact.io import storage
+
+        return storage.to_json(self._solution)
 
     @classmethod
     def from_json(cls, text: str) -> Solution:
@@ -210,5 +256,6 @@ class Output(Suggesting):
         SolutionFileError
             If the text is not JSON, not ours, damaged, or of another version.
         """
-        solution: Solution = above("io.storage").from_json(text)
-        return solution
+        from spectral_contact.io import storage
+
+        return storage.from_json(text)

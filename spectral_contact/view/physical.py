@@ -14,7 +14,8 @@ from spectral_contact.fields.evaluation import over_r
 from spectral_contact.io import checks, choices
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
-from spectral_contact.view.output import above
+from spectral_contact.view.html import table_html
+from spectral_contact.view.report import si_cells, table
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -31,16 +32,14 @@ class PhysicalSolution(choices.Suggesting):
             raise NotComputedError("physical", "the scene was not made by Scene.from_physical")
 
     def __str__(self) -> str:
-        report = above("view.report")
-        return str(report.table(report.si_cells(self.solution)))
+        return table(si_cells(self.solution))
 
     def __repr__(self) -> str:
-        rows = above("view.report").si_cells(self.solution)[1:]
+        rows = si_cells(self.solution)[1:]
         return f"<PhysicalSolution {', '.join(f'{label}: {value}' for label, value, _ in rows)}>"
 
     def _repr_html_(self) -> str:
-        cells = above("view.report").si_cells(self.solution)
-        return str(above("view.html").table_html(cells))
+        return table_html(si_cells(self.solution))
 
     @property
     def _nu(self) -> float:

@@ -1,7 +1,7 @@
 """The hard cases: scenes at the ends of the ranges, and what is measured of each.
 
 Shared by `reference/test_hard_cases.py`, `../validation/honesty/hard_cases.py` and
-`../validation/net.py`. All of it goes through the public API; `hard_inside` has what does not.
+`../validation/net/net.py`. All of it goes through the public API; `hard_inside` has what does not.
 """
 
 from __future__ import annotations

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from paper_figures import FIGURES, paper_figure
+from paper_statements import statements, statements_table
+from paper_tables import read_csv
 
 from spectral_contact import closed_forms, gold
-from spectral_contact.studies.paper import FIGURES, read_csv, statements
-from spectral_contact.studies.paper.figures import paper_figure
-from spectral_contact.studies.paper.statements import statements_table
 
-RESULTS = Path(__file__).parents[2] / "validation" / "results" / "paper"
+RESULTS = Path(__file__).parents[2] / "validation" / "paper" / "results"
 GOLD = {
     one.scene: one for table in gold.tables() for one in table.solutions if not one.scene.coupling
 }
@@ -20,7 +20,8 @@ EPS = 2.0**-52
 
 @pytest.fixture(scope="module")
 def tables():
-    return {name: read_csv(RESULTS / f"{paper_figure(name).stem}.csv", name) for name in FIGURES}
+    figures = [(name, paper_figure(name)) for name in FIGURES]
+    return {name: read_csv(RESULTS / f"{one.stem}.csv", one) for name, one in figures}
 
 
 @pytest.fixture(scope="module")

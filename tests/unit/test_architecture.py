@@ -125,6 +125,33 @@ def test_the_import_of_the_library_does_not_import(absent):
     assert absent not in loaded
 
 
+def test_closed_forms_do_not_plot():
+    loaded = python("import sys, spectral_contact.closed_forms; print(*sys.modules)").split()
+    assert "spectral_contact.closed_forms.smooth" in loaded
+    assert "matplotlib" not in loaded
+
+
+def test_what_reaches_up_does_so_in_functions_alone():
+    """The contracts let view.output import everything: at its top it imports what is below."""
+    [tree] = [TREES[path] for path in SOURCES if dotted(path) == "spectral_contact.view.output"]
+    at_the_top = {node.module for node in tree.body if isinstance(node, ast.ImportFrom)}
+    library = {name for name in at_the_top if name.startswith("spectral_contact")}
+    assert library == {"spectral_contact.io.choices"}
+
+
+def test_modules_of_the_library_are_imported_by_statements():
+    """A module whose name is a string is an arrow that no checker sees."""
+    by_name = [
+        dotted(path)
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and ast.unparse(node.func).endswith("import_module")
+        and "spectral_contact" in ast.unparse(node)
+    ]
+    assert by_name == []
+
+
 def test_the_library_is_silent():
     """Results are returned and progress is logged: only the command line prints."""
     prints = [

@@ -9,7 +9,7 @@ import pytest
 
 import spectral_contact as sc
 
-MODULES = ["asperities", "benchmarks", "calibration", "closed_forms", "gold", "paper", "plotting"]
+MODULES = ["asperities", "benchmarks", "calibration", "closed_forms", "gold", "plotting"]
 MODULES += ["precise", "studies", "testing"]
 FUNCTIONS = ["compare", "explore", "fit", "plan", "reference", "solve", "sweep"]
 

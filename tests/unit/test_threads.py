@@ -19,8 +19,7 @@ from spectral_contact import __main__ as cli
 from spectral_contact.precise import reference
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.solver import Continuation
-from spectral_contact.sweeps import chunk, sweep
-from spectral_contact.sweeps import run as sweep_run
+from spectral_contact.sweeps import chunk, sweep, sweep_run
 from spectral_contact.sweeps.parameters import listed
 from spectral_contact.sweeps.request import Rows, requested
 from spectral_contact.threads import _Hold, one_thread

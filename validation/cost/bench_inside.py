@@ -1,8 +1,8 @@
 """Time stress in the body: many points to a tolerance, all digits, and one point.
 
-Run as ``python validation/cost/bench_inside.py``; writes validation/results/bench_inside.json and
-.md. Each time is divided by U, one dense solve of 1000 unknowns with one BLAS thread, measured
-before and after it; the best of some rounds. True errors are against all digits, at some points.
+Run as ``python validation/cost/bench_inside.py``; writes validation/results/bench_inside.md. Each
+time is divided by U, one dense solve of 1000 unknowns with one BLAS thread, measured before and
+after it; the best of some rounds. True errors are against all digits, at some points.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import json
 import sys
 import tracemalloc
 from pathlib import Path
@@ -22,7 +21,6 @@ import numpy as np
 
 sys.path.append(str(Path(__file__).parent))
 
-import spectral_contact
 from spectral_contact import Scene, solve
 
 RESULTS = Path(__file__).parents[1] / "results"
@@ -107,16 +105,6 @@ def main():
             rows.append(row_of(name, scene, where, from_edge, z, rng))
             print(rows[-1], flush=True)
     load = os.getloadavg()[0]
-    record = {
-        "schema": "spectral_contact.validation.bench_inside",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "count": COUNT,
-        "load": load,
-        "rows": rows,
-    }
-    text = json.dumps(record, indent=1) + "\n"
-    (RESULTS / "bench_inside.json").write_text(text, encoding="utf-8")
     lines = [
         f"{COUNT} points of stress with rtol 1e-8, times in U, the load of the machine was "
         f"{load:.1f}; and one point of 100, and one alone, with all digits.",

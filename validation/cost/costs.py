@@ -39,7 +39,7 @@ from costs_report import (
     growth_argument,
     tables,
 )
-from honesty import sources
+from flat_punches import sources
 from honesty_scenes import true_solution
 
 from spectral_contact import Scene, Solution, __version__, gold, solve
@@ -53,7 +53,7 @@ from spectral_contact.studies import (
     this_machine,
     truth_of,
 )
-from spectral_contact.studies.files import point_row
+from spectral_contact.studies.study_files import point_row
 from spectral_contact.studies.timing import times_of
 from spectral_contact.view.progress import ProgressLine
 

@@ -1,12 +1,12 @@
 """True errors of contact through layers whose law bends, against their estimates.
 
 Run as ``python validation/honesty/bent_layers.py [scenes] [seed] [workers]``; writes
-validation/results/honesty_bent_layers.md. The truth is collocation in the radius with the elliptic
-kernel (tests/oracles/bent_collocation.py), which shares no code with the library, on panels to
-bends that it finds itself. Laws are tables, and polynomials with kinks or jumps of the second
-derivative that are put next to the largest overclosure, on either side of it, next to the edge, or
-anywhere. Every scene is solved with a random tolerance, and with a tighter one: claims that
-contradict each other are violations, too.
+validation/results/honesty_bent_layers.md. It is a stratum of honesty.py, too. The truth is
+collocation in the radius with the elliptic kernel (tests/oracles/bent_collocation.py), which shares
+no code with the library, on panels to bends that it finds itself. Laws are tables, and polynomials
+with kinks or jumps of the second derivative that are put next to the largest overclosure, on either
+side of it, next to the edge, or anywhere. Every scene is solved with a random tolerance, and with a
+tighter one: claims that contradict each other are violations, too.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from honesty_table import decade, table
+from honesty_table import Outcome, Stratum, command, decade, run
 from scipy.interpolate import PchipInterpolator
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
@@ -35,10 +35,7 @@ from bent_collocation import BentContact, Law, solved
 
 from spectral_contact import Scene, Solution, layers, profiles, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
 NAMES = ("approach", "load", "contact_radius", "indentation_work", "stiffness", "pressure")
-#: So many scenes from table to table.
-EVERY = 5
 #: What a tighter tolerance is; and what is allowed beyond the estimates: the rounding of the truth,
 #: and what `layers.Sampled` leaves of a law that is given as functions: 2e-14 of its largest.
 TIGHTER, ROUNDING = 1e-11, 5e-14
@@ -251,61 +248,39 @@ def _compared(found: Solution, truth: BentContact, one: Drawn) -> dict[str, floa
     return ratio
 
 
-def scene_of(seed: int, scene: int) -> tuple[dict[str, float], str, bool] | None:
-    """Return what `ratios` has of a scene; None where the oracle does not know the bends."""
+def scene_of(seed: int, scene: int) -> Outcome | None:
+    """Return what becomes of a scene; None where the oracle does not know the bends."""
     try:
-        one, label, converged = ratios(np.random.default_rng([seed, scene]))
+        return Outcome(*ratios(np.random.default_rng([seed, scene])))
     except AssertionError:
         return None
-    return one, f"scene {scene}: {label}", converged
 
 
-def main() -> int:
-    """Run the study, and write its table from time to time."""
-    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    workers = int(sys.argv[3]) if len(sys.argv) > 3 else os.cpu_count()
-    found: list[dict[str, float]] = []
-    violations: list[str] = []
-    unmet: list[str] = []
-    undecided = 0
+def outcomes(seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
+    """Yield what becomes of each scene, in order."""
     with ProcessPoolExecutor(workers) as pool:
-        each = pool.map(partial(scene_of, seed), range(scenes))
-        for done, outcome in enumerate(each, start=1):
-            if outcome is None:
-                undecided += 1
-                continue
-            one, label, converged = outcome
-            found.append(one)
-            unmet += [] if converged else [label]
-            violations += [
-                f"{name} {ratio:.2f}, {label}" for name, ratio in one.items() if ratio > 1.0
-            ]
-            if done % EVERY == 0:
-                written(done, seed, undecided, found, violations, unmet)
-    print(written(scenes, seed, undecided, found, violations, unmet))
-    return bool(violations)
+        yield from pool.map(partial(scene_of, seed), range(scenes))
 
 
-def written(
-    scenes: int,
-    seed: int,
-    undecided: int,
-    found: list[dict[str, float]],
-    violations: list[str],
-    unmet: list[str],
-) -> str:
-    """Write the table, and return it."""
-    about = (
-        f"{scenes} random scenes, seed {seed}, by validation/honesty/bent_layers.py: true error "
-        f"over its estimate, the larger of two tolerances; {len(unmet)} scenes did not meet their "
-        f"tolerance and said so; of {undecided} the oracle does not know the bends."
+STRATA = {
+    "bent_layers": Stratum(
+        "Honesty of contacts through layers that bend",
+        1000,
+        outcomes,
+        refused="of {} the oracle does not know the bends",
+        compared="true error over its estimate, the larger of two tolerances",
+        every=5,
+        by="bent_layers.py",
     )
-    notes = [*violations, *(f"not met: {one}" for one in unmet)]
-    text = table("Honesty of contacts through layers that bend", about, found, NAMES, notes)
-    (RESULTS / "honesty_bent_layers.md").write_text(f"{text}\n", encoding="utf-8")
-    return text
+}
+
+
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    numbers = [int(one) for one in sys.argv[1:]]
+    defaults = [STRATA["bent_layers"].scenes, 1, os.cpu_count() or 1]
+    raise SystemExit(run("bent_layers", STRATA["bent_layers"], *numbers, *defaults[len(numbers) :]))

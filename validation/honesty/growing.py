@@ -1,32 +1,22 @@
 """True errors of friction under growing contacts against their estimates.
 
-Run as ``python validation/honesty/growing.py [scenes] [seed]`` (some 20 seconds each); writes
-validation/results/honesty_growing.md. Scenes have random profiles, compliances, frictions and
-tolerances, without elastic coupling. The truth of load and approach in the history is normal
-contact of each radius, which knows no superposition; that of the rest is the same method to a
-hundredth of the tolerance, whose convergence to the truth is tested by a march in the load and by
+A stratum of honesty.py, of some 20 seconds a scene. Scenes have random profiles, compliances,
+frictions and tolerances, without elastic coupling. The truth of load and approach in the history is
+normal contact of each radius, which knows no superposition; that of the rest is the same method to
+a hundredth of the tolerance, whose convergence to the truth is tested by a march in the load and by
 the friction law with elliptic kernels.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import math
-import sys
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
-from honesty_table import decade, table
+from honesty_table import Outcome, Stratum, command, decade, in_turn
 
 from spectral_contact import NotComputedError, Scene, Solution, profiles, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
-#: So many scenes from table to table.
-EVERY = 10
 FRACTIONS = np.array([0.07, 0.2, 0.5, 0.8, 0.97])
 SCALARS, FIELDS = ("total_shear", "stick_radius"), ("traction", "slip")
 TINY = float(np.finfo(float).tiny)
@@ -88,44 +78,23 @@ def history_ratios(found: Solution, truth: Solution) -> dict[str, float]:
     return {f"history, {name.replace('_', ' ')}": value for name, value in worst.items()}
 
 
-def main() -> int:
-    """Run the study, and write its table from time to time."""
-    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 100
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    rng = np.random.default_rng(seed)
-    found: list[dict[str, float]] = []
-    violations: list[str] = []
-    refused = 0
-    while (done := len(found) + refused) < scenes:
-        scene, rtol = drawn(rng)
-        try:
-            found.append(ratios(scene, rtol))
-        except NotComputedError:  # slip does not reach the edge
-            refused += 1
-            continue
-        told = f"scene {done}: {scene!r}, rtol {rtol:.1e}"
-        new = [f"{name} {one:.2f}, {told}" for name, one in found[-1].items() if one > 1.0]
-        print(*new, sep="\n", end="\n" * bool(new), flush=True)
-        violations += new
-        if len(found) % EVERY == 0:
-            written(done + 1, seed, refused, found, violations)
-    print(written(scenes, seed, refused, found, violations))
-    return bool(violations)
+def measured(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a random scene."""
+    scene, rtol = drawn(rng)
+    return Outcome(ratios(scene, rtol), f"{scene!r}, rtol {rtol:.1e}")
 
 
-def written(
-    scenes: int, seed: int, refused: int, found: list[dict[str, float]], violations: list[str]
-) -> str:
-    """Write the table, and return it."""
-    about = (
-        f"{scenes} random scenes, seed {seed}, by validation/honesty/growing.py: true error over "
-        f"its estimate; {refused} were refused, as slip does not simply reach the edge."
+STRATA = {
+    "growing": Stratum(
+        "Honesty of friction under growing contacts",
+        100,
+        in_turn(measured, (NotComputedError,)),
+        refused="{} were refused, as slip does not simply reach the edge",
+        every=10,
     )
-    names = dict.fromkeys(name for one in found for name in one)
-    text = table("Honesty of friction under growing contacts", about, found, names, violations)
-    (RESULTS / "honesty_growing.md").write_text(f"{text}\n", encoding="utf-8")
-    return text
+}
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)

@@ -1,4 +1,4 @@
-"""Random scenes and their truth, for honesty.py; `honesty_errors` compares."""
+"""Random scenes and their truth, for flat_punches.py; `honesty_errors` compares."""
 
 from __future__ import annotations
 

@@ -1,15 +1,120 @@
-"""Random numbers and tables of the studies that hold true errors against estimates."""
+"""A stratum of random scenes: it is run, and its errors over estimates become a table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+import argparse
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from spectral_contact import Solution
+__all__ = ["Outcome", "Stratum", "decade", "in_turn", "run", "table"]
 
-__all__ = ["decade", "largest_share", "spread", "table"]
+RESULTS = Path(__file__).parents[1] / "results"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """True errors over their estimates by quantity, what the scene is, and whether it converged.
+
+    The last is None where a scene is many solves.
+    """
+
+    ratios: dict[str, float]
+    label: str
+    converged: bool | None = None
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """Scenes of one kind.
+
+    Attributes
+    ----------
+    title : str
+        Of the page.
+    scenes : int
+        How many there are by default.
+    outcomes : callable
+        From a seed, a number of scenes and a number of processes to what becomes of each scene;
+        None where the truth or the solver refuses it.
+    refused : str
+        What is said of those, with their number in braces.
+    compared : str
+        What the ratio is.
+    every : int
+        So many scenes from table to table.
+    by : str
+        The script of the stratum, if it has its own.
+    """
+
+    title: str
+    scenes: int
+    outcomes: Callable[[int, int, int], Iterator[Outcome | None]]
+    refused: str = "{} were refused"
+    compared: str = "true error over its estimate"
+    every: int = 50
+    by: str = ""
+
+
+def in_turn(
+    measure: Callable[[np.random.Generator, int], Outcome],
+    refusals: tuple[type[Exception], ...] = (),
+) -> Callable[[int, int, int], Iterator[Outcome | None]]:
+    """Return the outcomes of scenes that are drawn by one generator, one after another."""
+
+    def outcomes(seed: int, scenes: int, _: int) -> Iterator[Outcome | None]:
+        rng = np.random.default_rng(seed)
+        for number in range(scenes):
+            try:
+                yield measure(rng, number)
+            except refusals:
+                yield None
+
+    return outcomes
+
+
+def run(name: str, stratum: Stratum, scenes: int, seed: int, workers: int) -> bool:
+    """Run a stratum, write its table from time to time, and return whether an estimate failed."""
+    found: list[dict[str, float]] = []
+    violations: list[str] = []
+    unmet: list[str] = []
+    judged = False
+    text, refused = "", 0
+    for done, outcome in enumerate(stratum.outcomes(seed, scenes, workers), start=1):
+        if outcome is None:
+            refused += 1
+        else:
+            label = f"scene {done - 1}: {outcome.label}"
+            found.append(outcome.ratios)
+            judged |= outcome.converged is not None
+            unmet += [label] if outcome.converged is False else []
+            new = [f"{key} {one:.2f}, {label}" for key, one in outcome.ratios.items() if one > 1.0]
+            print(*new, sep="\n", end="\n" * bool(new), flush=True)
+            violations += new
+        if found and (done % stratum.every == 0 or done == scenes):
+            by = stratum.by or f"honesty.py {name}"
+            said = f"; {len(unmet)} scenes did not meet their tolerance and said so" * judged
+            about = (
+                f"{done} random scenes, seed {seed}, by validation/honesty/{by}: "
+                f"{stratum.compared}{said}; {stratum.refused.format(refused)}."
+            )
+            notes = [*violations, *(f"not met: {one}" for one in unmet)]
+            text = table(stratum.title, about, found, notes)
+            (RESULTS / f"honesty_{name}.md").write_text(f"{text}\n", encoding="utf-8")
+    print(text)
+    return bool(violations)
+
+
+def command(strata: dict[str, Stratum], name: str, arguments: Sequence[str]) -> bool:
+    """Run a stratum as the command line says."""
+    parser = argparse.ArgumentParser(prog=f"honesty.py {name}", description=strata[name].title)
+    parser.add_argument("--scenes", type=int, default=strata[name].scenes)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--workers", type=int, default=1, help="processes, where scenes need none")
+    asked = parser.parse_args(arguments)
+    return run(name, strata[name], asked.scenes, asked.seed, asked.workers)
 
 
 def decade(rng: np.random.Generator, low: float, high: float) -> float:
@@ -17,33 +122,7 @@ def decade(rng: np.random.Generator, low: float, high: float) -> float:
     return float(10.0 ** rng.uniform(low, high))
 
 
-def spread(rng: np.random.Generator, highest: float, decades: float) -> np.ndarray:
-    """Return some dozen numbers up to one: equidistant, in equal ratios or random."""
-    count, kind = int(rng.integers(24, 160)), rng.integers(3)
-    if kind == 0:
-        return np.linspace(highest / count, highest, count)
-    if kind == 1:
-        return np.geomspace(highest * 10.0 ** -rng.uniform(0.3, decades), highest, count)
-    return np.sort(rng.uniform(0.05 * highest, highest, count))
-
-
-def largest_share(found: Mapping[str, Any], i: int, truth: Solution, names: Sequence[str]) -> float:
-    """Return the largest error over its estimate in a scene of a sweep, against its solution."""
-    shares = []
-    for name in names:
-        true, value = getattr(truth, name), float(found[name][i])
-        allowed = float(found[f"{name}_error"][i]) + getattr(truth.error, name) + 1e-15
-        shares.append(abs(value - true) / (abs(true) or 1.0) / allowed)
-    return max(shares)
-
-
-def table(
-    title: str,
-    about: str,
-    found: Sequence[dict[str, float]],
-    names: Iterable[str],
-    notes: Iterable[str],
-) -> str:
+def table(title: str, about: str, found: Sequence[dict[str, float]], notes: Iterable[str]) -> str:
     """Return a page of Markdown.
 
     Parameters
@@ -52,14 +131,12 @@ def table(
         What it is, and a sentence on its scenes.
     found : sequence of dict
         Of every scene the true errors over their estimates, by quantity.
-    names : iterable of str
-        The quantities, in order.
     notes : iterable of str
         What is listed below.
     """
     lines = [f"# {title}", "", about, ""]
     lines += ["| quantity | largest | median | violations |", "|---|---|---|---|"]
-    for name in names:
+    for name in dict.fromkeys(key for one in found for key in one):
         values = np.array([one[name] for one in found if name in one])
         cells = name.replace("_", " "), f"{values.max():.2g}", f"{np.median(values):.2g}"
         lines.append("| " + " | ".join(cells) + f" | {(values > 1.0).sum()} |")

@@ -1,25 +1,18 @@
 """True errors of contact through random nonlinear layers against their estimates.
 
-Run as ``python validation/honesty/layers.py [scenes] [seed]``; writes
-validation/results/honesty_layers.md. Scenes have random laws, shapes, sizes and tolerances. The
-truth is the same method with eight degrees more, and two panels more at every end or halved cells:
-that the method converges to the truth is tested by collocation, which shares no code with it.
+A stratum of honesty.py. Scenes have random laws, shapes, sizes and tolerances. The truth is the
+same method with eight degrees more, and two panels more at every end or halved cells: that the
+method converges to the truth is tested by collocation, which shares no code with it.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
-import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
-from pathlib import Path
 
 import numpy as np
-from honesty_table import decade, table
+from honesty_table import Outcome, Stratum, command, decade, in_turn
 
 from spectral_contact import SceneError, layers, profiles
 from spectral_contact.contact.layered_contact import CellProblem, LayeredProblem, solve_layered
@@ -31,21 +24,17 @@ from spectral_contact.contact.layered_setting import (
 )
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import refine
-from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import DiscreteSpace
 
-RESULTS = Path(__file__).parents[1] / "results"
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
-#: So many scenes from table to table.
-EVERY = 50
 NAMES = ("approach", "load", "work", "stiffness", "pressure")
 
 
 class BetterPanels(LayeredProblem):
     """The problem with eight degrees and two panels more."""
 
-    def _first(self, boundary: Radius, sign: int, extent: float) -> DiscreteSpace:
-        found = super()._first(boundary, sign, extent)
+    def _first(self, part: int, depth: float) -> DiscreteSpace:
+        found = super()._first(part, depth)
         return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
 
     def start(self) -> DiscreteSpace:
@@ -90,8 +79,8 @@ def drawn(rng: np.random.Generator) -> LayeredSetting:
     return setting_at_approach(profile, law, max(law.start, -size) + decade(rng, -1.5, 0.3))
 
 
-def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
-    """Return true errors over estimates for one scene, what it is, and whether it converged."""
+def measured(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a random scene."""
     setting = drawn(rng)
     if setting.approach is not None and rng.integers(2):  # under a load
         load = solve_layered(setting, 1e-2, 4_000, pointwise=False).best.value.load
@@ -105,7 +94,7 @@ def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
     label += f"approach {truth.approach:.6g}{' under a load' * (setting.load is not None)}, "
     label += f"rtol {tolerance:.1e}{', pressure' * pointwise}"
     converged = solved.best.error <= tolerance
-    return _compared(solved.best.value, truth, pointwise), label, converged
+    return Outcome(_compared(solved.best.value, truth, pointwise), label, converged)
 
 
 def _compared(found: Indentation, truth: Indentation, pointwise: bool) -> dict[str, float]:
@@ -127,46 +116,15 @@ def _compared(found: Indentation, truth: Indentation, pointwise: bool) -> dict[s
     return {name: errors[name] / max(room[name], tiny) for name in NAMES}
 
 
-def main() -> int:
-    """Run the study, and write its table from time to time."""
-    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    rng, found, violations, unmet, refused = np.random.default_rng(seed), [], [], [], 0
-    while (done := len(found) + refused) < scenes:
-        if done and done % EVERY == 0:
-            written(done, seed, refused, found, violations, unmet)
-        try:
-            one, label, converged = ratios(rng)
-        except SceneError:  # the profile ends before the pressure does
-            refused += 1
-            continue
-        label = f"scene {done}: {label}"
-        found.append(one)
-        unmet += [] if converged else [label]
-        violations += [f"{name} {ratio:.2f}, {label}" for name, ratio in one.items() if ratio > 1.0]
-    print(written(scenes, seed, refused, found, violations, unmet))
-    return bool(violations)
-
-
-def written(
-    scenes: int,
-    seed: int,
-    refused: int,
-    found: list[dict[str, float]],
-    violations: list[str],
-    unmet: list[str],
-) -> str:
-    """Write the table, and return it."""
-    about = (
-        f"{scenes} random scenes, seed {seed}, by validation/honesty/layers.py: true error over "
-        f"its estimate; {len(unmet)} scenes did not meet their tolerance and said so, {refused} "
-        "were refused."
+STRATA = {
+    "layers": Stratum(
+        "Honesty of contacts through nonlinear layers",
+        1000,
+        in_turn(measured, (SceneError,)),  # the profile ends before the pressure does
     )
-    notes = [*violations, *(f"not met: {one}" for one in unmet)]
-    text = table("Honesty of contacts through nonlinear layers", about, found, NAMES, notes)
-    (RESULTS / "honesty_layers.md").write_text(f"{text}\n", encoding="utf-8")
-    return text
+}
 
 
-if __name__ == "__main__":
-    raise SystemExit(main())
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)

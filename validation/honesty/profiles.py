@@ -1,29 +1,22 @@
 """True errors of contact under random profiles against their estimates.
 
-Run as ``python validation/honesty/profiles.py [scenes] [seed]``; writes
-validation/results/honesty_profiles.md. Scenes have random shapes, radii, compliances and
-tolerances; each is solved for its radius, then for its load and its approach. The truth is the same
-method with eight degrees more on every panel and two panels more at every end: that the method
-converges to the truth is tested against closed forms and by quadrature. One scene of ten is on a
-smooth surface, where the truth is a quadrature in 30 digits.
+A stratum of honesty.py. Scenes have random shapes, radii, compliances and tolerances; each is
+solved for its radius, then for its load and its approach. The truth is the same method with eight
+degrees more on every panel and two panels more at every end: that the method converges to the truth
+is tested against closed forms and by quadrature. One scene of ten is on a smooth surface, where the
+truth is a quadrature in 30 digits.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
-import sys
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
-from honesty_table import decade, table
+from honesty_table import Outcome, Stratum, command, decade, in_turn
 
 from spectral_contact import profiles
 from spectral_contact.contact import indented
@@ -31,10 +24,8 @@ from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import glance, solve_indentation
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.panels import DiscreteSpace
 
-RESULTS = Path(__file__).parents[1] / "results"
 LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
 #: Of a radius that was given, and of a load or approach found from it.
@@ -47,8 +38,8 @@ NAMES = ("radius", "approach", "load", "work", "stiffness", "pressure")
 class Better(indented._IndentationProblem):  # the problem itself, in a larger space
     """The problem with eight degrees more, and two panels more at every end."""
 
-    def _first(self, boundary: Radius, sign: int, extent: float) -> DiscreteSpace:
-        found = super()._first(boundary, sign, extent)
+    def _first(self, part: int, depth: float) -> DiscreteSpace:
+        found = super()._first(part, depth)
         return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
 
     def start(self) -> DiscreteSpace:
@@ -82,11 +73,8 @@ def drawn(rng: np.random.Generator) -> tuple[profiles.Profile, float]:
     return replace(bowl, rounded=True), decade(rng, -1.0, 0.47)
 
 
-def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
-    """Return true errors over estimates for one scene, what it is, and whether it converged.
-
-    The largest of those for its radius, its load and its approach.
-    """
+def ratios(rng: np.random.Generator) -> Outcome:
+    """Return the largest true errors over estimates for a radius, its load and its approach."""
     profile, radius = drawn(rng)
     compliance = 10.0 ** rng.uniform(LEAST, MOST) * radius
     tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
@@ -113,7 +101,7 @@ def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
         value = searched.best.value if isinstance(searched, Refinement) else searched
         compared.append(_compared(value, truth, off))
     largest = {name: max(one[name] for one in compared) for name in NAMES}
-    return largest, label, solved.best.error <= tolerance
+    return Outcome(largest, label, solved.best.error <= tolerance)
 
 
 @dataclass(frozen=True)
@@ -209,7 +197,7 @@ class SmoothTruth:
         return np.array([at(e) for e in from_edge.tolist()])
 
 
-def smooth_ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
+def smooth_ratios(rng: np.random.Generator) -> Outcome:
     """Return likewise of a contact on a smooth surface."""
     profile, radius = drawn(rng)
     while isinstance(profile, profiles.Sampled):  # its half-integral is not known but from itself
@@ -218,7 +206,8 @@ def smooth_ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool
     assert isinstance(found, Indentation)
     with mp.workdps(30):
         compared = _compared(found, SmoothTruth(profile, radius), 0.0)
-    return compared, f"{profile.brief}, a = {radius:.6g}, smooth", found.pressure_error <= 1e-10
+    label = f"{profile.brief}, a = {radius:.6g}, smooth"
+    return Outcome(compared, label, found.pressure_error <= 1e-10)
 
 
 def _compared(found: Indentation, truth: Indentation | SmoothTruth, off: float) -> dict[str, float]:
@@ -240,27 +229,14 @@ def _compared(found: Indentation, truth: Indentation | SmoothTruth, off: float) 
     return {name: error / room[name] for name, error in errors.items()}
 
 
-def main() -> int:
-    """Run the study, and write its table."""
-    scenes = int(sys.argv[1]) if len(sys.argv) > 1 else 300
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    rng, found, violations, missed = np.random.default_rng(seed), [], [], 0
-    for k in range(scenes):
-        one, label, converged = (smooth_ratios if k % SMOOTH == 0 else ratios)(rng)
-        found.append(one)
-        missed += not converged
-        beyond = [f"{name} {ratio:.2f}: {label}" for name, ratio in one.items() if ratio > 1.0]
-        violations += beyond
-        print(*(f"{len(found)}: {told}\n" for told in beyond), end="", flush=True)
-    about = (
-        f"{scenes} random scenes, seed {seed}, by validation/honesty/profiles.py: true error over "
-        f"its estimate; {missed} scenes did not meet their tolerance and said so."
-    )
-    text = table("Honesty of contacts under profiles", about, found, NAMES, violations)
-    (RESULTS / "honesty_profiles.md").write_text(f"{text}\n", encoding="utf-8")
-    print(text)
-    return 1 if violations else 0
+def measured(rng: np.random.Generator, number: int) -> Outcome:
+    """Return what becomes of a random scene."""
+    return (smooth_ratios if number % SMOOTH == 0 else ratios)(rng)
 
 
-if __name__ == "__main__":
-    sys.exit(main())
+STRATA = {"profiles": Stratum("Honesty of contacts under profiles", 300, in_turn(measured))}
+
+
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)

@@ -1,7 +1,7 @@
 """Zones on graded rings against those of `solve`: their number, kind and boundaries, and the time.
 
 Run as ``python validation/honesty/ring_zones.py [scenes of each group]``; writes
-validation/results/ring_zones.json and .md. Random scenes are compared where `solve` converges.
+validation/results/ring_zones.md. Random scenes are compared where `solve` converges.
 Gaps are relative distances of the friction from where slip begins; there, a second zone of slip or
 stick is narrow, and the question is which are seen with how many rings. The times are medians of
 rounds that measure U, too.
@@ -14,7 +14,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import json
 import math
 import sys
 from dataclasses import replace
@@ -29,7 +28,6 @@ sys.path.append(str(Path(__file__).parents[1] / "cost"))
 import numpy as np
 from bench_solve import dense_solve
 
-import spectral_contact
 from spectral_contact import Scene, SpectralContactError, solve
 from spectral_contact.contact.active_set import RingLaw, RingLayout, ring_layout
 from spectral_contact.fields.series import Radius
@@ -286,18 +284,12 @@ def main(count: int) -> None:
     """Measure and store."""
     rows = random_scenes(count)
     record = {
-        "schema": "spectral_contact.validation.ring_zones",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "seed": SEED,
         "scenes": sum("found" in row for row in rows),
         "summary": summary(rows),
         "onsets": onsets(),
         "thresholds": thresholds(),
         "times": times(),
-        "rows": rows,
     }
-    (RESULTS / "ring_zones.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
     (RESULTS / "ring_zones.md").write_text(table(record), encoding="utf-8")
     print(table(record))
 

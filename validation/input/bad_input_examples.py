@@ -17,7 +17,6 @@ from spectral_contact import (
     SpectralContactError,
     calibration,
     layers,
-    paper,
     profiles,
     solve,
 )
@@ -114,9 +113,6 @@ SPECIAL: dict[str, Any] = {
     "calibration.compare_laws.data": calibration.IndentationData([1, 2, 3], [1, 2, 3], 1.0),
     "calibration.RoughnessFit.from_json.text": "{}",
     "profiles.Sampled.from_functions.slope": lambda r: 2.0 * r,
-    "studies.paper.FigureData.largest_error.name": "pressure",
-    "studies.paper.figure_data.name": "2",
-    "studies.paper.read_csv.name": "2",
     "view.plotting.Radii.evaluate.field": one,
     "gold.table.name": "slip_equal",
     "studies.named_solver.name": "os:getcwd",
@@ -136,8 +132,6 @@ COMPANY: dict[str, dict[str, Any]] = {
     "PhysicalData.approach": {"radius": 1e-3},
     "Scene.from_physical": {"load": 1.0, "radius": 1e-3},
     "Scene.from_physical.approach": {"radius": 1e-3},
-    "studies.paper.reproduce.progress": {"folder": "\x00"},
-    "studies.paper.reproduce": {"progress": stop, "pictures": False},
     "studies.compare": {"approach": 0.3, "truth": Quarter(), "scene": NORMAL},
     "studies.compare.truth": {"approach": 0.3},
     **{f"studies.compare.{name}": {"pressure": one} for name in ("s", "from_edge")},
@@ -170,8 +164,6 @@ class Examples:
         own, self.bench = convergence(solver, NORMAL, [1, 2], Quarter(), stopwatch=None), bench
         compared = work_precision({"a": solver}, NORMAL, [0.5], [Quarter()], stopwatch=QUICK)
         data = calibration.ApproachData([0.3], sigma=0.1)
-        table = np.zeros((1, 12))
-        figure = paper.figures.paper_figure("2")
         rate = fit_rate([10, 20, 40], [1e-2, 2.6e-3, 6e-4])
         self._instances = [
             *bench.solutions,
@@ -179,8 +171,7 @@ class Examples:
             *(profiles.Parabola(1.0), profiles.Sampled((0.0, 1.0), ((0.5, 0.5),))),
             *(layers.PowerLaw(1.0, 1.5), layers.Sampled((0.0, 1.0), ((0.5, 0.5),))),
             *(SCENE, si, own, own.points[0], own.points, rate),
-            *(compared, QUICK, OwnSolver(), truth_of(NORMAL), figure),
-            paper.FigureData(figure, 1e-3, table[:, : len(figure.columns)].copy()),
+            *(compared, QUICK, OwnSolver(), truth_of(NORMAL)),
             *(graded_radii(bench.solutions[0], 20), reference(Scene(0.1), 15)),
             *(data, calibration.PressureData([0.5], [0.3], sigma=0.1)),
             calibration.StickRadiusData([0.5], sigma=0.1),
@@ -203,8 +194,6 @@ class Examples:
         self._special = {
             **SPECIAL,
             "Solution.from_json.text": bench.solutions[0].to_json(),
-            "studies.paper.FigureData.figure": figure,
-            "studies.paper.FigureData.table": table,
             "sweeps.plot_slice.dataset": sweep(
                 NORMAL, friction=[0.1, 0.2], quantities=["approach"]
             ),

@@ -1,8 +1,8 @@
 """The commit that the net compares with, and what its library made of every scene.
 
 Both are in before.json beside this file, so that they change together:
-``python validation/net.py --rebase COMMIT`` computes the records anew with the library of another
-commit, by the scenes, truths and checks of today.
+``python validation/net/net.py --rebase COMMIT`` computes the records anew with the library of
+another commit, by the scenes, truths and checks of today.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ Draws and truths are those of honesty.py and coupled_slip_honesty.py at the comm
 thresholds are listed here. Scenes whose truth does not come out are left out, and the next are
 drawn. Slip that has just begun at the edge is narrower there than doubles knew at that commit: its
 zones are those of `reference`, of the library as it is. The truths do not depend on the commit that
-the net compares with, which ``python validation/net.py --rebase COMMIT`` changes.
+the net compares with, which ``python validation/net/net.py --rebase COMMIT`` changes.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Show what simpler formulations lose: python validation/peers/naive.py.
 
-Writes validation/results/naive.json, .md and .png.
+Writes validation/results/naive.md and .png.
 
 - The kernels (2.4) as printed, against mpmath.
 - The pressure as one polynomial in s**2 without a weight: Galerkin's equations, whose integrals are
@@ -16,7 +16,6 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ import mpmath
 import numpy as np
 from scipy import special
 
-from spectral_contact import Scene, __version__, solve
+from spectral_contact import Scene, solve
 from spectral_contact.contact.resolution import starting_resolution
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.fields.series import EdgeWeight
@@ -35,7 +34,6 @@ from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 
 RESULTS = Path(__file__).parents[1] / "results"
-SCHEMA, VERSION = "spectral_contact.validation.naive", 1
 GAPS = [10.0**-k for k in range(1, 16)]
 FAR = [10.0**k for k in range(1, 9)]
 DEGREES = [2, 4, 8, 16, 32, 64, 128, 256]
@@ -282,17 +280,11 @@ def main() -> None:
     with np.errstate(divide="ignore", invalid="ignore"):
         kernels, polynomials, edges = kernel_rows(), polynomial_rows(), edge_rows()
     record = {
-        "schema": SCHEMA,
-        "version": VERSION,
-        "library": __version__,
         "count": len(kernels) + len(polynomials) + len(edges),
         "kernels": kernels,
         "polynomials": polynomials,
         "edges": edges,
     }
-    RESULTS.mkdir(exist_ok=True)
-    text = json.dumps(record, indent=1)
-    (RESULTS / "naive.json").write_text(text + "\n", encoding="utf-8")
     (RESULTS / "naive.md").write_text(tables(record), encoding="utf-8")
     draw(record, RESULTS / "naive.png")
 

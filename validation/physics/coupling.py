@@ -1,7 +1,7 @@
 """What the paper neglects: full stick and partial slip with and without elastic coupling.
 
 Run as ``python validation/physics/coupling.py`` (some minutes); writes
-validation/results/coupling.json, .md and .png. Every number is a relative change, coupled over
+validation/results/coupling.md and .png. Every number is a relative change, coupled over
 uncoupled. Full stick is solved to 1e-10, partial slip to 1e-8.
 """
 
@@ -12,14 +12,12 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import spectral_contact
 from spectral_contact import Scene, Solution, solve
 from spectral_contact.view.plotting import save, style
 
@@ -98,9 +96,6 @@ def study() -> Record:
     slip = [slip_change(nu, *case) for nu in (0.0, 0.3) for case in SLIPPING]
     rows = [*grid, *slip, *(point for line in lines for point in line["points"])]
     return {
-        "schema": "spectral_contact.validation.coupling",
-        "version": 1,
-        "library": spectral_contact.__version__,
         "count": len(rows),
         "rtol": RTOL,
         "lines": lines,
@@ -196,9 +191,8 @@ def draw(record: Record, path: Path) -> None:
 
 
 def main() -> None:
-    """Measure, store, draw and print."""
+    """Measure, draw and print."""
     record = study()
-    (RESULTS / "coupling.json").write_text(json.dumps(record, indent=1) + "\n")
     (RESULTS / "coupling.md").write_text(table(record))
     draw(record, RESULTS / "coupling.png")
     print(table(record))

@@ -1,8 +1,8 @@
 """What accuracy coupled slip on smooth surfaces has, over tangential compliance and friction.
 
-Run as ``python validation/physics/edge_stick.py``; writes validation/results/edge_stick.json and
-.md. Every scene is solved at 1e-12 with whatever it takes, and its estimates are recorded. Where
-stick at the edge is wide enough for panels it is also matched in closed form, and compared.
+Run as ``python validation/physics/edge_stick.py``; writes validation/results/edge_stick.md. Every
+scene is solved at 1e-12 with whatever it takes, and its estimates are recorded. Where stick at the
+edge is wide enough for panels it is also matched in closed form, and compared.
 """
 
 from __future__ import annotations
@@ -12,12 +12,10 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
-import spectral_contact
 from spectral_contact import Scene, solve
 from spectral_contact.contact.edge_stick import with_edge_stick
 from spectral_contact.contact.layout import Layout
@@ -55,7 +53,7 @@ def matched(nu: float, beta: float, friction: float) -> Record:
     scene = Scene(nu, 0.0, beta, friction, coupling=True)
     panels = solve(scene, 1e-11)
     parameters = Parameters(0.0, beta, scene.kappa, friction)
-    layout = FreeBoundaryProblem(parameters, Layout((2.0,), (0, 1)), 1e-11).layout
+    layout = FreeBoundaryProblem(parameters, Layout((2.0,), (0, 1)), 1e-11).initial_layout()
     found = solve_zones(parameters, layout, 1e-11, 20_000)
     edge = with_edge_stick(found.best.value, parameters)
     widths = [2.0 * one.zones[-1].inner_from_edge for one in (edge, panels)]
@@ -98,14 +96,10 @@ def table(record: Record) -> str:
 def main() -> None:
     """Measure, print and store."""
     record = {
-        "schema": "spectral_contact.validation.edge_stick",
-        "version": 1,
-        "library": spectral_contact.__version__,
         "count": len(BETAS) * len(FRICTIONS),
         "accuracy": [accuracy(beta, ratio) for beta in BETAS for ratio in FRICTIONS],
         "matched": [matched(*one) for one in COMPARED],
     }
-    (RESULTS / "edge_stick.json").write_text(json.dumps(record, indent=1) + "\n")
     (RESULTS / "edge_stick.md").write_text(table(record))
     print(table(record))
 

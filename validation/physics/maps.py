@@ -1,7 +1,7 @@
 """The maps of docs/maps.md: stick radius and critical friction over both compliances.
 
 Run as ``python validation/physics/maps.py``; writes validation/results/map_stick_radius.png and
-map_critical_friction.png, and the numbers as map_stick_radius.csv and map_critical_friction.csv.
+map_critical_friction.png.
 """
 
 from __future__ import annotations
@@ -25,8 +25,6 @@ RESULTS = Path(__file__).parents[1] / "results"
 #: Both maps are of kappa = 1/7, nu = 0.3.
 NU, FRICTION = 0.3, 0.2
 COARSE, FINE = np.geomspace(1e-3, 10.0, 61), np.geomspace(1e-3, 10.0, 201)
-#: Every so many of them are written as numbers.
-EVERY_COARSE, EVERY_FINE = 2, 10
 
 
 def stick_radius():
@@ -124,14 +122,8 @@ def _axes(title: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _thinned(found, every: int):
-    """Return every so many of the compliances."""
-    some = slice(None, None, every)
-    return found.isel(normal_compliance=some, tangential_compliance=some)
-
-
 def main() -> None:
-    """Solve, store and draw both maps."""
+    """Solve and draw both maps."""
     stick = stick_radius()
     critical = critical_friction()
     for name, found, figure in (
@@ -141,12 +133,6 @@ def main() -> None:
         assert (found.ending == "converged").all()
         save(figure, str(RESULTS / f"{name}.png"))
         print(name, found.ending.size, "scenes")
-    some = _thinned(stick[["stick_radius", "stick_radius_error"]], EVERY_COARSE)
-    numbers = some.to_dataframe().reset_index()
-    numbers.to_csv(RESULTS / "map_stick_radius.csv", index=False)
-    some = _thinned(critical, EVERY_FINE)
-    numbers = some.drop_vars(["ending", "message"]).to_dataframe().reset_index()
-    numbers.to_csv(RESULTS / "map_critical_friction.csv", index=False)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ from spectral_contact.processes import workers
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
-from spectral_contact.sweeps.pictures import plot_slice, varying
-from spectral_contact.sweeps.run import sweep
+from spectral_contact.sweeps.slice_pictures import plot_slice, varying
+from spectral_contact.sweeps.sweep_run import sweep
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.layer import LAW_NUMBERS
 from spectral_contact.view.cli.options import (

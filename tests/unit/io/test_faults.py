@@ -6,7 +6,6 @@ import importlib.util
 import io
 import json
 from argparse import Namespace
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -20,14 +19,9 @@ import spectral_contact
 from spectral_contact import Scene, SolutionFileError, solve
 from spectral_contact.io import documents
 from spectral_contact.studies import convergence
-from spectral_contact.studies.paper import reproduce
-from spectral_contact.studies.paper import run as paper_run
-from spectral_contact.studies.paper.figures import paper_figure
-from spectral_contact.studies.paper.statements import Statement
-from spectral_contact.studies.paper.tables import complete_csv
 from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.request import Outcome
-from spectral_contact.sweeps.store import Store
+from spectral_contact.sweeps.sweep_store import Store
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import sweep as cli_sweep
 from spectral_contact.view.report import write_csv
@@ -73,10 +67,6 @@ class Drawn(Figure):
             Path(where).write_bytes(drawn(format))
 
 
-def statements(_):
-    return (Statement("(1)", "it holds", "a number", 1.0, 1e-9, True),)
-
-
 @functools.cache
 def make_gold():
     path = REPOSITORY / "validation" / "gold" / "make_gold.py"
@@ -95,12 +85,6 @@ def write_gold(path):
         table.write({"name": make_gold().named(table.scenes[0])})
 
 
-def write_statements(path):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(paper_run, "statements", statements)
-        reproduce(path.parent, [], pictures=False)
-
-
 #: By the name of the file.
 SAVERS = {
     "solution.npz": lambda path: solution().save(path),
@@ -113,7 +97,6 @@ SAVERS = {
     "study.csv": lambda path: study().save(path),
     "map.csv": lambda path: cli_sweep.write(dataset(), Namespace(output=str(path), plot=None)),
     "map.nc": lambda path: cli_sweep.write(dataset(), Namespace(output=str(path), plot=None)),
-    "statements.md": write_statements,
     "no_shear.json": write_gold,
 }
 #: Of which a run takes long: there is no space, or Ctrl-C, and once only.
@@ -230,43 +213,6 @@ def test_a_line_that_could_not_be_written_leaves_no_part(tmp_path):
     assert done == ["open a file", "write", "fsync", "close"]
 
 
-def test_a_table_of_the_paper_loses_nothing(tmp_path):
-    whole = paper_figure("onset")
-    values = {scene: whole.measure(scene, 1e-4) for scene in whole.scenes[:3]}
-    small = replace(whole, scenes=whole.scenes[:3], measure=lambda scene, _: values[scene])
-
-    def work(folder, figure=small):
-        return complete_csv(folder / "onset.csv", figure, 1e-4, lambda: None)
-
-    class Stop(Exception):
-        pass
-
-    def stopped(scene, _):
-        if scene is small.scenes[1]:
-            raise Stop
-        return values[scene]
-
-    def before(folder):
-        with pytest.raises(Stop):
-            work(folder, replace(small, measure=stopped))
-
-    def check(folder, done):
-        names = sorted(one.name for one in folder.iterdir())
-        assert names == ["onset.csv"] if done else names in (["onset.csv"], ["onset.csv.partial"])
-        assert (folder / names[0]).read_bytes().startswith(begun)
-        if done:
-            assert (folder / names[0]).read_bytes() == complete
-
-    (tmp_path / "a").mkdir()
-    before(tmp_path / "a")
-    begun = (tmp_path / "a" / "onset.csv.partial").read_bytes()
-    assert work(tmp_path / "a")[1] == 1
-    complete = (tmp_path / "a" / "onset.csv").read_bytes()
-    (tmp_path / "runs").mkdir()
-    done = every_fault(tmp_path / "runs", before, work, check)
-    assert done.count("write") == 2
-
-
 def test_nothing_in_the_library_writes_in_another_way():
     """A writer that is added goes through the ones that are tested here."""
     package = Path(spectral_contact.__file__).parent
@@ -283,7 +229,7 @@ def test_nothing_in_the_library_writes_in_another_way():
                 found.append(f"{path.name}: {ast.unparse(node)}")
     assert found == [
         "processes.py: open(os.devnull, 'w', encoding='utf-8')",
-        "worker.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
+        "timed_process.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
         "worker.py: os.fdopen(os.dup(1), 'wb')",  # of the explorer: a pipe
     ]
 

@@ -9,7 +9,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from spectral_contact import Scene, SceneError, threads
-from spectral_contact.studies import Stopwatch, Timing, timing, worker
+from spectral_contact.studies import Stopwatch, Timing, timed_process, timing
 
 SCENE = Scene(0.3, 0.5)
 ONCE = Stopwatch(repeats=1, seconds=0.0, processes=1)
@@ -140,5 +140,5 @@ def test_libraries_that_the_solver_brought_are_held(monkeypatch):
 
 
 def test_the_worker_is_what_the_fresh_process_starts():
-    assert "spectral_contact.studies.worker import main" in timing._START
-    assert callable(worker.main)
+    assert "spectral_contact.studies.timed_process import main" in timing._START
+    assert callable(timed_process.main)

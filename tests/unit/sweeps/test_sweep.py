@@ -8,7 +8,7 @@ import pytest
 from spectral_contact import QUANTITIES, Scene, SceneError, SolutionFileError, solve
 from spectral_contact.gold import tables
 from spectral_contact.solving.solver import Continuation
-from spectral_contact.sweeps import error_maps, lines, run, shortcuts, sweep
+from spectral_contact.sweeps import error_maps, lines, shortcuts, sweep, sweep_run
 from spectral_contact.sweeps.parameters import SweepParameters
 from spectral_contact.sweeps.request import SCALARS
 
@@ -21,7 +21,7 @@ BASE = Scene(0.3, 0.5, 0.5, 0.1)
 @pytest.fixture
 def always_shared(monkeypatch):
     """Take the spectra for sweeps of any size."""
-    monkeypatch.setattr(run, "_MANY", 1)
+    monkeypatch.setattr(sweep_run, "_MANY", 1)
 
 
 @pytest.fixture
@@ -234,18 +234,18 @@ def test_stores_know_coupling(coupling, tmp_path):
 def test_which_of_like_scenes_is_coupled_makes_another_sweep():
     plain, coupled = (Scene(0.3, 0.5, 0.5, 0.1, coupling=on) for on in (False, True))
     orders = [plain, coupled], [coupled, plain], [plain, plain], [coupled, coupled]
-    assert len({run.listed(scenes).fingerprint() for scenes in orders}) == 4
+    assert len({sweep_run.listed(scenes).fingerprint() for scenes in orders}) == 4
 
 
 def test_neither_spectra_nor_lines_take_coupled_scenes_for_others():
     friction = np.geomspace(0.02, 0.2, 30)
     scenes = [Scene(0.3, 0.5, 0.5, f, coupling=True) for f in friction]
-    columns = run.listed(scenes).columns(np.arange(len(scenes)))
-    request = run.requested(["stick_radius"], 1e-4, 1000, None, None)
+    columns = sweep_run.listed(scenes).columns(np.arange(len(scenes)))
+    request = sweep_run.requested(["stick_radius"], 1e-4, 1000, None, None)
     assert not shortcuts.served(columns, request).mask.any()
     assert not list(lines.lines(columns, np.arange(len(scenes)), request))
     plain = [one.replace(coupling=False) for one in scenes]
-    columns = run.listed(plain).columns(np.arange(len(scenes)))
+    columns = sweep_run.listed(plain).columns(np.arange(len(scenes)))
     assert list(lines.lines(columns, np.arange(len(scenes)), request))
 
 
@@ -353,11 +353,11 @@ def test_the_spectra_agree_with_the_gold_tables():
     ]
     for solution in solutions:
         sticks = [zone.kind for zone in solution.zones] == ["stick"]
-        columns = run.listed([solution.scene]).columns(np.arange(1))
+        columns = sweep_run.listed([solution.scene]).columns(np.arange(1))
         for name, allowed in GOLD_NAMES.items():
             if name != "approach" and not sticks:
                 continue
-            request = run.requested([name], 1e-12, 100, None, None)
+            request = sweep_run.requested([name], 1e-12, 100, None, None)
             known = shortcuts.served(columns, request)
             if known.mask[0]:
                 error = abs(known.values[name][0] / float(getattr(solution, name)) - 1.0)
@@ -403,17 +403,17 @@ def test_the_estimates_of_the_spectra_are_about_their_errors():
 
 
 def test_quantities_that_the_spectra_do_not_know_are_left_to_solve():
-    request = run.requested(["zones"], 1e-8, 100, None, None)
-    columns = run.grid(BASE, {"friction": [0.1, math.inf]}).columns(np.arange(2))
+    request = sweep_run.requested(["zones"], 1e-8, 100, None, None)
+    columns = sweep_run.grid(BASE, {"friction": [0.1, math.inf]}).columns(np.arange(2))
     assert not shortcuts.eligible(columns, request).any()
     assert set(QUANTITIES) >= set(SCALARS)
 
 
 def test_the_spectra_are_taken_for_many_compliances_alone():
-    assert run.grid(BASE, {"friction": np.linspace(0.1, 0.2, 700)}).pairs == 1
+    assert sweep_run.grid(BASE, {"friction": np.linspace(0.1, 0.2, 700)}).pairs == 1
     axes = {"normal_compliance": [0.1, 0.2], "tangential_compliance": [0.1, 0.2, 0.3]}
-    assert run.grid(BASE, axes | {"friction": [0.1, 0.2]}).pairs == 6
-    assert run.listed([BASE, Scene(0.1, 0.5, 0.5), Scene(0.1, 0.5, 0.4)]).pairs == 2
+    assert sweep_run.grid(BASE, axes | {"friction": [0.1, 0.2]}).pairs == 6
+    assert sweep_run.listed([BASE, Scene(0.1, 0.5, 0.5), Scene(0.1, 0.5, 0.4)]).pairs == 2
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,7 @@ def test_chunks_that_have_not_begun_are_called_off(monkeypatch, tmp_path):
         raise SolutionFileError("store", "cannot be written (No space left on device)")
 
     monkeypatch.setattr(chunk, "solve_chunk", slow)
-    monkeypatch.setattr("spectral_contact.sweeps.run.Store.put", full)
+    monkeypatch.setattr("spectral_contact.sweeps.sweep_run.Store.put", full)
     with ThreadPoolExecutor(1) as pool, pytest.raises(SolutionFileError, match="No space left"):
         sweep(BASE, **ASKED, executor=pool, store=tmp_path)
     assert len(begun) <= 2

@@ -17,7 +17,7 @@ import pytest
 import spectral_contact
 from spectral_contact import Scene, SolutionFileError
 from spectral_contact.io import documents
-from spectral_contact.sweeps import chunk, store, sweep
+from spectral_contact.sweeps import chunk, sweep, sweep_store
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -195,7 +195,7 @@ def test_stores_of_another_version_are_refused(tmp_path, monkeypatch):
     version = re.escape(spectral_contact.__version__)
     sweep(BASE, **ASKED, store=tmp_path)
     with monkeypatch.context() as patch:
-        patch.setattr("spectral_contact.sweeps.run.VERSION", "9.9")
+        patch.setattr("spectral_contact.sweeps.sweep_run.VERSION", "9.9")
         with pytest.raises(SolutionFileError, match=rf"library '{version}', not '9\.9'"):
             sweep(BASE, **ASKED, store=tmp_path)
     manifest = tmp_path / "sweep.json"
@@ -328,7 +328,7 @@ def test_a_chunk_that_was_compressed_is_refused(tmp_path):
 @pytest.mark.parametrize("other", [(0.1, 1.0), (0.2, 2.0)])
 def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, monkeypatch, other):
     both, finished = threading.Barrier(2), threading.Event()
-    original = store.create_file
+    original = sweep_store.create_file
 
     def together(path, content):
         if both.wait(60):  # both have seen that there is nothing
@@ -343,7 +343,7 @@ def test_of_two_sweeps_started_at_once_one_is_refused_or_they_are_one(tmp_path, 
         finally:
             finished.set()
 
-    monkeypatch.setattr(store, "create_file", together)
+    monkeypatch.setattr(sweep_store, "create_file", together)
     ends = [(0.1, 1.0), other]
     with ThreadPoolExecutor(2) as pool:
         begun = [pool.submit(alphas_and_approach, one, store=tmp_path) for one in ends]

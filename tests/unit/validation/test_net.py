@@ -1,4 +1,4 @@
-"""The net of ../validation/net.py: that it catches what it is there for."""
+"""The net of ../validation/net/net.py: that it catches what it is there for."""
 
 import itertools
 import math
@@ -19,7 +19,7 @@ sys.path += [
 ]
 
 import bench_solve
-import honesty
+import flat_punches
 import net
 import net_cases
 import net_checks
@@ -57,8 +57,8 @@ def violated(solution, truth):
 )
 def test_a_truth_that_is_not_known_decides_nothing(own, violations, undecided):
     row = {"errors": {"approach": (1e-7, 1e-9, own), "pressure": (1e-12, 1e-9, own)}}
-    assert len(honesty.violations_of(row)) == violations
-    assert honesty.undecided(row) is undecided
+    assert len(flat_punches.violations_of(row)) == violations
+    assert flat_punches.undecided(row) is undecided
 
 
 @pytest.mark.parametrize(
@@ -77,14 +77,14 @@ def test_an_infinite_estimate_of_slip_explains_nothing(changed, known, found):
     closest = replace(solution, error=replace(solution.error, slip=known))
     assert unexplained(solution, closest) == found
     row = {"errors": {}, "unexplained": found}
-    assert [one["unexplained"] for one in honesty.violations_of(row)] == found
+    assert [one["unexplained"] for one in flat_punches.violations_of(row)] == found
 
 
 @pytest.mark.parametrize("coupled", [False, True])
 def test_the_honesty_study_has_a_truth_for_every_kind_of_scene(coupled):
     row = outcome(1, 1, exact=False, coupled=coupled)
     assert "raised" not in row
-    assert honesty.violations_of(row) == []
+    assert flat_punches.violations_of(row) == []
 
 
 @pytest.mark.parametrize("rtol", [1e-3, 1e-9])

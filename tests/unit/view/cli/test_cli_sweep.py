@@ -9,7 +9,7 @@ import pytest
 from spectral_contact import Scene, SceneError, solve
 from spectral_contact.__main__ import main
 from spectral_contact.sweeps import plot_slice, sweep
-from spectral_contact.sweeps.pictures import varying
+from spectral_contact.sweeps.slice_pictures import varying
 from spectral_contact.view.cli import sweep as cli_sweep
 from spectral_contact.view.cli.options import NothingSolved
 

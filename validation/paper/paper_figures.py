@@ -6,13 +6,13 @@ from functools import cache, partial
 from math import inf
 
 import numpy as np
+from paper_onset import slip_onset
+from paper_tables import RADII, FigureData, PaperFigure
 
 from spectral_contact.fields import Array
 from spectral_contact.io import checks, choices
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
-from spectral_contact.studies.paper.onset import ASKED, SlipOnset, all_stuck, first_slip
-from spectral_contact.studies.paper.tables import RADII, FigureData, PaperFigure
 
 #: The figures that can be made: the paper's by their numbers, and the one that it lacks.
 FIGURES = ("2", "3", "4", "5", "6", "onset")
@@ -53,32 +53,6 @@ def paper_figure(name: str) -> PaperFigure:
         For a name out of ``FIGURES``.
     """
     return _figures()[choices.one_of("name", name, FIGURES)]
-
-
-def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
-    """Return where slip starts in a scene as its friction falls.
-
-    With ``y = 1 - s**2``, full stick has next to the edge ``q/p = (q/p at the edge) (1 +
-    y ln y (1/beta* - 1/alpha*)/(4 pi) + ...)``: the largest ``q/p`` is inside if and only if
-    ``beta* > alpha*``, unless there were a larger one far from the edge, which is looked for.
-
-    Parameters
-    ----------
-    scene : Scene
-        Its friction does not matter; nu < 1/2, and at least one compliance is not 0.
-    rtol : float
-        Relative tolerance of the solve.
-
-    Returns
-    -------
-    SlipOnset
-
-    Raises
-    ------
-    SceneError
-        For a scene whose critical friction is 0 or infinite, or an argument out of its range.
-    """
-    return first_slip(solve(all_stuck(scene), rtol, ASKED))
 
 
 # --- what is measured of a scene ------------------------------------------------------------------

@@ -1,10 +1,11 @@
 """Figures as tables: what they show, their numbers, and both as CSV.
 
-Numbers are exact, and a head says whose they are; a table goes on where it stopped.
+Numbers are exact, and a head says whose they are.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -15,7 +16,7 @@ import numpy as np
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks, choices
-from spectral_contact.io.documents import append_file, reported
+from spectral_contact.io.documents import Refused, read_file, replace_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.view.radii import Radii
@@ -159,57 +160,39 @@ class FigureData:
         return float(errors[np.isfinite(errors)].max())
 
 
-def complete_csv(
-    path: Path, figure: PaperFigure, rtol: float, tell: Callable[[], None]
-) -> tuple[FigureData, int]:
-    """Compute what a table lacks and write it; what is there already is kept.
+def write_csv(path: Path, data: FigureData) -> None:
+    """Write a table with its head; a file that is there is replaced once the new one is whole."""
+    rows = "".join(",".join(map(repr, row)) + "\n" for row in data.table.tolist())
+    with reported(str(path), "cannot be written"):
+        replace_file(str(path), (_head(data.figure, data.rtol) + rows).encode())
 
-    While it is incomplete the file has the suffix ``.partial``. It grows scene by scene, so
-    whoever is stopped loses at most one.
+
+def read_csv(path: str | os.PathLike[str], figure: PaperFigure, rtol: float = 1e-9) -> FigureData:
+    """Read a table that `write_csv` has written; every number is the one that was computed.
 
     Parameters
     ----------
-    path : Path
-        Of the complete table.
+    path : str or path
     figure : PaperFigure
     rtol : float
-    tell : callable
-        Called before every scene, be it computed or kept.
+        The tolerance it was computed with.
 
-    Returns
-    -------
-    data : FigureData
-    kept : int
-        How many scenes were there already.
+    Raises
+    ------
+    SolutionFileError
+        If the file cannot be read, is not whole, or is of another figure, version or tolerance.
     """
-    partial = path.with_name(f"{path.name}.partial")
-    with reported(str(path), "cannot be read"):
-        for source in (path, partial):
-            content = source.read_bytes() if source.exists() else b""
-            blocks, size = whole_blocks(content, figure, rtol)
-            if len(blocks) == len(figure.scenes):
-                break
-    for _ in blocks:
-        tell()
-    kept = len(blocks)
-    if kept < len(figure.scenes):
-        _append(partial, size, b"" if size else _head(figure, rtol))
-    for scene in figure.scenes[kept:]:
-        tell()
-        blocks.append(figure.rows_of(scene, rtol))
-        _append(partial, None, _lines(blocks[-1]))
-    if source == partial:
-        with reported(str(path), "cannot be written"):
-            partial.replace(path)
-    return FigureData(figure, rtol, np.concatenate(blocks)), kept
+    source, content = read_file(path)
+    with reported(source, "cannot be read"):
+        head, text = _head(figure, checks.tolerance(rtol)), content.decode()
+        table = _parsed(text.removeprefix(head)) if text.startswith(head) else np.empty((0, 0))
+        keys = np.vstack([figure.keys_of(scene) for scene in figure.scenes])
+        if table.shape != (len(keys), len(figure.columns)) or not _same(table, keys):
+            raise Refused(f"is not the whole figure {figure.name} of this version at rtol = {rtol}")
+    return FigureData(figure, rtol, table)
 
 
-def _append(path: Path, size: int | None, content: bytes) -> None:
-    with reported(str(path), "cannot be written"):
-        append_file(str(path), content, size)
-
-
-def _head(figure: PaperFigure, rtol: float) -> bytes:
+def _head(figure: PaperFigure, rtol: float) -> str:
     """Return the lines above the rows; a table with another head is another table."""
     lines = [
         f"# spectral_contact {VERSION}, paper, {figure.stem}: {figure.title}",
@@ -220,42 +203,22 @@ def _head(figure: PaperFigure, rtol: float) -> bytes:
         "# *_error: estimates of relative errors; inf: no digit is known",
         ",".join(figure.columns),
     ]
-    return ("\n".join(lines) + "\n").encode()
+    return "\n".join(lines) + "\n"
 
 
-def _lines(rows: Array) -> bytes:
-    return "".join(",".join(map(repr, row)) + "\n" for row in rows.tolist()).encode()
-
-
-def whole_blocks(content: bytes, figure: PaperFigure, rtol: float) -> tuple[list[Array], int]:
-    """Return the rows of the scenes that a table has whole, from the first on, and their end."""
-    head = _head(figure, rtol)
-    if not content.startswith(head):
-        return [], 0
-    lines = content[len(head) :].splitlines(keepends=True)
-    blocks: list[Array] = []
-    size, start = len(head), 0
-    for scene in figure.scenes:
-        keys = figure.keys_of(scene)
-        block = lines[start : start + len(keys)]
-        rows = _parsed(block)
-        if rows.shape != (len(keys), len(figure.columns)) or np.isnan(rows).any():
-            break
-        # Powers of ten differ in their last bits with NumPy and the processor; rows say their own.
-        if not np.allclose(rows[:, : keys.shape[1]], keys, rtol=4.0 * _EPS, atol=0.0):
-            break
-        blocks.append(rows)
-        size += sum(map(len, block))
-        start += len(keys)
-    return blocks, size
-
-
-def _parsed(lines: list[bytes]) -> Array:
-    """Return the numbers of whole lines; an empty array if anything is wrong with them."""
-    nothing = np.empty((0, 0))
-    if not lines or not lines[-1].endswith(b"\n"):
-        return nothing
+def _parsed(rows: str) -> Array:
+    """Return the numbers of the rows; an empty array if anything is wrong with them."""
     try:
-        return np.array([[float(cell) for cell in line.split(b",")] for line in lines])
+        return np.array([[float(cell) for cell in line.split(",")] for line in rows.splitlines()])
     except ValueError:  # no number, or lines of different lengths
-        return nothing
+        return np.empty((0, 0))
+
+
+def _same(table: Array, keys: Array) -> bool:
+    """Whether the known columns are those of the figure, and all numbers are there.
+
+    Powers of ten differ in their last bits with NumPy and the processor.
+    """
+    known = table[:, : keys.shape[1]]
+    close = np.allclose(known, keys, rtol=4.0 * _EPS, atol=0.0)
+    return close and not bool(np.isnan(table).any())

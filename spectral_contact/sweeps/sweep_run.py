@@ -34,7 +34,7 @@ from spectral_contact.sweeps.parameters import (
 from spectral_contact.sweeps.pressed import pressed_alone
 from spectral_contact.sweeps.request import Request, requested
 from spectral_contact.sweeps.shortcuts import eligible
-from spectral_contact.sweeps.store import Store
+from spectral_contact.sweeps.sweep_store import Store
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 

@@ -1,4 +1,4 @@
-"""The net: does a change of the solver keep everything? python validation/net.py [--quick].
+"""The net: does a change of the solver keep everything? python validation/net/net.py [--quick].
 
 In one run, some minutes on one core (with --quick, a part of it in a minute): the gold scenes at
 four tolerances, the hard cases, 300 random scenes and 58 at thresholds, whose truths are kept in
@@ -15,10 +15,10 @@ writes nothing). Exits with 1 unless all gates on numbers hold:
 Ratios of times have limits by kind (`net_cases.LIMITS`). A row above its limit in four runs is
 named, and does not fail: no simplification is undone for its speed alone.
 
-``python validation/net.py --rebase COMMIT`` compares with another commit from now on: it solves all
-scenes with the library of that commit, by the checks of today, and stores what became of them in
-validation/net/before.json. Scenes and truths stay as they are. The commit's public API must be the
-one that the checks use.
+``python validation/net/net.py --rebase COMMIT`` compares with another commit from now on: it solves
+all scenes with the library of that commit, by the checks of today, and stores what became of them
+in validation/net/before.json. Scenes and truths stay as they are. The commit's public API must be
+the one that the checks use.
 """
 
 from __future__ import annotations
@@ -37,10 +37,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-
-sys.path.append(str(Path(__file__).parent / "net"))
+sys.path.insert(0, str(Path(__file__).parents[2]))
 
 import net_commit
 import net_kept
@@ -51,7 +48,7 @@ from net_speed import Row, speed
 
 import spectral_contact
 
-RESULTS = Path(__file__).parent / "results"
+RESULTS = Path(__file__).parents[1] / "results"
 #: Of how many kept scenes one is taken, with --quick.
 PART = 3
 #: What became of a scene that the commit does not know, as one with a profile.

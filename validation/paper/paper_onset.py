@@ -13,14 +13,13 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import SceneError
 from spectral_contact.io.choices import instance
 from spectral_contact.scene import Scene
+from spectral_contact.solving.solver import solve
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
 #: What has to be known of full stick.
-ASKED = ("pressure", "traction", "edge_ratio", "critical_friction")
-
-
+_ASKED = ("pressure", "traction", "edge_ratio", "critical_friction")
 _EPS = 2.0**-52
 #: Relative error of a distance from which on it is not taken for known.
 _KNOWN = 0.1
@@ -51,7 +50,33 @@ class SlipOnset:
     from_edge_error: float
 
 
-def all_stuck(scene: Scene) -> Scene:
+def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
+    """Return where slip starts in a scene as its friction falls.
+
+    With ``y = 1 - s**2``, full stick has next to the edge ``q/p = (q/p at the edge) (1 +
+    y ln y (1/beta* - 1/alpha*)/(4 pi) + ...)``: the largest ``q/p`` is inside if and only if
+    ``beta* > alpha*``, unless there were a larger one far from the edge, which is looked for.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its friction does not matter; nu < 1/2, and at least one compliance is not 0.
+    rtol : float
+        Relative tolerance of the solve.
+
+    Returns
+    -------
+    SlipOnset
+
+    Raises
+    ------
+    SceneError
+        For a scene whose critical friction is 0 or infinite, or an argument out of its range.
+    """
+    return _first_slip(solve(_all_stuck(scene), rtol, _ASKED))
+
+
+def _all_stuck(scene: Scene) -> Scene:
     """Return a scene in which nothing slips, and in which something could.
 
     Raises
@@ -70,8 +95,8 @@ def all_stuck(scene: Scene) -> Scene:
     return full
 
 
-def first_slip(solution: Solution) -> SlipOnset:
-    """Return where slip starts as the friction falls, from full stick with all of `ASKED`."""
+def _first_slip(solution: Solution) -> SlipOnset:
+    """Return where slip starts as the friction falls, from full stick with all of `_ASKED`."""
     full = solution.scene
     critical, edge = solution.critical_friction, solution.edge_ratio
     critical_error, edge_error = solution.error.critical_friction, solution.error.edge_ratio

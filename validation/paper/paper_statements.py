@@ -301,7 +301,7 @@ def _slip_conditions(solved: _Solver) -> Iterator[Statement]:
         f"largest q₀*/(f p*) to 0.99 c*, {scene}",
         float(relative),
         field_error,
-        relative < 0.0,
+        bool(relative < 0.0),
     )
     rim = c * (1.0 - 1e-13)  # c itself counts as slip
     jump = abs(corrective(rim)) / (f * float(one.pressure(rim)))

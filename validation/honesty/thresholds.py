@@ -1,27 +1,31 @@
 """Whether solutions at thresholds obey the friction law within their estimates.
 
-Run as ``python validation/honesty/honesty_thresholds.py [seconds]``; writes
-validation/results/honesty_thresholds.json and .md. Scenes lie at relative distances of
+Strata of honesty.py: ``thresholds --seconds N`` writes validation/results/honesty_thresholds.json
+and .md, and ``thresholds_precise --scenes N``, of some twenty seconds of CPU a scene,
+thresholds_precise.json and .md. Scenes of the first lie at relative distances of
 10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and from the second
 threshold, at which the edge begins to slip, too. The law is
 evaluated with the elliptic kernels, which share nothing with the solver, on both sides of all
 boundaries; a zone that must be there is looked for. A broken law that no estimate explains is
 wrong, and so is an infinite estimate of the slip that a closer tolerance makes finite.
+
+Precise scenes lie below the friction at which slip begins, at the edge or inside, by relative
+distances of 10^-9 ... 10^-14, nearer than doubles can judge; `reference` takes its zones from the
+friction law in mpmath, to 20 digits. Those that are in the file already are kept: their verdicts
+are taken anew, in seconds. *Right*: the same zones, every boundary within its estimate. *Room*: the
+estimate says that a zone may be missing, or that no digit is known.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
+import argparse
 import functools
 import itertools
 import json
 import math
 import sys
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -33,7 +37,14 @@ from bench_solve import dense_solve
 from honesty_errors import unexplained
 
 import spectral_contact
-from spectral_contact import NotComputedError, Scene, Solution, solve
+from spectral_contact import (
+    ConvergenceError,
+    NotComputedError,
+    Scene,
+    Solution,
+    reference,
+    solve,
+)
 from spectral_contact.equations.residuals import tangential_displacement
 
 RESULTS = Path(__file__).parents[1] / "results"
@@ -45,6 +56,8 @@ BASES = (0.3, 0.2, 0.5), (0.3, 0.05, 1.0)
 HALVINGS = {False: 40, True: 22}
 #: What the quadrature leaves of the law, and what a solve may take, in U.
 FLOOR, SLOW = 1e-11, 250.0
+#: Of precise scenes: how many, the digits of their truths, and the least decade.
+SCENES, DIGITS, NEAR = 100, 20, 8
 
 Record = dict[str, Any]
 
@@ -194,8 +207,8 @@ def table(rows: list[Record]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(seconds: float) -> None:
-    """Judge as many scenes as the time allows, print and store."""
+def measured(seconds: float) -> bool:
+    """Judge as many scenes as the time allows, print and store; return whether one is wrong."""
     rows: list[Record] = []
     begin = perf_counter()
     while perf_counter() - begin < seconds:
@@ -213,7 +226,94 @@ def main(seconds: float) -> None:
     (RESULTS / "honesty_thresholds.json").write_text(f"{text}\n")
     (RESULTS / "honesty_thresholds.md").write_text(table(rows))
     print(table(rows))
+    return any(row["verdict"] == "wrong" for row in rows)
 
 
-if __name__ == "__main__":
-    main(float(sys.argv[1]) if len(sys.argv) > 1 else SECONDS)
+# --- against `reference` --------------------------------------------------------------------------
+
+
+def with_truth(drawn: Record) -> Record:
+    """Return a scene with its zones, and the CPU seconds that these took."""
+    begin = process_time()
+    zones = reference(Scene(*drawn["scene"]), digits=DIGITS).zones
+    truth = [(z.kind, float(z.outer_from_edge)) for z in zones]
+    return drawn | {"truth": truth, "seconds": process_time() - begin}
+
+
+def judged_precisely(drawn: Record) -> Record:
+    """Return a scene that has its zones with the verdict of the solver."""
+    truth, found = drawn["truth"], solve(Scene(*drawn["scene"]), drawn["rtol"], strict=False)
+    zones = [(z.kind, z.outer_from_edge) for z in found.zones]
+    estimate = found.error.zones
+    off = max(
+        (
+            abs(mine / other - 1.0) if other < 0.5 else abs(mine - other) / (1.0 - other)
+            for (_, mine), (_, other) in zip(zones[:-1], truth[:-1], strict=False)
+        ),
+        default=0.0,
+    )
+    same = [kind for kind, _ in zones] == [kind for kind, _ in truth]
+    if not found.converged:
+        verdict = "refused"
+    elif estimate is None or estimate >= 1.0:
+        verdict = "room"
+    else:
+        verdict = "right" if same and off <= estimate else "wrong"
+    return drawn | {"zones": zones, "estimate": estimate, "off": off, "verdict": verdict}
+
+
+def precise_table(rows: list[Record], unknown: int) -> str:
+    """Return the counts as Markdown."""
+    names = "right", "room", "refused", "wrong"
+    lines = [
+        f"{len(rows)} scenes below the onset of slip by 10^-{NEAR + 1} ... 10^-14, against "
+        f"`reference` to {DIGITS} digits, by validation/honesty/honesty.py thresholds_precise; "
+        f"of {unknown} more it knows no zones.\n",
+        f"| slip begins | scenes | {' | '.join(names)} | largest error over estimate |",
+        "|---" * 7 + "|",
+    ]
+    for kind in KINDS[:2]:
+        own = [row for row in rows if row["kind"] == kind]
+        counts = Counter(row["verdict"] for row in own)
+        ratios = [row["off"] / row["estimate"] for row in own if row["verdict"] == "right"]
+        cells = [kind, len(own), *(counts[name] for name in names)]
+        cells.append(f"{max(ratios):.2g}" if ratios else "")
+        lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def measured_precisely(scenes: int) -> bool:
+    """Judge scenes, print and store; return whether one is wrong."""
+    path = RESULTS / "thresholds_precise.json"
+    kept = json.loads(path.read_text()) if path.exists() else {"rows": []}
+    rows, unknown = [judged_precisely(row) for row in kept["rows"]], kept.get("unknown", [])
+    begin = max([*(row["number"] for row in rows), *unknown], default=-1) + 1
+    numbers = (n for n in itertools.count(begin) if n % 6 < 2)  # without coupling
+    while True:
+        record = {"library": spectral_contact.__version__, "rows": rows, "unknown": unknown}
+        path.write_text(json.dumps(record, indent=1) + "\n")
+        path.with_suffix(".md").write_text(precise_table(rows, len(unknown)))
+        if len(rows) >= scenes:
+            break
+        number = next(numbers)
+        try:
+            drawn = draw(number)
+            if drawn["decade"] > NEAR and drawn["below"]:
+                rows.append(judged_precisely(with_truth(drawn)))
+                print(json.dumps(rows[-1]), flush=True)
+        except (NotComputedError, ConvergenceError) as missing:
+            unknown.append(number)
+            print(number, missing, flush=True)
+    print(precise_table(rows, len(unknown)))
+    return any(row["verdict"] == "wrong" for row in rows)
+
+
+def main(stratum: str, arguments: Sequence[str]) -> bool:
+    """Run a stratum."""
+    parser = argparse.ArgumentParser(prog=f"honesty.py {stratum}")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="of thresholds")
+    parser.add_argument("--scenes", type=int, default=SCENES, help="of thresholds_precise")
+    asked = parser.parse_args(arguments)
+    if stratum == "thresholds":
+        return measured(asked.seconds)
+    return measured_precisely(asked.scenes)

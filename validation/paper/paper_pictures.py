@@ -7,9 +7,9 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from paper_tables import FigureData
 
 from spectral_contact.fields import Array
-from spectral_contact.studies.paper.tables import FigureData
 from spectral_contact.view.figures import new_figure, style
 
 if TYPE_CHECKING:

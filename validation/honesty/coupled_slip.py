@@ -1,23 +1,18 @@
 """Whether the estimates of coupled partial slip bound the true errors, over random scenes.
 
-Run as ``python validation/honesty/coupled_slip_honesty.py [count]``; writes
-validation/results/coupled_slip_honesty.json and .md. With ``--annuli`` the scenes are such that
-slip tends to lie in an interior annulus, and the results are in coupled_annuli_honesty.json and
-.md. Every scene is solved at a random tolerance and again at 1e-12; the second estimate is allowed
-for. Fields are compared at equal distances from the ends of the zones, which have an estimate of
-their own, down to 1e-12 of a zone.
+Strata of honesty.py: ``coupled_slip`` writes validation/results/coupled_slip_honesty.json and .md,
+``coupled_annuli``, whose scenes are such that slip tends to lie in an interior annulus,
+coupled_annuli_honesty.json and .md. Every scene is solved at a random tolerance and again at 1e-12;
+the second estimate is allowed for. Fields are compared at equal distances from the ends of the
+zones, which have an estimate of their own, down to 1e-12 of a zone.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
+import argparse
 import json
 import math
-import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -113,12 +108,14 @@ def table(record: Record) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(count: int, annuli: bool) -> None:
-    """Measure, print and store."""
-    name = "coupled_annuli_honesty" if annuli else "coupled_slip_honesty"
+def main(stratum: str, arguments: Sequence[str]) -> bool:
+    """Measure, print and store; return whether an estimate failed."""
+    parser = argparse.ArgumentParser(prog=f"honesty.py {stratum}")
+    parser.add_argument("--scenes", type=int, default=COUNT)
+    count, name = parser.parse_args(arguments).scenes, f"{stratum}_honesty"
     rows = []
     for number in range(count):
-        rows.append(compare(number, annuli))
+        rows.append(compare(number, stratum == "coupled_annuli"))
         print(json.dumps(rows[-1]), flush=True)
     record = {
         "schema": f"spectral_contact.validation.{name}",
@@ -131,8 +128,4 @@ def main(count: int, annuli: bool) -> None:
     (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
     (RESULTS / f"{name}.md").write_text(table(record))
     print(table(record))
-
-
-if __name__ == "__main__":
-    arguments = [one for one in sys.argv[1:] if one != "--annuli"]
-    main(int(arguments[0]) if arguments else COUNT, "--annuli" in sys.argv)
+    return any(max(row["ratios"].values()) > 1.0 for row in rows if "ratios" in row)
