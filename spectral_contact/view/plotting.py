@@ -179,7 +179,16 @@ class _AxisUnits:
         moved = scales.displacement if profile is None else 1.0
         sizes = scales.length, scales.stress, moved
         length_power, stress_power, slip_power = map(_prefix_power, sizes)
-        modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
+        named = {
+            "E": data.youngs_modulus,
+            "E_2": data.punch_youngs_modulus,
+            "E^*": data.reduced_modulus,
+        }
+        modulus = ",   ".join(
+            rf"${symbol} = {math_number(one)}$ Pa"
+            for symbol, one in named.items()
+            if one is not None
+        )
         edged = profile is None or "contact_radius" in solution.values
         radius = rf"${'a' if edged else 'R'} = {math_number(physical.radius)}$ m"
         shown = [one.brief for one in (profile, data.layer) if one is not None]

@@ -385,7 +385,7 @@ MUTANTS = (
     Mutant(
         "an incompressible half-space is planned as any other",
         f"{_PACKAGE}/solving/planning.py",
-        "if scene.friction is None or scene.poisson_ratio == 0.5:",
+        "if scene.friction is None or _undriven(scene):",
         "if scene.friction is None:",
         f"{_UNIT}/solving/test_planning.py",
     ),
