@@ -365,7 +365,10 @@ class Scene(Suggesting):
             return dataclasses.replace(self, **self._of_one_kappa(changes))
         given = self._arguments()
         for name in changes:
-            one_of("the name of a parameter", name, given)
+            one_of("the name of a parameter", name, (*given, "punch_profile"))
+        if changes.get("punch_profile") is not None and "profile" not in changes:
+            told = "given with profile: the scene has the sum of both alone"
+            raise SceneError("punch_profile", changes["punch_profile"], told)
         if any(changes.get(name) is not None for name in ALL_CONTROLS):
             changes = {**dict.fromkeys(ALL_CONTROLS), **changes}
         return type(self).from_physical(**{**given, **changes})

@@ -423,6 +423,10 @@ def test_a_profile_of_the_punch_takes_one_of_the_body():
     scene = Scene.from_physical(**RUBBER, profile=BALL, punch_profile=profiles.Cone(1.5), load=1.0)
     assert scene.profile == profiles.Sum(profiles.Cone(1.5), BALL)
     assert scene.kappa == Scene(0.4).kappa
+    cones = scene.replace(profile=profiles.Cone(1.5), punch_profile=profiles.Cone(1.4))
+    assert cones.profile == profiles.Sum(profiles.Cone(1.4), profiles.Cone(1.5))
+    with pytest.raises(SceneError, match="given with profile"):
+        scene.replace(punch_profile=profiles.Cone(1.5))
     with pytest.raises(SceneError, match="punch_profile"):
         Scene.from_physical(**RUBBER, radius=1e-3, punch_profile=BALL, load=1.0)
 
