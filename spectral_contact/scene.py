@@ -558,12 +558,18 @@ Scene.__init__ = suggesting(  # type: ignore[method-assign]
 def same_problem(one: Scene, other: Scene) -> bool:
     """Return whether two scenes have one solution by definition.
 
-    Without friction normal contact decides: the compliance, the profile and how far it is pressed.
+    It does not matter whether κ is given or that of a Poisson's ratio. Without friction normal
+    contact decides: the compliance, the profile and how far it is pressed.
     """
     if one.friction is None and other.friction is None:
         normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS)
         return all(getattr(one, name) == getattr(other, name) for name in normal)
-    return one.replace(physical=None) == other.replace(physical=None)
+    if one.friction is None or other.friction is None:
+        return False
+    bare = one.replace(physical=None), other.replace(physical=None)
+    if one.mismatch is not None or other.mismatch is not None:
+        bare = bare[0].replace(kappa=one.kappa), bare[1].replace(kappa=other.kappa)
+    return bare[0] == bare[1]
 
 
 def _checked_kappa(value: object) -> float:

@@ -14,16 +14,21 @@ from spectral_contact import (
     SceneError,
     Solution,
     compare,
+    gold,
     layers,
     profiles,
     solve,
 )
+from spectral_contact.__main__ import main
 from spectral_contact.calibration import IndentationData, StickRadiusData, fit
 from spectral_contact.precise import reference
 from spectral_contact.scene import same_problem
+from spectral_contact.solving.solver import Continuation
 from spectral_contact.studies import sensitivity
 from spectral_contact.sweeps import sweep
+from spectral_contact.sweeps.parameters import grid, listed
 from spectral_contact.testing import check_solution
+from spectral_contact.view.explorer.state import texts_of
 
 BALL = profiles.Parabola(10e-3)
 RUBBER = {"youngs_modulus": 1e7, "poisson_ratio": 0.4}
@@ -593,3 +598,118 @@ def test_a_scene_file_without_a_poisson_ratio_has_a_kappa():
     with pytest.raises(SceneError, match="poisson_ratio = None"):
         Scene.from_dict(tree)
     assert Scene.from_dict(tree | {"mismatch": -0.1}).kappa == -0.1
+
+
+def test_it_does_not_matter_which_of_kappa_and_poisson_ratio_is_given():
+    one = Scene(0.3, 0.5, 0.5, 0.1)
+    other = one.replace(kappa=one.kappa)
+    assert one != other
+    assert same_problem(one, other)
+    assert same_problem(other, one)
+    assert not same_problem(one, one.replace(kappa=-one.kappa))
+    assert not same_problem(one, Scene(None, 0.5, 0.5))
+    assert compare(one, truth=solve(other), total_shear=solve(one).total_shear).error == 0.0
+
+
+def test_gold_tables_know_kappa():
+    first = next(table for table in gold.tables() if table.solutions[0].scene.friction)
+    expected = first.solutions[0]
+    found = gold.find(expected.scene.replace(kappa=expected.scene.kappa))
+    assert found is not None
+    assert found.scene == expected.scene
+    assert gold.find(expected.scene.replace(kappa=-expected.scene.kappa)) is None
+
+
+def test_a_store_of_kappas_is_none_of_poisson_ratios():
+    nu = grid(Scene(0.3, 0.5, 0.5, 0.1), {"poisson_ratio": [0.1, 0.2]})
+    kappa = grid(Scene.from_kappa(0.3, 0.5, 0.5, 0.1), {"kappa": [0.1, 0.2]})
+    assert np.array_equal(nu.axes["poisson_ratio"], kappa.axes["kappa"])
+    assert nu.fingerprint() != kappa.fingerprint()
+    several = [listed([one]) for one in (Scene(0.3, 0.5), Scene.from_kappa(0.3, 0.5))]
+    assert several[0].fingerprint() != several[1].fingerprint()
+
+
+def test_one_continuation_for_kappas_of_either_sign():
+    """What scenes hand on is that of the mirror image."""
+    path = Continuation(1e-10, ("total_shear", "stick_radius"), 20_000)
+    for kappa in (0.05, -0.05, 0.1, -0.06):
+        scene = Scene.from_kappa(kappa, 0.5, 0.5, 0.015)
+        found, alone = path.solve(scene), solve(scene)
+        assert found.scene == scene
+        assert found.total_shear == pytest.approx(alone.total_shear, rel=1e-10)
+        assert found.stick_radius == pytest.approx(alone.stick_radius, rel=1e-9)
+
+
+def test_bounds_of_the_approach_with_coupling():
+    found = solve(Scene.from_kappa(-0.1, 0.5, 0.5, math.inf, coupling=True))
+    low, high = found.approach_bounds
+    assert low <= found.approach <= high
+    assert high / low - 1.0 < 1e-9
+
+
+def test_explore_has_no_kappa():
+    for name in ("kappa", "two bodies", "unknown"):
+        with pytest.raises(SceneError, match="no kappa"):
+            texts_of(SCENES[name])
+
+
+BALL_OPTIONS = ["--profile", "parabola", "--radius", "0.01", "--load", "10"]
+OF_RUBBER = ["--youngs-modulus", "1e7", "--poisson-ratio", "0.4"]
+OF_GLASS = ["--punch-youngs-modulus", "70e9", "--punch-poisson-ratio", "0.2"]
+
+
+def said(capsys, *arguments):
+    status = main(arguments)
+    written = capsys.readouterr()
+    return status, written.out + written.err
+
+
+def test_the_command_line_solves_two_bodies(capsys):
+    status, text = said(capsys, "solve", *BALL_OPTIONS, *OF_RUBBER, *OF_GLASS, "--friction", "0.3")
+    assert status == 0
+    assert f"kappa = {between(RUBBER, GLASS).kappa!r}" in text
+    assert "E = 10000000.0 Pa, nu = 0.4; punch: E = 70000000000.0 Pa, nu = 0.2" in text
+    status, text = said(capsys, "solve", "--kappa", "-0.05", "--friction", "0.01")
+    assert status == 0
+    assert repr(solve(Scene.from_kappa(-0.05, 0.5, 0.5, 0.01)).total_shear)[:11] in text
+    status, text = said(capsys, "solve", *BALL_OPTIONS, "--reduced-modulus", "1e7")
+    assert status == 0
+    assert "E* = 10000000.0 Pa" in text
+
+
+def test_the_command_line_looks_into_the_punch(capsys):
+    options = [*BALL_OPTIONS, *OF_RUBBER, *OF_GLASS]
+    status, text = said(capsys, "inside", "--punch", *options)
+    assert status == 0
+    expected = solve(between(RUBBER, GLASS)).physical.punch_inside.largest("von_mises")
+    assert f"{expected.value:.8g}"[:8] in text
+    status, text = said(capsys, "inside", "--punch", *BALL_OPTIONS, *OF_RUBBER)
+    assert status == 2
+    assert "the punch is rigid" in text
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--kappa", "0.1", "--poisson-ratio", "0.3"], "--kappa is instead of --poisson-ratio"),
+        ([*BALL_OPTIONS, *OF_RUBBER, "--kappa", "0.1"], "--kappa is dimensionless"),
+        ([*BALL_OPTIONS, *OF_RUBBER, *OF_GLASS[:2]], "--punch-poisson-ratio = None"),
+        ([*BALL_OPTIONS, "--reduced-modulus", "1e7", "--friction", "1"], "--friction = 1.0"),
+        ([*BALL_OPTIONS, *OF_GLASS], "SI input needs --youngs-modulus and --poisson-ratio"),
+    ],
+)
+def test_what_the_command_line_refuses(capsys, options, told):
+    status, text = said(capsys, "solve", *options)
+    assert status == 2
+    assert told in text
+
+
+def test_the_command_line_sweeps_kappa(capsys, tmp_path):
+    pytest.importorskip("xarray")
+    output = tmp_path / "a.csv"
+    options = ["--kappa=-0.1,0.1", "--friction", "0.05", "--output", str(output)]
+    status, _ = said(capsys, "sweep", *options)
+    assert status == 0
+    first, second = (line for line in output.read_text().splitlines() if line[:3] in ("-0.", "0.1"))
+    assert first.split(",")[0] == "-0.1"
+    assert second.split(",")[0] == "0.1"
