@@ -122,7 +122,7 @@ class Scene(Suggesting):
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
         if self.mismatch is not None:
-            put(self, "mismatch", _checked_kappa(self.mismatch))
+            put(self, "mismatch", _checked_kappa("mismatch", self.mismatch))
         if self.poisson_ratio is not None or (self.mismatch is None and self.friction is not None):
             put(self, "poisson_ratio", checked_poisson_ratio(self.poisson_ratio))
         for name in ("normal_compliance", "tangential_compliance"):
@@ -192,7 +192,7 @@ class Scene(Suggesting):
         >>> print(scene.kappa, scene.poisson_ratio)
         -0.05 None
         """
-        kappa = _checked_kappa(kappa)
+        kappa = _checked_kappa("kappa", kappa)
         given = normal_compliance, tangential_compliance, friction
         return cls(
             None,
@@ -378,6 +378,8 @@ class Scene(Suggesting):
         changes = dict(changes)
         if "kappa" in changes:
             kappa = changes.pop("kappa")
+            if kappa is not None:
+                kappa = _checked_kappa("kappa", kappa)
             changes = {"poisson_ratio": None, **changes, "mismatch": kappa}
         elif changes.get("poisson_ratio") is not None:
             changes["mismatch"] = None
@@ -572,12 +574,12 @@ def same_problem(one: Scene, other: Scene) -> bool:
     return bare[0] == bare[1]
 
 
-def _checked_kappa(value: object) -> float:
+def _checked_kappa(name: str, value: object) -> float:
     allowed = "0, or in (-3/8, 3/8) and of a size of at least 1e-16"
     limits: dict[str, Any] = {"low": -_LARGEST_KAPPA, "high": _LARGEST_KAPPA}
-    kappa = real("kappa", value, allowed=allowed, **limits, low_open=True, high_open=True)
+    kappa = real(name, value, allowed=allowed, **limits, low_open=True, high_open=True)
     if 0.0 < abs(kappa) < _LEAST_KAPPA:
-        raise SceneError("kappa", value, allowed)
+        raise SceneError(name, value, allowed)
     return kappa
 
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import exactly_one, positive, real, within
+from spectral_contact.io.checks import exactly_one, flag, positive, real, within
 
 #: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
 #: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
@@ -155,6 +155,8 @@ class PhysicalData:
         SceneError
             If ν is out of range.
         """
+        if self.reduced_modulus is None:
+            checked_poisson_ratio(nu, "nu")
         if self.punch_youngs_modulus is None:
             return None
         first = _quarter(self.youngs_modulus, nu)
@@ -231,6 +233,8 @@ class PhysicalData:
         SceneError
             If ν is out of range.
         """
+        punch = flag("punch", punch)
+        checked_poisson_ratio(nu, "nu")
         if self.punch_youngs_modulus is None:
             return 0.0 if punch else 1.0
         own = _quarter(self.youngs_modulus, nu)

@@ -122,6 +122,9 @@ def summed(profile: Any, punch_profile: Any) -> Any:
     if profile is None:
         told = "None without a profile of the other body: profile is that of the punch, too"
         raise SceneError("punch_profile", punch_profile, told)
+    for name, one in (("profile", profile), ("punch_profile", punch_profile)):
+        if not isinstance(one, Profile) or isinstance(one, Flat | Sum):
+            raise SceneError(name, one, "a Profile that is not flat and no sum, with one of either")
     return simplified(Sum(profile, punch_profile))
 
 

@@ -259,7 +259,11 @@ def _field_rows(
         traction = units.stress * radii.evaluate(solution.traction)
         curves = [_Curve(units.symbol("q"), traction, VERMILION, "-")]
         if pressure is not None and friction is not None and 0.0 < friction < np.inf:
-            curves.append(_Curve(units.symbol("f p"), friction * pressure, BLACK, "--"))
+            # between bodies of negative kappa the traction is negative, and so is its bound
+            turned = (solution.scene.mismatch or 0.0) < 0.0
+            bound = -friction if turned else friction
+            name = units.symbol("-f p" if turned else "f p")
+            curves.append(_Curve(name, bound * pressure, BLACK, "--"))
         rows.append((units.axis("q"), curves))
     if "slip" in present and any(zone.kind == "slip" for zone in known_zones(solution)):
         slip = units.slip * radii.evaluate(solution.slip)

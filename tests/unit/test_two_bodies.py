@@ -20,7 +20,7 @@ from spectral_contact import (
     solve,
 )
 from spectral_contact.__main__ import main
-from spectral_contact.calibration import IndentationData, StickRadiusData, fit
+from spectral_contact.calibration import ApproachData, IndentationData, StickRadiusData, fit
 from spectral_contact.precise import reference
 from spectral_contact.scene import same_problem
 from spectral_contact.solving.solver import Continuation
@@ -713,3 +713,25 @@ def test_the_command_line_sweeps_kappa(capsys, tmp_path):
     first, second = (line for line in output.read_text().splitlines() if line[:3] in ("-0.", "0.1"))
     assert first.split(",")[0] == "-0.1"
     assert second.split(",")[0] == "0.1"
+
+
+def test_a_fit_of_approaches_takes_a_reduced_modulus():
+    scene = Scene.from_physical(
+        reduced_modulus=1e10, radius=1e-3, load=10.0, normal_compliance=1e-13
+    )
+    loads = [10.0, 20.0]
+    depths = [solve(scene.replace(load=load)).physical.approach for load in loads]
+    guess = scene.replace(normal_compliance=3e-13)
+    found = fit(guess, ApproachData(depths, sigma=1e-12, load=loads), "normal_compliance")
+    assert found["normal_compliance"].value == pytest.approx(1e-13, rel=1e-6)
+    assert found.scene == scene.replace(normal_compliance=found["normal_compliance"].value)
+
+
+def test_a_picture_has_the_bound_of_the_sign_of_the_traction():
+    pytest.importorskip("matplotlib")
+    for kappa, bound in ((0.05, "$f p^*$"), (-0.05, "$-f p^*$")):
+        figure = solve(Scene.from_kappa(kappa, 0.2, 0.5, 0.01)).plot()
+        curves = {line.get_label(): line for axes in figure.axes for line in axes.get_lines()}
+        traction, limit = (np.abs(curves[name].get_ydata()) for name in ("$q^*$", bound))
+        assert (traction <= limit * (1.0 + 1e-9)).all()
+        assert np.sign(curves[bound].get_ydata()[-1]) == np.sign(kappa)
