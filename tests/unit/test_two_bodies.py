@@ -735,3 +735,18 @@ def test_a_picture_has_the_bound_of_the_sign_of_the_traction():
         traction, limit = (np.abs(curves[name].get_ydata()) for name in ("$q^*$", bound))
         assert (traction <= limit * (1.0 + 1e-9)).all()
         assert np.sign(curves[bound].get_ydata()[-1]) == np.sign(kappa)
+
+
+def test_a_nonlinear_layer_between_two_bodies_is_that_on_one_of_their_modulus():
+    law = layers.Exponential(1e5, 2e-5)
+    both = between(RUBBER, GLASS, layer=law)
+    modulus = 4.0 * both.physical.quarter_modulus(0.4)
+    one = both.replace(
+        youngs_modulus=modulus * (1.0 - 0.3**2),
+        poisson_ratio=0.3,
+        punch_youngs_modulus=None,
+        punch_poisson_ratio=None,
+    )
+    found, expected = (solve(scene, 1e-8).physical for scene in (both, one))
+    for name in ("contact_radius", "approach", "stiffness"):
+        assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=1e-12)
