@@ -18,6 +18,7 @@ from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, 
 from spectral_contact.io.kinds import kind_tree
 from spectral_contact.io.physical import (
     LARGEST_COMPLIANCE,
+    NO_HALF_SPACE,
     SMALLEST_COMPLIANCE,
     PhysicalData,
     checked_poisson_ratio,
@@ -25,8 +26,14 @@ from spectral_contact.io.physical import (
 from spectral_contact.io.units import Measured, in_si
 from spectral_contact.layers import Layer
 from spectral_contact.layers.control import check_layer, in_own_units, layer_from
-from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import ALL_CONTROLS, checked_controls, profile_from
+from spectral_contact.profiles import Flat, Profile
+from spectral_contact.profiles.control import (
+    ALL_CONTROLS,
+    checked_controls,
+    profile_from,
+    simplified,
+    summed,
+)
 from spectral_contact.view.output import notebook_table
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
@@ -35,20 +42,25 @@ _SCHEMA: Final = "spectral_contact.scene"
 _VERSION: Final = 1
 
 _COMPLIANCE_RANGE: Final = "0 or in [1e-14, 1e14]"
+#: Of the coupling constant of two bodies. That of a Poisson's ratio is 0 or at least 5.5e-17.
+_LEAST_KAPPA: Final = 1e-16
+_LARGEST_KAPPA: Final = 0.375
 
 
 @dataclass(frozen=True, slots=True)
 class Scene(Suggesting):
-    """A rigid punch on a rough elastic half-space, in the paper's dimensionless variables.
+    """A punch on a rough elastic half-space, in the paper's dimensionless variables.
 
+    The punch is rigid; a scene of two elastic bodies is made by `from_kappa`.
     Parameters that are left out are not modelled: without ``friction`` the contact is
     frictionless, and with both compliances 0 the surface is smooth. Scenes are immutable,
     hashable, comparable and picklable; `replace` makes a changed copy.
 
     Parameters
     ----------
-    poisson_ratio : float
-        ν of the half-space, in (−1, 0.5].
+    poisson_ratio : float or None
+        ν of the half-space, in (−1, 0.5]; None where κ is given in its place or, without friction,
+        it is not known.
     normal_compliance : float
         α* = αE/(4(1−ν²)a) of the roughness, equation (3.4); 0 or in [1e-14, 1e14].
     tangential_compliance : float
@@ -76,6 +88,9 @@ class Scene(Suggesting):
         The law of a nonlinear layer, one of `spectral_contact.layers`, in place of
         ``normal_compliance``; with a profile, which may be ``profiles.Flat``, without friction
         or, if that is flat, in full stick. None, the default, is the linear layer. Keyword only.
+    mismatch : float or None
+        κ of two elastic bodies, which `from_kappa` sets. None, the default, is that of
+        ``poisson_ratio``. Keyword only.
 
     Raises
     ------
@@ -90,7 +105,7 @@ class Scene(Suggesting):
     0.0
     """
 
-    poisson_ratio: float
+    poisson_ratio: float | None
     normal_compliance: float = 0.0
     tangential_compliance: float = 0.0
     friction: float | None = None
@@ -102,10 +117,14 @@ class Scene(Suggesting):
     approach: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     layer: Layer | None = field(default=None, kw_only=True, metadata=YOUNGER)
     separation: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    mismatch: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
-        put(self, "poisson_ratio", checked_poisson_ratio(self.poisson_ratio))
+        if self.mismatch is not None:
+            put(self, "mismatch", _checked_kappa("mismatch", self.mismatch))
+        if self.poisson_ratio is not None or (self.mismatch is None and self.friction is not None):
+            put(self, "poisson_ratio", checked_poisson_ratio(self.poisson_ratio))
         for name in ("normal_compliance", "tangential_compliance"):
             value = getattr(self, name)
             number = real(name, value, allowed=_COMPLIANCE_RANGE, low=0.0, high=LARGEST_COMPLIANCE)
@@ -117,20 +136,84 @@ class Scene(Suggesting):
             friction = real("friction", self.friction, allowed=allowed, low=0.0, infinite_ok=True)
             put(self, "friction", friction)
         put(self, "coupling", flag("coupling", self.coupling))
+        put(self, "profile", simplified(self.profile))
         given = {name: getattr(self, name) for name in self.__slots__}
         check_layer(given)
         for name, number in checked_controls(given).items():
             put(self, name, number)
         if self.physical is not None:
             self._check_physical()
+        elif self.mismatch is not None and self.poisson_ratio is not None:
+            told = "None where kappa is given: it is not that of one body"
+            raise SceneError("poisson_ratio", self.poisson_ratio, told)
+
+    @classmethod
+    @suggesting()
+    def from_kappa(
+        cls,
+        kappa: float,
+        normal_compliance: float = 0.0,
+        tangential_compliance: float = 0.0,
+        friction: float | None = None,
+        *,
+        coupling: bool = False,
+        profile: Profile | None = None,
+        contact_radius: float | None = None,
+        load: float | None = None,
+        approach: float | None = None,
+        layer: Layer | None = None,
+        separation: float | None = None,
+    ) -> Self:
+        """Make a dimensionless scene of two elastic bodies from their coupling constant κ.
+
+        Two half-spaces in contact are one on a rigid punch, with 1/E' = 1/E'₁ + 1/E'₂ and
+        κ = (κ₁E'₂ − κ₂E'₁)/(E'₁ + E'₂), where E'ᵢ = Eᵢ/(4(1−νᵢ²)) and κᵢ = (1−2νᵢ)/(4(1−νᵢ))
+        (docs/two_bodies). It is half of Dundurs' β, positive where the half-space below is the one
+        that moves outward more. Traction, total shear and slip have its sign; critical friction and
+        edge ratio are positive.
+
+        Parameters
+        ----------
+        kappa : float
+            0, or |κ| in [1e-16, 3/8).
+        normal_compliance, tangential_compliance, friction
+            As of `Scene`, with E' of both bodies in place of E/(4(1−ν²)).
+        coupling, profile, contact_radius, load, approach, layer, separation
+            As of `Scene`; the profile is the gap between the two.
+
+        Raises
+        ------
+        SceneError
+            If a value is not a real number in its range.
+
+        Examples
+        --------
+        >>> scene = Scene.from_kappa(-0.05, normal_compliance=0.5, tangential_compliance=0.5)
+        >>> print(scene.kappa, scene.poisson_ratio)
+        -0.05 None
+        """
+        kappa = _checked_kappa("kappa", kappa)
+        given = normal_compliance, tangential_compliance, friction
+        return cls(
+            None,
+            *given,
+            coupling=coupling,
+            profile=profile,
+            contact_radius=contact_radius,
+            load=load,
+            approach=approach,
+            layer=layer,
+            separation=separation,
+            mismatch=kappa,
+        )
 
     @classmethod
     @suggesting()
     def from_physical(
         cls,
         *,
-        youngs_modulus: Measured,
-        poisson_ratio: float,
+        youngs_modulus: Measured | None = None,
+        poisson_ratio: float | None = None,
         radius: Measured | None = None,
         load: Measured | None = None,
         approach: Measured | None = None,
@@ -142,8 +225,15 @@ class Scene(Suggesting):
         coupling: bool = False,
         layer: Layer | None = None,
         separation: Measured | None = None,
+        punch_youngs_modulus: Measured | None = None,
+        punch_poisson_ratio: float | None = None,
+        punch_profile: Profile | None = None,
+        reduced_modulus: Measured | None = None,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
+
+        The punch is rigid unless its modulus and Poisson's ratio are given; `kappa` and E' are then
+        those of both bodies (docs/two_bodies).
 
         With a profile it is one of load, approach and contact radius, there is no radius, and the
         scene has the lengths in m and loads in E' m², with E' = E/(4(1−ν²)).
@@ -158,7 +248,7 @@ class Scene(Suggesting):
             E of the half-space [Pa], finite and > 0.
         poisson_ratio : float
             ν of the half-space, in (−1, 0.5].
-        radius : float
+        radius : float, optional
             a of a flat punch [m], finite and > 0.
         load : float, optional
             Normal force P [N], finite and > 0.
@@ -180,12 +270,21 @@ class Scene(Suggesting):
             The law of a nonlinear layer, its pressures in Pa and its lengths in m, with a profile.
         separation : float, optional
             Gap at the centre [m], finite; for layer laws without a contact edge.
+        punch_youngs_modulus, punch_poisson_ratio : float, optional
+            E [Pa] and ν of an elastic punch: both or neither. It has a profile, as a flat punch
+            with a corner is no half-space outside the contact.
+        punch_profile : Profile, optional
+            Shape of the punch where ``profile`` is that of the other body, lengths in m; the
+            scene's profile is the `profiles.Sum` of both.
+        reduced_modulus : float, optional
+            E* [Pa], finite and > 0, in place of all moduli and Poisson's ratios, where friction is
+            not asked for; 1/E* is the sum of (1−ν²)/E of both bodies.
 
         Raises
         ------
         SceneError
             If a value is not a real number in its range, or not one of load, approach and contact
-            radius is given.
+            radius is given, or too much or too little of the materials.
         MissingDependencyError
             If text has a unit and pint is not installed.
 
@@ -197,7 +296,14 @@ class Scene(Suggesting):
         ...     youngs_modulus=70e9, poisson_ratio=0.2, load=5e-3, profile=ball
         ... )
         """
-        poisson_ratio = checked_poisson_ratio(poisson_ratio)
+        if reduced_modulus is None:
+            poisson_ratio = checked_poisson_ratio(poisson_ratio)
+        elif poisson_ratio is not None:
+            told = "None with reduced_modulus, which has it"
+            raise SceneError("poisson_ratio", poisson_ratio, told)
+        elif friction is not None:
+            told = "None with reduced_modulus: friction takes the Poisson's ratios as well"
+            raise SceneError("friction", friction, told)
         if radius is None and profile is None:
             raise SceneError("radius", None, "given, in m: that of the flat punch")
         physical = PhysicalData(
@@ -210,15 +316,26 @@ class Scene(Suggesting):
             tangential_compliance=in_si("tangential_compliance", tangential_compliance, "m/Pa"),
             layer=layer,
             separation=in_si("separation", separation, "m"),
+            punch_youngs_modulus=in_si("punch_youngs_modulus", punch_youngs_modulus, "Pa"),
+            punch_poisson_ratio=punch_poisson_ratio,
+            reduced_modulus=in_si("reduced_modulus", reduced_modulus, "Pa"),
         )
+        profile = summed(profile, punch_profile)
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
         shape: Any = (
             {} if profile is None else {"profile": profile, **physical.drive(poisson_ratio)}
         )
         if layer is not None:
-            shape["layer"] = in_own_units(layer, physical.reduced_modulus(poisson_ratio))
+            shape["layer"] = in_own_units(layer, physical.quarter_modulus(poisson_ratio))
         return cls(
-            poisson_ratio, alpha, beta, friction, physical=physical, coupling=coupling, **shape
+            poisson_ratio,
+            alpha,
+            beta,
+            friction,
+            physical=physical,
+            coupling=coupling,
+            mismatch=physical.kappa(poisson_ratio),
+            **shape,
         )
 
     def replace(self, **changes: Any) -> Self:
@@ -227,9 +344,10 @@ class Scene(Suggesting):
         Parameters
         ----------
         **changes
-            Parameters of `Scene` by name. Of a scene in SI units those of `from_physical`, where a
-            load takes the place of an approach, and an approach that of a load; or
-            ``physical=None``, which leaves a dimensionless scene.
+            Parameters of `Scene` by name, or ``kappa``, which takes the place of
+            ``poisson_ratio``, as this does of that. Of a scene in SI units those of
+            `from_physical`, where a load takes the place of an approach, and an approach that of a
+            load; or ``physical=None``, which leaves a dimensionless scene.
 
         Raises
         ------
@@ -243,29 +361,54 @@ class Scene(Suggesting):
         """
         if self.physical is None or "physical" in changes:
             for name in changes:
-                one_of("the name of a parameter", name, _names(Scene))
-            return dataclasses.replace(self, **changes)
+                one_of("the name of a parameter", name, (*_NAMES_OF_SCENE, "kappa"))
+            return dataclasses.replace(self, **self._of_one_kappa(changes))
         given = self._arguments()
         for name in changes:
-            one_of("the name of a parameter", name, given)
+            one_of("the name of a parameter", name, (*given, "punch_profile"))
+        if changes.get("punch_profile") is not None and "profile" not in changes:
+            told = "given with profile: the scene has the sum of both alone"
+            raise SceneError("punch_profile", changes["punch_profile"], told)
         if any(changes.get(name) is not None for name in ALL_CONTROLS):
             changes = {**dict.fromkeys(ALL_CONTROLS), **changes}
         return type(self).from_physical(**{**given, **changes})
 
+    def _of_one_kappa(self, changes: dict[str, Any]) -> dict[str, Any]:
+        """Return changes in which κ and Poisson's ratio take the place of each other."""
+        changes = dict(changes)
+        if "kappa" in changes:
+            kappa = changes.pop("kappa")
+            if kappa is not None:
+                kappa = _checked_kappa("kappa", kappa)
+            changes = {"poisson_ratio": None, **changes, "mismatch": kappa}
+        elif changes.get("poisson_ratio") is not None:
+            changes["mismatch"] = None
+        elif changes.get("physical", self) is None and self.mismatch is not None:
+            changes["poisson_ratio"] = None  # of the dimensionless scene κ is left
+        return changes
+
     def _arguments(self) -> dict[str, Any]:
         """Return what makes the scene: what `from_physical` takes if it has SI data."""
-        own = {name: getattr(self, name) for name in _names(Scene) if name != "physical"}
+        own = {name: getattr(self, name) for name in _NAMES_OF_SCENE if name != "physical"}
         if self.physical is None:
-            return own
-        rest = {name: value for name, value in own.items() if name not in (*ALL_CONTROLS, "layer")}
+            kappa = own.pop("mismatch")
+            return own if kappa is None else {"kappa": kappa, **own}
+        implied = (*ALL_CONTROLS, "layer", "mismatch")
+        rest = {name: value for name, value in own.items() if name not in implied}
         return {**rest, **{name: getattr(self.physical, name) for name in _names(PhysicalData)}}
 
     def __repr__(self) -> str:
-        made_by = type(self).__name__ + ".from_physical" * (self.physical is not None)
+        made_by = type(self).__name__
+        if self.physical is not None:
+            made_by += ".from_physical"
+        elif self.mismatch is not None:
+            made_by += ".from_kappa"
+        unknown = made_by == type(self).__name__ and self.poisson_ratio is None
         given = ", ".join(
             f"{name}={value!r}"
             for name, value in self._arguments().items()
-            if not (value is None or value is False or (name.endswith("compliance") and not value))
+            if (unknown and name == "poisson_ratio")
+            or not (value is None or value is False or (name.endswith("compliance") and not value))
         )
         return f"{made_by}({given})"
 
@@ -277,17 +420,26 @@ class Scene(Suggesting):
         """κ = (1−2ν)/(4(1−ν)), the coupling in equation (5.8); in [0, 3/8), 0 at ν = 0.5.
 
         To a few rounding errors of relative accuracy: near ν = 0.5, where 1−2ν cancels, the
-        subtraction of doubles is exact.
+        subtraction of doubles is exact. Of two elastic bodies it is κ of both, in (−3/8, 3/8).
+
+        Raises
+        ------
+        SceneError
+            If neither κ nor ν is known, as may be without friction.
         """
+        if self.mismatch is not None:
+            return self.mismatch
+        if self.poisson_ratio is None:
+            raise SceneError("poisson_ratio", None, "given: κ of this scene is not known")
         return (1.0 - 2.0 * self.poisson_ratio) / (4.0 * (1.0 - self.poisson_ratio))
 
     @property
     def couples(self) -> bool:
         """Whether pressure and traction act on each other, as `coupling` is on and has an effect.
 
-        It has none without friction, where there is no traction, nor at ν = 0.5.
+        It has none without friction, where there is no traction, nor where κ is 0.
         """
-        return self.coupling and bool(self.friction) and self.poisson_ratio != 0.5
+        return self.coupling and bool(self.friction) and self.kappa != 0.0
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -373,14 +525,19 @@ class Scene(Suggesting):
         if (self.physical.radius is None) == (self.profile is None):
             told = "given for a flat punch and None with a profile, whose lengths are in m"
             raise SceneError("radius", self.physical.radius, told)
+        if isinstance(self.profile, Flat) and self.physical.punch_youngs_modulus is not None:
+            raise SceneError(
+                "punch_youngs_modulus", self.physical.punch_youngs_modulus, NO_HALF_SPACE
+            )
         compliances = self.physical.dimensionless_compliances(self.poisson_ratio)
         names = ("normal_compliance", "tangential_compliance")
         implied: dict[str, Any] = dict(zip(names, compliances, strict=True))
+        implied["mismatch"] = self.physical.kappa(self.poisson_ratio)
         if self.profile is not None:
             implied |= self.physical.drive(self.poisson_ratio)
         law = self.physical.layer
         if law is not None or self.layer is not None:
-            modulus = self.physical.reduced_modulus(self.poisson_ratio)
+            modulus = self.physical.quarter_modulus(self.poisson_ratio)
             implied["layer"] = None if law is None else in_own_units(law, modulus)
         for name, number in implied.items():
             if getattr(self, name) != number:
@@ -390,22 +547,39 @@ class Scene(Suggesting):
                 )
 
 
+_NAMES_OF_SCENE: Final = tuple(one.name for one in fields(Scene))
 _SI: Final = "data in SI units go to Scene.from_physical(...)"
 # `dataclass` generates the constructor, so it can only be wrapped here.
-Scene.__init__ = suggesting({"youngs_modulus": _SI, "radius": _SI})(  # type: ignore[method-assign]
-    Scene.__init__
-)
+_KAPPA: Final = "scenes of two elastic bodies are made by Scene.from_kappa(...)"
+Scene.__init__ = suggesting(  # type: ignore[method-assign]
+    {"youngs_modulus": _SI, "radius": _SI, "kappa": _KAPPA}
+)(Scene.__init__)
 
 
 def same_problem(one: Scene, other: Scene) -> bool:
     """Return whether two scenes have one solution by definition.
 
-    Without friction normal contact decides: the compliance, the profile and how far it is pressed.
+    It does not matter whether κ is given or that of a Poisson's ratio. Without friction normal
+    contact decides: the compliance, the profile and how far it is pressed.
     """
     if one.friction is None and other.friction is None:
         normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS)
         return all(getattr(one, name) == getattr(other, name) for name in normal)
-    return one.replace(physical=None) == other.replace(physical=None)
+    if one.friction is None or other.friction is None:
+        return False
+    bare = one.replace(physical=None), other.replace(physical=None)
+    if one.mismatch is not None or other.mismatch is not None:
+        bare = bare[0].replace(kappa=one.kappa), bare[1].replace(kappa=other.kappa)
+    return bare[0] == bare[1]
+
+
+def _checked_kappa(name: str, value: object) -> float:
+    allowed = "0, or in (-3/8, 3/8) and of a size of at least 1e-16"
+    limits: dict[str, Any] = {"low": -_LARGEST_KAPPA, "high": _LARGEST_KAPPA}
+    kappa = real(name, value, allowed=allowed, **limits, low_open=True, high_open=True)
+    if 0.0 < abs(kappa) < _LEAST_KAPPA:
+        raise SceneError(name, value, allowed)
+    return kappa
 
 
 def _names(cls: Any) -> list[str]:

@@ -235,7 +235,7 @@ class Solution(Output):
 
     @property
     def total_shear(self) -> float:
-        """Measure of shear ``Q* = 2 pi int q* s ds``, (4.3) and (5.8)."""
+        """Measure of shear ``Q* = 2 pi int q* s ds``, (4.3) and (5.8); of the sign of kappa."""
         return float(self._value("total_shear"))
 
     @property
@@ -258,7 +258,7 @@ class Solution(Output):
 
     @property
     def edge_ratio(self) -> float:
-        """Ratio ``q/p`` of full stick at the edge."""
+        """Ratio ``|q|/p`` of full stick at the edge."""
         return float(self._value("edge_ratio"))
 
     @property
@@ -316,6 +316,9 @@ class Solution(Output):
     @over_s
     def slip(self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate ``u_r* = u_r a E / (4 (1 - nu^2) P)``: zero in stick, inward (negative) in slip.
+
+        Between two elastic bodies it is the half-space's displacement over the punch, outward
+        (positive) where kappa is negative.
 
         With a profile it is in L, and counts from the moment a point came into contact; a point
         that sticks keeps its earlier slip.

@@ -233,9 +233,8 @@ class CurveProblem:
         if len(data.load) < len(free):
             told = f"at most {len(data.load)} parameters, the number of loads measured"
             raise SceneError("free", free, told)
-        nu = scene.poisson_ratio
         self.known = {
-            "reduced_modulus": physical.youngs_modulus / ((1.0 - nu) * (1.0 + nu)),
+            "reduced_modulus": 4.0 * physical.quarter_modulus(scene.poisson_ratio),
             "zero_point": 0.0,
             **self._of_layer(scene),
         }
@@ -309,6 +308,21 @@ class CurveProblem:
         """Return the layer that fits best, as a scene takes it."""
         return {"normal_compliance": values["normal_compliance"]}
 
+    def _material(self, reduced: float) -> dict[str, float]:
+        """Return what a scene takes for a reduced modulus: an elastic punch is as it was given."""
+        nu, data = self.scene.poisson_ratio, self.scene.physical
+        assert data is not None
+        if nu is None:
+            return {"reduced_modulus": reduced}
+        if data.punch_youngs_modulus is None or data.punch_poisson_ratio is None:
+            return {"youngs_modulus": reduced * (1.0 - nu) * (1.0 + nu)}
+        of_punch = data.punch_poisson_ratio
+        share = reduced * (1.0 - of_punch) * (1.0 + of_punch) / data.punch_youngs_modulus
+        if not share < 1.0:
+            told = "such that the punch alone does not give way more than both do"
+            raise SceneError("punch_youngs_modulus", data.punch_youngs_modulus, told)
+        return {"youngs_modulus": reduced * (1.0 - nu) * (1.0 + nu) / (1.0 - share)}
+
     def outcome(self, found: Any) -> IndentationFit:
         """Return the record, if the data determine all parameters."""
         x = tuple(found.x.tolist())
@@ -325,10 +339,8 @@ class CurveProblem:
             float(size) * (values[name] if self._log(name) else 1.0)
             for name, size in zip(self.free, np.sqrt(np.diag(covariance)), strict=True)
         ]
-        nu = self.scene.poisson_ratio
-        scene = self.scene.replace(
-            youngs_modulus=values["reduced_modulus"] * (1.0 - nu) * (1.0 + nu), **self.best(values)
-        )
+        material = self._material(values["reduced_modulus"])
+        scene = self.scene.replace(**material, **self.best(values))
         return IndentationFit(
             scene,
             self.free,

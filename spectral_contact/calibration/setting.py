@@ -41,7 +41,8 @@ class Setting:
 
     Attributes
     ----------
-    poisson_ratio : float
+    material : tuple
+        Poisson's ratio, and in its place the size of κ of two bodies.
     stiffness : float
         E/(4(1 − ν²)) [Pa].
     radius : float
@@ -54,7 +55,7 @@ class Setting:
         `solve`, or what takes its place.
     """
 
-    poisson_ratio: float
+    material: tuple[float | None, float | None]
     stiffness: float
     radius: float
     load: float | None
@@ -66,12 +67,15 @@ class Setting:
         """Return the setting of a scene."""
         refuse_profile(scene, "fit")
         refuse_layer(scene, "fit")
-        nu, data = scene.poisson_ratio, scene.physical
+        data = scene.physical
+        # of negative kappa the zones and the pressure are those of its mirror image
+        kappa = None if scene.mismatch is None else abs(scene.mismatch)
+        material = (scene.poisson_ratio if kappa is None else None), kappa
         if data is None:
-            return cls(nu, 1.0, 1.0, 1.0, rtol, solver)
+            return cls(material, 1.0, 1.0, 1.0, rtol, solver)
         assert data.radius is not None  # a flat punch has one
-        stiffness = data.youngs_modulus / (4.0 * (1.0 - nu) * (1.0 + nu))
-        return cls(nu, stiffness, data.radius, data.load, rtol, solver)
+        stiffness = data.quarter_modulus(scene.poisson_ratio)
+        return cls(material, stiffness, data.radius, data.load, rtol, solver)
 
     def solve(self, radius: float, layer: Layer, *quantities: str) -> Solution:
         """Solve for a punch of this radius on a layer; what does not converge names the scene."""
@@ -82,7 +86,8 @@ class Setting:
         assert alpha is not None
         assert beta is not None
         unit = self.stiffness / radius
-        return Scene(self.poisson_ratio, alpha * unit, beta * unit, layer["friction"])
+        nu, kappa = self.material
+        return Scene(nu, alpha * unit, beta * unit, layer["friction"], mismatch=kappa)
 
     def stick_radius(self, radius: float, layer: Layer) -> float:
         """Return ``c*`` of a punch."""

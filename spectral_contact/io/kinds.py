@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 from spectral_contact.errors import SceneError, shown
@@ -13,7 +13,9 @@ T = TypeVar("T")
 
 def kind_tree(known: Any) -> dict[str, Any]:
     """Return an object as strict JSON can hold it: its kind over its parameters."""
-    return {type(known).__name__: {one.name: getattr(known, one.name) for one in fields(known)}}
+    body = {one.name: getattr(known, one.name) for one in fields(known)}
+    parts = {k: kind_tree(v) if is_dataclass(v) else v for k, v in body.items()}
+    return {type(known).__name__: parts}
 
 
 def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
@@ -31,4 +33,8 @@ def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
     if names != set(body):
         raise SceneError(name, shown(tree), f"{kind} with {', '.join(sorted(names))}")
     values = {k: tuple(v) if isinstance(v, list) else v for k, v in body.items()}
+    for k, v in values.items():
+        if isinstance(v, Mapping):  # of a sum, which no part of one is
+            parts = {name: one for name, one in kinds.items() if name != kind}
+            values[k] = kind_from(f"{name}.{k}", v, parts)
     return kinds[kind](**values)

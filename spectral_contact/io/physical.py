@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import exactly_one, positive, real, within
+from spectral_contact.io.checks import exactly_one, flag, positive, real, within
 
 #: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
 #: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
@@ -25,6 +25,13 @@ _GROUND: Final = 1e6, 1e9
 #: Of a dimensionless compliance: outside, another unit is likelier than such a surface.
 _LEAST_LIKELY: Final = 1e-9
 _MOST_LIKELY: Final = 1e3
+#: A smaller κ of two bodies is what rounding makes of equal ones.
+_LEAST_KAPPA: Final = Fraction(1, 10**16)
+#: Why a flat punch is rigid.
+NO_HALF_SPACE: Final = (
+    "None under a flat punch: with a corner it is no half-space outside the contact, which the "
+    "formulae of two elastic bodies need; give a profile, as RoundedFlat"
+)
 #: What a dimensionless compliance may be, besides 0.
 SMALLEST_COMPLIANCE: Final = 1e-14
 LARGEST_COMPLIANCE: Final = 1e14
@@ -35,11 +42,13 @@ class PhysicalData:
     """The SI data of a scene, beside its Poisson's ratio, friction and profile.
 
     One of load and approach is given, or, under a profile, of load, approach and contact radius.
+    Of the materials E of the half-space is given, of an elastic punch E and ν as well, or in their
+    place the reduced modulus E* alone.
 
     Parameters
     ----------
-    youngs_modulus : float
-        E of the half-space [Pa], finite and > 0.
+    youngs_modulus : float or None
+        E of the half-space [Pa], finite and > 0; None with a reduced modulus.
     radius : float or None
         a of a flat punch [m], finite and > 0; None under a profile, whose lengths are in m.
     load : float or None
@@ -57,15 +66,21 @@ class PhysicalData:
         the approach may be any finite number here.
     separation : float or None
         Gap at the centre [m], finite; for layer laws without a contact edge.
+    punch_youngs_modulus : float or None
+        E of the punch [Pa], finite and > 0; None if it is rigid. Only under a profile.
+    punch_poisson_ratio : float or None
+        ν of the punch, in (−1, 0.5]; None if it is rigid.
+    reduced_modulus : float or None
+        E* [Pa], finite and > 0, with 1/E* the sum of (1−ν²)/E of both bodies.
 
     Raises
     ------
     SceneError
         If a value is not a real number in its range, or not one of load, approach and contact
-        radius is given.
+        radius is given, or too much or too little of the materials.
     """
 
-    youngs_modulus: float
+    youngs_modulus: float | None
     radius: float | None = None
     load: float | None = None
     approach: float | None = None
@@ -74,8 +89,12 @@ class PhysicalData:
     contact_radius: float | None = field(default=None, metadata={"younger": True})
     layer: Any = field(default=None, metadata={"younger": True})
     separation: float | None = field(default=None, metadata={"younger": True})
+    punch_youngs_modulus: float | None = field(default=None, metadata={"younger": True})
+    punch_poisson_ratio: float | None = field(default=None, metadata={"younger": True})
+    reduced_modulus: float | None = field(default=None, metadata={"younger": True})
 
     def __post_init__(self) -> None:
+        moduli = self._check_materials()
         drives = ("contact_radius", "load", "approach", "separation")
         given = [name for name in drives if getattr(self, name) is not None]
         if self.radius is not None:
@@ -87,7 +106,7 @@ class PhysicalData:
         elif len(given) != 1:
             values = tuple(getattr(self, name) for name in drives)
             raise SceneError(", ".join(drives), values, "one value, the others None: give one")
-        for name in ("youngs_modulus", *given, *(() if self.radius is None else ("radius",))):
+        for name in (*moduli, *given, *(() if self.radius is None else ("radius",))):
             signed = name in ("approach", "separation") and self.layer is not None
             value = getattr(self, name)
             value = real(name, value, allowed="finite") if signed else positive(name, value)
@@ -97,7 +116,56 @@ class PhysicalData:
             number = real(name, value, allowed="finite and >= 0 [m/Pa]", low=0.0)
             object.__setattr__(self, name, number)
 
-    def dimensionless_compliances(self, nu: float) -> tuple[float, float]:
+    def _check_materials(self) -> list[str]:
+        """Return which moduli are given, if they are those of one body, or two, or a sum."""
+        moduli = ("reduced_modulus", "youngs_modulus", "punch_youngs_modulus")
+        given = [name for name in moduli if getattr(self, name) is not None]
+        if (self.punch_youngs_modulus is None) != (self.punch_poisson_ratio is None):
+            missing, there = "punch_poisson_ratio", "punch_youngs_modulus"
+            if self.punch_youngs_modulus is None:
+                missing, there = there, missing
+            told = f"given with {there}: both, or neither for a rigid punch"
+            raise SceneError(missing, None, told)
+        if given[:1] == ["reduced_modulus"]:
+            for name in given[1:]:
+                told = "None with reduced_modulus, which is that of both bodies"
+                raise SceneError(name, getattr(self, name), told)
+        elif self.youngs_modulus is None:
+            told = "given, in Pa: that of the half-space, or reduced_modulus in its place"
+            raise SceneError("youngs_modulus", None, told)
+        if self.punch_poisson_ratio is not None:
+            nu = checked_poisson_ratio(self.punch_poisson_ratio, "punch_poisson_ratio")
+            object.__setattr__(self, "punch_poisson_ratio", nu)
+            if self.radius is not None:
+                raise SceneError("punch_youngs_modulus", self.punch_youngs_modulus, NO_HALF_SPACE)
+        return given
+
+    def kappa(self, nu: float | None) -> float | None:
+        """Return κ = (κ₁E'₂ − κ₂E'₁)/(E'₁ + E'₂) of two elastic bodies; None if the punch is rigid.
+
+        Less than 1e-16 is what rounding makes of equal bodies, and 0.
+
+        Parameters
+        ----------
+        nu : float
+            Poisson's ratio ν of the half-space, in (−1, 0.5].
+
+        Raises
+        ------
+        SceneError
+            If ν is out of range.
+        """
+        if self.reduced_modulus is None:
+            checked_poisson_ratio(nu, "nu")
+        if self.punch_youngs_modulus is None:
+            return None
+        first = _quarter(self.youngs_modulus, nu)
+        second = _quarter(self.punch_youngs_modulus, self.punch_poisson_ratio)
+        difference = _kappa(nu) * second - _kappa(self.punch_poisson_ratio) * first
+        kappa = difference / (first + second)
+        return 0.0 if abs(kappa) < _LEAST_KAPPA else float(kappa)
+
+    def dimensionless_compliances(self, nu: float | None) -> tuple[float, float]:
         """Return α* = αE/(4(1−ν²)a), equation (3.4), and β* = βE/(4(1−ν²)a), equation (4.4).
 
         Parameters
@@ -114,7 +182,7 @@ class PhysicalData:
         -----
         Under a profile a is 1 m here, the unit of its lengths.
         """
-        unit = self._length / self._reduced(nu)
+        unit = self._length / self._quarter(nu)
         return (
             _dimensionless("normal_compliance", self.normal_compliance, "α* = αE/(4(1−ν²)a)", unit),
             _dimensionless(
@@ -122,7 +190,7 @@ class PhysicalData:
             ),
         )
 
-    def drive(self, nu: float) -> dict[str, float]:
+    def drive(self, nu: float | None) -> dict[str, float]:
         """Return what is given of a contact under a profile, lengths in m, loads in E' m².
 
         Raises
@@ -131,23 +199,50 @@ class PhysicalData:
             If ν is out of range, or the load is beyond the normal doubles.
         """
         if self.load is not None:
-            load = Fraction(self.load) / self._reduced(nu)
+            load = Fraction(self.load) / self._quarter(nu)
             return {"load": _representable("load", self.load, "P/E'", "m²", load)}
         given = {name: getattr(self, name) for name in ("approach", "contact_radius", "separation")}
         return {name: value for name, value in given.items() if value is not None}
 
-    def reduced_modulus(self, nu: float) -> float:
+    def quarter_modulus(self, nu: float | None) -> float:
         """Return E' = E/(4(1−ν²)) [Pa], by which p, q and, in m², P under a profile are multiplied.
+
+        It is a quarter of the reduced modulus E*; of two elastic bodies 1/E' = 1/E'₁ + 1/E'₂.
 
         Raises
         ------
         SceneError
             If ν is out of range, or the result is beyond the normal doubles.
         """
+        name = "youngs_modulus" if self.reduced_modulus is None else "reduced_modulus"
         told = "E' = E/(4(1−ν²))"
-        return _representable("youngs_modulus", self.youngs_modulus, told, "Pa", self._reduced(nu))
+        return _representable(name, getattr(self, name), told, "Pa", self._quarter(nu))
 
-    def load_for(self, approach_star: float, nu: float) -> float:
+    def compliance_share(self, nu: float | None, *, punch: bool = False) -> float:
+        """Return E'/E'ᵢ, the share of the half-space or of the punch in what both give way.
+
+        Parameters
+        ----------
+        nu : float
+            Poisson's ratio ν of the half-space, in (−1, 0.5].
+        punch : bool
+            Whether it is that of the punch; 0 if it is rigid.
+
+        Raises
+        ------
+        SceneError
+            If ν is out of range.
+        """
+        punch = flag("punch", punch)
+        checked_poisson_ratio(nu, "nu")
+        if self.punch_youngs_modulus is None:
+            return 0.0 if punch else 1.0
+        own = _quarter(self.youngs_modulus, nu)
+        if punch:
+            own = _quarter(self.punch_youngs_modulus, self.punch_poisson_ratio)
+        return float(self._quarter(nu) / own)
+
+    def load_for(self, approach_star: float, nu: float | None) -> float:
         """Return the load P [N]: the one given, or that of the approach given.
 
         Parameters
@@ -163,11 +258,11 @@ class PhysicalData:
             If an argument is out of range, or the load is beyond the normal doubles.
         """
         approach_star = positive("approach_star", approach_star)
-        compliance = _four_one_minus_square(nu)
+        quarter = self._quarter(nu)
         if self.approach is None:
             assert self.load is not None  # __post_init__ saw to it
             return self.load
-        load = self._stiffness() * Fraction(self.approach) / (compliance * Fraction(approach_star))
+        load = self._length * quarter * Fraction(self.approach) / Fraction(approach_star)
         return _representable("approach", self.approach, "the load P = aδE/(4(1−ν²)δ*)", "N", load)
 
     def pressure_scale(self, load: float) -> float:
@@ -187,7 +282,7 @@ class PhysicalData:
         scale = Fraction(load) / self._length**2
         return _representable("load", load, "the pressure P/a²", "Pa", scale)
 
-    def displacement_scale(self, load: float, nu: float) -> float:
+    def displacement_scale(self, load: float, nu: float | None) -> float:
         """Return 4(1−ν²)P/(aE) [m], by which δ* and u_r* are multiplied; equation (3.4).
 
         Parameters
@@ -203,10 +298,10 @@ class PhysicalData:
             If an argument is out of range, or the scale is beyond the normal doubles.
         """
         load = positive("load", load)
-        scale = _four_one_minus_square(nu) * Fraction(load) / self._stiffness()
+        scale = Fraction(load) / (self._length * self._quarter(nu))
         return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
 
-    def remarks(self, nu: float, contact_radius: float | None = None) -> tuple[str, ...]:
+    def remarks(self, nu: float | None, contact_radius: float | None = None) -> tuple[str, ...]:
         """Return a question about every value that is likely to be in another unit.
 
         Parameters
@@ -229,28 +324,35 @@ class PhysicalData:
         if contact_radius is not None:
             contact_radius = positive("contact_radius", contact_radius, "m")
         radius = self.radius or contact_radius or self.contact_radius
-        reduced = self._reduced(nu)
+        quarter = self._quarter(nu)
         found = self._remarks_on_modulus_and_radius(radius)
         if radius is not None:
             compliances = {"alpha": self.normal_compliance, "beta": self.tangential_compliance}
             for symbol, value in compliances.items():
-                found += _remarks_on_compliance(symbol, value, reduced / Fraction(radius))
+                found += _remarks_on_compliance(symbol, value, quarter / Fraction(radius))
         return tuple(found)
 
     def _remarks_on_modulus_and_radius(self, radius: float | None) -> list[str]:
-        modulus, meant = self.youngs_modulus, ""
         softest_ground, hardest_ground = _GROUND
         large = radius is not None and radius >= _BUILDING
         firmly = radius is not None and radius >= _SMALL_PUNCH
         firmly |= self.load is not None and self.load >= _SMALL_LOAD
-        if modulus < _SOFTEST and firmly:
-            meant = "GPa"
-        elif modulus < softest_ground and large:
-            meant = "MPa"
-        found = []
-        if meant:
-            found.append(f"E = {modulus:.6g} is in Pa: did you mean {modulus:.6g} {meant}?")
-        if large and (meant or modulus >= hardest_ground):
+        moduli = {
+            "E": self.youngs_modulus,
+            "E of the punch": self.punch_youngs_modulus,
+            "E*": self.reduced_modulus,
+        }
+        found, doubtful = [], False
+        for symbol, modulus in moduli.items():
+            if modulus is None:
+                continue
+            meant = "MPa" if modulus < softest_ground and large else ""
+            meant = "GPa" if modulus < _SOFTEST and firmly else meant
+            if meant:
+                told = f"{symbol} = {modulus:.6g} is in Pa"
+                found.append(f"{told}: did you mean {modulus:.6g} {meant}?")
+            doubtful |= large and (bool(meant) or modulus >= hardest_ground)
+        if doubtful:
             found.append(f"a = {radius:.6g} is in m: did you mean {radius:.6g} mm?")
         return found
 
@@ -259,11 +361,15 @@ class PhysicalData:
         """The reference length [m]: that of a profile is 1 m."""
         return Fraction(1 if self.radius is None else self.radius)
 
-    def _reduced(self, nu: float) -> Fraction:
-        return Fraction(self.youngs_modulus) / _four_one_minus_square(nu)
-
-    def _stiffness(self) -> Fraction:
-        return self._length * Fraction(self.youngs_modulus)
+    def _quarter(self, nu: float | None) -> Fraction:
+        """E' of both bodies."""
+        if self.reduced_modulus is not None:
+            return Fraction(self.reduced_modulus) / 4
+        own = _quarter(self.youngs_modulus, nu)
+        if self.punch_youngs_modulus is None:
+            return own
+        other = _quarter(self.punch_youngs_modulus, self.punch_poisson_ratio)
+        return own * other / (own + other)
 
 
 def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
@@ -277,8 +383,16 @@ def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
     return within(name, value, "in (-1, 0.5]")
 
 
-def _four_one_minus_square(nu: object) -> Fraction:
-    return 4 * (1 - Fraction(checked_poisson_ratio(nu, "nu")) ** 2)
+def _quarter(modulus: float | None, nu: object) -> Fraction:
+    """Return E' = E/(4(1−ν²)) of one body."""
+    assert modulus is not None  # __post_init__ saw to it
+    return Fraction(modulus) / (4 * (1 - Fraction(checked_poisson_ratio(nu, "nu")) ** 2))
+
+
+def _kappa(nu: object) -> Fraction:
+    """Return (1−2ν)/(4(1−ν)) of one body."""
+    exact = Fraction(checked_poisson_ratio(nu, "nu"))
+    return (1 - 2 * exact) / (4 * (1 - exact))
 
 
 def _remarks_on_compliance(symbol: str, value: float, unit: Fraction) -> list[str]:

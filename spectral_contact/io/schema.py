@@ -41,7 +41,7 @@ def _maybe_floats(names: str) -> dict[str, Kind]:
 
 
 #: Profiles of punches.
-PROFILES: Final = (
+PROFILES: tuple[Record, ...] = (
     Record("Parabola", profiles.Parabola, radius=_FLOAT),
     Record("Sphere", profiles.Sphere, radius=_FLOAT),
     Record("PowerLaw", profiles.PowerLaw, **_floats("coefficient exponent")),
@@ -51,6 +51,8 @@ PROFILES: Final = (
     Record("RoundedFlat", profiles.RoundedFlat, **_floats("flat_radius radius")),
     Record("Sampled", profiles.Sampled, edges=Several(_FLOAT), slopes=_ROWS, rounded=_FLAG),
 )
+_PART = Either(*PROFILES)
+PROFILES = (*PROFILES, Record("Sum", profiles.Sum, first=_PART, second=_PART))
 _EXPONENTIAL = _floats("zero_pressure clearance")
 _ASPERITIES = _floats("density tip_radius height_deviation")
 #: Laws of layers.
@@ -67,13 +69,17 @@ _LAYER, _PROFILE = Maybe(Either(*LAYERS)), Maybe(Either(*PROFILES))
 _PHYSICAL = Record(
     "PhysicalData",
     PhysicalData,
-    dict.fromkeys(("contact_radius", "layer", "separation")),
-    youngs_modulus=_FLOAT,
-    **_maybe_floats("radius load approach"),
+    dict.fromkeys(
+        (
+            *("contact_radius", "layer", "separation"),
+            *("punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus"),
+        )
+    ),
+    **_maybe_floats("youngs_modulus radius load approach"),
     **_floats("normal_compliance tangential_compliance"),
     contact_radius=Maybe(_FLOAT),
     layer=_LAYER,
-    separation=Maybe(_FLOAT),
+    **_maybe_floats("separation punch_youngs_modulus punch_poisson_ratio reduced_modulus"),
 )
 _SCENE = Record(
     "Scene",
@@ -81,15 +87,17 @@ _SCENE = Record(
     {
         "coupling": False,
         **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
+        "mismatch": None,
     },
-    **_floats("poisson_ratio normal_compliance tangential_compliance"),
+    poisson_ratio=Maybe(_FLOAT),
+    **_floats("normal_compliance tangential_compliance"),
     friction=Maybe(_FLOAT),
     physical=Maybe(_PHYSICAL),
     coupling=_FLAG,
     profile=_PROFILE,
     **_maybe_floats("contact_radius load approach"),
     layer=_LAYER,
-    separation=Maybe(_FLOAT),
+    **_maybe_floats("separation mismatch"),
 )
 _STATE = Choice(
     "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED

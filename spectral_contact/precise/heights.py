@@ -12,7 +12,8 @@ from itertools import pairwise
 from math import ceil
 from typing import Any
 
-from spectral_contact.profiles import sampled, shapes
+from spectral_contact.errors import NotComputedError
+from spectral_contact.profiles import sampled, shapes, sums
 from spectral_contact.profiles.base import Profile
 
 Function = Callable[[Any], Any]
@@ -290,8 +291,40 @@ def _derived(row: list[Any]) -> list[Any]:
     return slopes[: max(len(row) - 1, 1)]
 
 
+class _SumHeights(Heights):
+    """The sum of two."""
+
+    def __init__(self, mp: Any, profile: sums.Sum) -> None:
+        super().__init__(mp, profile)
+        self._both = heights(mp, profile.first), heights(mp, profile.second)
+        orders = sorted(one.order for one in self._both if one.order)
+        self.order = orders[0] if orders else mp.zero
+        if orders and (orders[-1] - orders[0]) % 2:
+            told = f"with powers of the radius {orders[0]} and {orders[-1]} at the tip it has none"
+            raise NotComputedError("the reference", told)
+
+    def height(self, r: Any) -> Any:
+        return sum(one.height(r) for one in self._both)
+
+    def transform(self, t: Any) -> Any:
+        return sum(one.transform(t) for one in self._both)
+
+    def rate(self, t: Any) -> Any:
+        whole, total = self.root(t), self._mp.zero
+        for one in self._both:
+            own = one.root(t)  # 0 only at a break of its own, which is the last of both
+            total += one.rate(t) * (whole / own if own else 1)
+        return total
+
+
 def heights(mp: Any, profile: Profile) -> Heights:
-    """Return a profile to as many digits as the context has."""
+    """Return a profile to as many digits as the context has.
+
+    Raises
+    ------
+    NotComputedError
+        For a sum whose tip is no power of the radius times a smooth function of its square.
+    """
     if isinstance(profile, shapes.Parabola):
         return _PowerHeights(mp, profile, 1 / (2 * mp.mpf(profile.radius)), 2)
     if isinstance(profile, shapes.PowerLaw):
@@ -310,4 +343,5 @@ _KINDS: dict[type[Profile], Callable[[Any, Any], Heights]] = {
     shapes.TruncatedCone: _TruncatedConeHeights,
     shapes.RoundedFlat: _RoundedFlatHeights,
     sampled.Sampled: _SampledHeights,
+    sums.Sum: _SumHeights,
 }

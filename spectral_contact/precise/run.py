@@ -167,8 +167,11 @@ class PreciseRun:
 
     @cached_property
     def kappa(self) -> Any:
-        """The coupling constant of exactly the given Poisson's ratio."""
-        nu = self.fixed.mp.mpf(self.scene.poisson_ratio)
+        """The coupling constant of exactly the given Poisson's ratio, or that given."""
+        mp, scene = self.fixed.mp, self.scene
+        if scene.mismatch is not None:
+            return mp.mpf(scene.mismatch)
+        nu = mp.mpf(scene.poisson_ratio)
         return (1 - 2 * nu) / (4 * (1 - nu))
 
     @property

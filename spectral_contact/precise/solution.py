@@ -101,7 +101,8 @@ class ReferenceSolution:
 
     def traction(self, s: Any = None, *, from_edge: Any = None) -> Any:
         """Evaluate q* at radii `s`, or at distances `from_edge`; see `pressure`."""
-        return self._evaluated(self._run.tractions, s, from_edge)
+        values = self._evaluated(self._run.tractions, s, from_edge)
+        return -values if (self.scene.mismatch or 0.0) < 0.0 else values
 
     def _evaluated(self, function: Any, s: Any, from_edge: Any) -> Any:
         checks.exactly_one("s", s, "from_edge", from_edge)

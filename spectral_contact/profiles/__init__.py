@@ -16,6 +16,7 @@ from spectral_contact.profiles.shapes import (
     Sphere,
     TruncatedCone,
 )
+from spectral_contact.profiles.sums import Sum
 
 __all__ = [
     "Cone",
@@ -26,5 +27,6 @@ __all__ = [
     "RoundedFlat",
     "Sampled",
     "Sphere",
+    "Sum",
     "TruncatedCone",
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
+from fractions import Fraction
 from math import isinf
 from typing import Any, Final
 
@@ -24,6 +25,7 @@ from spectral_contact.profiles.shapes import (
     Sphere,
     TruncatedCone,
 )
+from spectral_contact.profiles.sums import Sum
 
 #: What may be given of a contact under a profile, one of them.
 CONTROLS: Final = ("contact_radius", "load", "approach")
@@ -32,13 +34,13 @@ ALL_CONTROLS: Final = (*CONTROLS, "separation")
 #: Profiles by the name that they have in files.
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
-    for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled, Flat)
+    for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled, Flat, Sum)
 }
 #: Those that numbers describe, with the names of these.
 SHAPES: Final = {
     name: tuple(one.name for one in fields(kind))  # type: ignore[arg-type]
     for name, kind in KINDS.items()
-    if kind not in (Sampled, Flat)
+    if kind not in (Sampled, Flat, Sum)
 }
 
 
@@ -101,6 +103,29 @@ def _separated(value: Any, layer: Any) -> float:
     if not float(layer._pressure(np.array(-number))) > 0.0:
         raise SceneError("separation", value, told)
     return number
+
+
+def simplified(profile: Any) -> Any:
+    """Return a profile, two parabolas as one and the two of any other sum in a fixed order."""
+    if not isinstance(profile, Sum):
+        return profile
+    first, second = profile.first, profile.second
+    if isinstance(first, Parabola) and isinstance(second, Parabola):
+        return Parabola(float(1 / (1 / Fraction(first.radius) + 1 / Fraction(second.radius))))
+    return profile if repr(first) <= repr(second) else Sum(second, first)
+
+
+def summed(profile: Any, punch_profile: Any) -> Any:
+    """Return the gap between two bodies of which the second may be flat, as None."""
+    if punch_profile is None:
+        return profile
+    if profile is None:
+        told = "None without a profile of the other body: profile is that of the punch, too"
+        raise SceneError("punch_profile", punch_profile, told)
+    for name, one in (("profile", profile), ("punch_profile", punch_profile)):
+        if not isinstance(one, Profile) or isinstance(one, Flat | Sum):
+            raise SceneError(name, one, "a Profile that is not flat and no sum, with one of either")
+    return simplified(Sum(profile, punch_profile))
 
 
 def refuse_profile(scene: Any, what: str) -> None:

@@ -57,7 +57,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     asked, friction = asked_quantities(quantities, shaped=shaped), scene.friction
     kind: tuple[object, ...] = (
         friction if friction in (None, 0.0, math.inf) else "finite",
-        scene.poisson_ratio == 0.5,
+        _undriven(scene),
         scene.normal_compliance == 0.0,
         scene.tangential_compliance == 0.0,
         scene.coupling,
@@ -98,6 +98,13 @@ def _present(scene: Scene) -> tuple[str, ...]:
     return QUANTITIES if scene.profile is None else (*PROFILE_QUANTITIES, *QUANTITIES)
 
 
+def _undriven(scene: Scene) -> str:
+    """Return where the pressure drives no traction, for a reason; "" if it does."""
+    if scene.friction is None or scene.kappa != 0.0:
+        return ""
+    return "at nu = 0.5" if scene.mismatch is None else "at kappa = 0"
+
+
 def _affected(scene: Scene) -> frozenset[str]:
     """Return the quantities that depend on the traction."""
     return frozenset((*QUANTITIES, *PROFILE_QUANTITIES)) if scene.couples else _TANGENTIAL
@@ -110,8 +117,8 @@ def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]
     state = StepState.SKIPPED
     if scene.friction is None:
         reason = f"{_NO_FRICTION}: no traction acts back on the pressure"
-    elif scene.poisson_ratio == 0.5:
-        reason = "at nu = 0.5 pressure and traction do not move each other"
+    elif _undriven(scene):
+        reason = f"{_undriven(scene)} pressure and traction do not move each other"
     elif scene.friction == 0.0 and not _STICK_ONLY.intersection(present):
         reason = "at friction 0 no traction acts back on the pressure"
     elif not _needs_tangential(scene, present):
@@ -123,7 +130,7 @@ def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]
 
 def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
     """Whether anything asked depends on a traction that is not zero by definition."""
-    if scene.friction is None or scene.poisson_ratio == 0.5:
+    if scene.friction is None or _undriven(scene):
         return False
     asked = _affected(scene).intersection(present)
     if scene.friction == 0.0:
@@ -166,8 +173,9 @@ def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
     asked = _affected(scene).intersection(present)
     if scene.friction is None:
         return step(StepState.SKIPPED, _NO_FRICTION)
-    if scene.poisson_ratio == 0.5:
-        return step(StepState.SKIPPED, "at nu = 0.5 the surface does not move: all stick, q = 0")
+    if _undriven(scene):
+        told = "the surface does not move: all stick, q = 0"
+        return step(StepState.SKIPPED, f"{_undriven(scene)} {told}")
     if scene.friction == 0.0:
         if asked & _STICK_ONLY:
             return step(StepState.RUN, "edge ratio or critical friction is asked for")
@@ -190,8 +198,8 @@ def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, 
         return skipped(_NO_FRICTION)
     if friction == math.inf:
         return skipped("friction is infinite: no slip")
-    if scene.poisson_ratio == 0.5:
-        return skipped("at nu = 0.5 there is nothing to slip")
+    if _undriven(scene):
+        return skipped(f"{_undriven(scene)} there is nothing to slip")
     if not asked - _STICK_ONLY:
         return skipped("nothing asked for depends on slip")
     if friction == 0.0:

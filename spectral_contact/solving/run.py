@@ -271,7 +271,7 @@ class Run:
             self.values.update(total_shear=0.0, zones=(), stick_radius=None)
             self.errors.update(exact)
             return
-        if scene.poisson_ratio == 0.5:
+        if scene.kappa == 0.0:
             self.store_all_stick()
             self.values.update(total_shear=0.0, edge_ratio=0.0, critical_friction=0.0)
             self.errors.update(exact, slip=0.0, edge_ratio=0.0, critical_friction=0.0)

@@ -33,7 +33,9 @@ _HARDLY_KNOWN: Final = 1e-3
 
 
 def kappa_slope(scene: Scene) -> float:
-    """Return the derivative of kappa by Poisson's ratio."""
+    """Return the derivative of kappa by Poisson's ratio, or by itself where it is given."""
+    if scene.poisson_ratio is None:
+        return 1.0
     return -0.25 / (1.0 - scene.poisson_ratio) ** 2
 
 

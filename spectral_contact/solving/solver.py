@@ -12,6 +12,7 @@ from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
 from spectral_contact.solving.asked import checked_tolerance, closer_tolerance
+from spectral_contact.solving.mirror import mirrored, with_positive_kappa
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import StepCache
@@ -71,6 +72,7 @@ def solve(
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
+    asked, scene = scene, with_positive_kappa(scene)
     todo = plan(scene, quantities)
     rtol = checked_tolerance(rtol, todo.quantities)
     strict = checks.flag("strict", strict)
@@ -83,6 +85,7 @@ def solve(
         solution = _resolved(run, solution, closer_for_zones=_zone_unknown(solution))
         if solution.ending is Ending.ZONES and scene.profile is None:
             solution = _from_looser(scene, todo, rtol, max_unknowns, progress) or solution
+    solution = mirrored(solution, asked)
     if strict and not solution.converged:
         raise ConvergenceError(_unmet(run, solution), solution.ending.value, solution)
     return solution
@@ -197,16 +200,19 @@ class Continuation:
 
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
         """Return the solution of the next scene, converged or not, and more quantities of it."""
+        asked, scene = scene, with_positive_kappa(scene)
         todo = plan(scene, (*self._quantities, *more))
         run = _run(scene, todo, self._rtol, self._max_unknowns, self._shared)
         with one_thread():
-            return _resolved(run, run.solution())
+            return mirrored(_resolved(run, run.solution()), asked)
 
     def given_radius(self, scene: Scene, logit: float) -> RadiusFriction | None:
         """Return the friction with which a scene has one stick disk of this radius, if any has.
 
-        That of the scene does not count.
+        That of the scene does not count. Of a scene with κ < 0 it is that of its mirror image, with
+        a positive total shear.
         """
+        scene = with_positive_kappa(scene)
         todo = plan(scene, self._quantities)
         with one_thread():
             run = UncoupledRun(scene, todo, self._rtol, self._max_unknowns, self._shared)
@@ -226,7 +232,7 @@ def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: StepC
             return solution
 
         return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)
-    if scene.coupling and scene.friction is not None and scene.poisson_ratio != 0.5:
+    if scene.coupling and scene.friction is not None and scene.kappa != 0.0:
         from spectral_contact.solving.coupled_run import CoupledRun
 
         return CoupledRun(scene, todo, rtol, max_unknowns, shared)

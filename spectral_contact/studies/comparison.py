@@ -256,7 +256,7 @@ class _ComparedScene:
             if data.radius is None:  # a profile
                 radius = data.contact_radius or getattr(truth, "contact_radius", None)
                 self.length = checks.scalar("truth.contact_radius", radius)
-                load = stress = data.reduced_modulus(nu)
+                load = stress = data.quarter_modulus(nu)
                 moved = 1.0
             else:
                 self.length = data.radius

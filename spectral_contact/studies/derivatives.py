@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import Final
+from dataclasses import dataclass, field, replace
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,7 @@ from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
+from spectral_contact.solving.mirror import with_positive_kappa
 from spectral_contact.solving.slopes import PARAMETERS, SolutionSlopes, kappa_slope
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.threads import one_thread
@@ -31,8 +32,9 @@ from spectral_contact.view.report import table
 
 __all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensitivity"]
 
-#: What can be differentiated.
+#: What can be differentiated, and what of it and of fields is radial.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
+_RADIAL: Final = frozenset({"total_shear", "traction"})
 #: Tolerances of the spaces: of what is returned, and of what it is compared with. That one is less
 #: accurate by far, so that hardly any accident makes the difference less than the error.
 _TIGHT: Final = (1e-12, 1e-11)
@@ -98,6 +100,9 @@ class FieldDerivative:
     note: str = ""
 
 
+_D = TypeVar("_D", Derivative, FieldDerivative)
+
+
 @dataclass(frozen=True, slots=True)
 class Sensitivity:
     """Derivatives of a scene's quantities; prints as a table of those of scalars.
@@ -153,14 +158,41 @@ def sensitivity(
     NotComputedError
         With elastic coupling, if no zones are found that obey the friction law.
     """
-    asked = PARAMETERS if parameters is None else names("parameters", parameters, PARAMETERS)
     scene = instance("solution", solution, Solution).scene
+    known = _of_scene(scene)
+    asked = known if parameters is None else names("parameters", parameters, known)
     refuse_profile(scene, "sensitivity")
     refuse_layer(scene, "sensitivity")
     places = None if s is None and from_edge is None else radii(s, from_edge)
     with ProgressLine(progress) as tell, one_thread():
         problem = _Slopes(scene, places, tell)
-        return Sensitivity(scene, problem.derivatives(asked), problem.fields(asked))
+        own = [PARAMETERS[known.index(name)] for name in asked]
+        found = Sensitivity(scene, problem.derivatives(own), problem.fields(own))
+    return found if scene.mismatch is None else _by_kappa(found)
+
+
+def _of_scene(scene: Scene) -> tuple[str, ...]:
+    """Return what a solution can be differentiated by: of two bodies kappa."""
+    return PARAMETERS if scene.mismatch is None else (*PARAMETERS[:-1], "kappa")
+
+
+def _by_kappa(found: Sensitivity) -> Sensitivity:
+    """Return the derivatives for two bodies from those for the size of kappa."""
+    assert found.scene.mismatch is not None
+    sense = -1.0 if found.scene.mismatch < 0.0 else 1.0
+
+    def named(pairs: dict[tuple[str, str], _D]) -> dict[tuple[str, str], _D]:
+        turned = {}
+        for (quantity, name), one in pairs.items():
+            by_kappa = name == PARAMETERS[-1]
+            # what is radial changes its sign with kappa
+            factor = sense if (quantity in _RADIAL) != by_kappa else 1.0
+            turned[quantity, "kappa" if by_kappa else name] = replace(
+                one, value=one.value * factor + 0.0
+            )
+        return turned
+
+    return Sensitivity(found.scene, named(found.derivatives), named(found.fields))
 
 
 class _Slopes:
@@ -169,8 +201,8 @@ class _Slopes:
     def __init__(
         self, scene: Scene, places: tuple[Array, Array] | None, tell: ProgressLine
     ) -> None:
-        self.scene = scene = scene.replace(physical=None)
-        self.friction = scene.friction if scene.kappa else None
+        self.scene = scene = with_positive_kappa(scene.replace(physical=None))
+        self.friction = scene.friction if scene.friction is not None and scene.kappa else None
         self.tell, self.places = tell, places
         wanted = ["approach", "pressure"]
         if self.friction is not None:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
     "poisson_ratio": ("Poisson's ratio ν", "1"),
+    "kappa": ("coupling constant κ of two bodies", "1"),
     "normal_compliance": ("normal compliance α* = αE/(4(1−ν²)a)", "1"),
     "tangential_compliance": ("tangential compliance β* = βE/(4(1−ν²)a)", "1"),
     "friction": ("coefficient of friction f", "1"),

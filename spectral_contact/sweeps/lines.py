@@ -1,9 +1,9 @@
 """Scenes that differ in ``f/kappa`` alone: few of these are solved, and all scenes lie between.
 
 Poisson's ratio enters by kappa: with the same ``f/kappa`` zones are the same, and tractions are as
-kappa. With one stick disk ``ln f`` and ``ln(Q/f)`` are smooth in the logit of its radius: whatever
-the compliances, singularities are pi away from the real axis. Polynomials go through solved
-frictions there (`curves`), and are inverted for those of the scenes.
+kappa, the sign included. With one stick disk ``ln f`` and ``ln(Q/f)`` are smooth in the logit of
+its radius: whatever the compliances, singularities are pi away from the real axis. Polynomials go
+through solved frictions there (`curves`), and are inverted for those of the scenes.
 
 No law has to be checked between two frictions at which one disk is right (docs/maps).
 """
@@ -34,10 +34,10 @@ def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices
     """Yield scenes, of those to do, that differ in ``f/kappa`` alone, as it rises; none coupled."""
     if not frozenset(request.quantities) <= frozenset(SCALARS):
         return
-    nu, _, _, friction = columns.values[:4, todo]
-    slips = (friction > 0.0) & (friction < np.inf) & (nu < 0.5)
+    friction = columns.values[3, todo]
+    slips = (friction > 0.0) & (friction < np.inf) & (columns.kappa[todo] != 0.0)
     own = todo[slips & ~columns.coupled[todo]]
-    ratio = columns.values[3, own] / columns.kappa[own]
+    ratio = columns.values[3, own] / np.abs(columns.kappa[own])
     own = own[np.lexsort([ratio, *columns.values[[2, 1]][:, own]])]
     turns = np.diff(columns.values[1:3, own], axis=1) != 0.0
     for line in np.split(own, np.flatnonzero(turns.any(axis=0)) + 1):
@@ -56,7 +56,7 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
         For numbers alone.
     solver : OnLine
     """
-    kappa, friction = columns.kappa, columns.values[3]
+    kappa, friction = np.abs(columns.kappa), columns.values[3]
     ratio = friction / kappa
     mask = np.zeros(len(columns), dtype=bool)
     nothing = Served(mask, {}, {})
@@ -73,9 +73,9 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     while curves.nodes.size < most:
         if curves.settled(request.rtol):
             values, errors = _disks(curves.where(np.log(ratio[inner])))
-            values["total_shear"] *= friction[inner]
+            values["total_shear"] *= friction[inner] * np.sign(columns.kappa[inner])
             for name in frozenset(request.quantities) - frozenset(values):  # at any friction
-                scale = kappa[inner] / one.scene.kappa if name in _AS_KAPPA else 1.0
+                scale = kappa[inner] / abs(one.scene.kappa) if name in _AS_KAPPA else 1.0
                 values[name] = np.full(size - 2, float(getattr(one, name))) * scale
                 errors[name] = np.full(size - 2, float(getattr(one.error, name)))
             asked = request.quantities
@@ -117,7 +117,7 @@ def _ends(ratio: Array, sticky: bool, solver: OnLine) -> _Ends | None:
 
     def is_alone(i: int) -> bool:
         # an edge that full stick does not make slip: slip is inside, and a solution tells no more
-        if sticky and alone and 0.0 < alone[0].edge_ratio < ratio[i] * alone[0].scene.kappa:
+        if sticky and alone and 0.0 < alone[0].edge_ratio < ratio[i] * abs(alone[0].scene.kappa):
             return False
         found = solver.at_scene(i, ("stick_radius", "zones", *["edge_ratio"] * sticky))
         if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):

@@ -33,6 +33,8 @@ PARAMETERS: Final = (
     "friction",
     *ALL_CONTROLS,
 )
+#: What takes the place of Poisson's ratio, the first parameter, in scenes of two bodies.
+KAPPA: Final = "kappa"
 #: What parameters of a layer's law begin with; they follow those.
 _LAW: Final = "layer_"
 #: How many of them a flat punch has.
@@ -47,11 +49,13 @@ class SceneForm(NamedTuple):
     profile: Profile | None = None
     layer: Layer | None = None
     coupling: bool = False
+    #: whether the first parameter is kappa
+    by_kappa: bool = False
 
     @classmethod
     def of(cls, scene: Scene) -> SceneForm:
         """Return that of a scene."""
-        return cls(scene.profile, scene.layer, scene.coupling)
+        return cls(scene.profile, scene.layer, scene.coupling, scene.mismatch is not None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +66,7 @@ class Columns:
     ----------
     values : ndarray, shape (4, scenes) or (7 and more, scenes)
         In the order of `PARAMETERS`, then those of `law`. NaN stands for None: no friction at all,
-        not given.
+        not given. The first is kappa where the form says so.
     forms : tuple of SceneForm
         Of each, or one that is that of all.
     law : tuple of str
@@ -80,7 +84,8 @@ class Columns:
     def kappa(self) -> Array:
         """``kappa`` of every scene, (5.8)."""
         nu = self.values[0]
-        return np.asarray((1.0 - 2.0 * nu) / (4.0 * (1.0 - nu)))
+        by_kappa = np.broadcast_to([one.by_kappa for one in self.forms], len(self))
+        return np.asarray(np.where(by_kappa, nu, (1.0 - 2.0 * nu) / (4.0 * (1.0 - nu))))
 
     def scene(self, index: int) -> Scene:
         """Return one of the scenes."""
@@ -90,7 +95,11 @@ class Columns:
         if self.law:
             own = dict(zip(self.law, self.values[len(PARAMETERS) :, index].tolist(), strict=True))
             form = form._replace(layer=replace(form.layer, **own))  # type: ignore[type-var]
-        return Scene(**given, **form._asdict())
+        *kinds, by_kappa = form
+        if by_kappa:
+            given["mismatch"] = given.pop("poisson_ratio")
+        given = {"poisson_ratio": None, **given, **dict(zip(form._fields, kinds, strict=False))}
+        return Scene(**given)
 
     @property
     def coupled(self) -> NDArray[np.bool_]:
@@ -128,7 +137,8 @@ class SweepParameters:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters."""
-        return (*PARAMETERS[: len(self.fixed)], *(_LAW + name for name in self.law))
+        first = KAPPA if self.forms[0].by_kappa else PARAMETERS[0]
+        return (first, *PARAMETERS[1 : len(self.fixed)], *(_LAW + name for name in self.law))
 
     @property
     def shaped(self) -> bool:
@@ -169,9 +179,12 @@ class SweepParameters:
         if self.table is not None:
             return np.lexsort(self.table[[k for k in _SLOWEST if k < len(self.table)][::-1]])
         places = {name: i for i, name in enumerate(self.axes)}
-        slowest = [*(_LAW + name for name in self.law), *(PARAMETERS[k] for k in _SLOWEST)]
+        slowest = [*(_LAW + name for name in self.law), *(self._parameter(k) for k in _SLOWEST)]
         turned = [places[name] for name in slowest if name in places]
         return np.arange(self.size).reshape(self.shape).transpose(turned).ravel()
+
+    def _parameter(self, k: int) -> str:
+        return self.names[0] if k == 0 else PARAMETERS[k]
 
     def columns(self, indices: Indices) -> Columns:
         """Return some of the scenes; the last dimension varies fastest in their numbers."""
@@ -194,6 +207,8 @@ class SweepParameters:
             digest.update("".join(map(repr, kinds)).encode())
         if self.coupled:
             digest.update(repr([one.coupling for one in self.forms]).encode())
+        if any(one.by_kappa for one in self.forms):
+            digest.update(repr([one.by_kappa for one in self.forms]).encode())
         return digest.hexdigest()
 
 
@@ -207,13 +222,21 @@ def grid(
     base : Scene
         Has the parameters that are not given.
     axes : mapping of str to array_like
-        Values of parameters, out of `PARAMETERS` and in their ranges; None for what does not vary.
+        Values of parameters, out of `PARAMETERS` or kappa, and in their ranges; None for what does
+        not vary.
     law : mapping of str to array_like, optional
         The same of parameters of the layer's law.
     """
+    both = [name for name in (KAPPA, PARAMETERS[0]) if axes.get(name) is not None]
+    if len(both) > 1:
+        raise SceneError(KAPPA, axes[KAPPA], "None where poisson_ratio is given")
     given = {
-        name: _axis(base, name, axes[name]) for name in PARAMETERS if axes.get(name) is not None
+        name: _axis(base, name, axes[name])
+        for name in (KAPPA, *PARAMETERS)
+        if axes.get(name) is not None
     }
+    if both:
+        base = changed(base, {both[0]: float(given[both[0]][0])})
     pressed = [name for name in given if name in ALL_CONTROLS]
     if len(pressed) > 1:
         told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
@@ -253,7 +276,12 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """Return a changed scene, in which a load takes the place of an approach, and so on."""
     dropped = dict.fromkeys(ALL_CONTROLS if any(changes.get(name) for name in ALL_CONTROLS) else ())
-    return replace(scene, **{**dropped, **changes})
+    changes = {**dropped, **changes}
+    if scene.physical is None:
+        return scene.replace(**changes)
+    if KAPPA in changes:
+        raise SceneError(KAPPA, changes[KAPPA], "left out of scenes with SI data, which imply it")
+    return replace(scene, **changes)
 
 
 def alone(scene: Scene) -> SweepParameters:
@@ -265,6 +293,8 @@ def alone(scene: Scene) -> SweepParameters:
 def _row(scene: Scene) -> tuple[float, ...]:
     """Return the parameters of a scene in the order of `PARAMETERS`; NaN for None."""
     given = [getattr(scene, name) for name in PARAMETERS]
+    if scene.mismatch is not None:
+        given[0] = scene.mismatch
     return tuple(math.nan if one is None else one for one in given)
 
 

@@ -26,7 +26,7 @@ _LEAST_POINTWISE: Final = 1e-6
 def eligible(columns: Columns, request: Request) -> Mask:
     """Return which scenes the spectra may serve, as far as that is known before any work."""
     asked = frozenset(request.quantities)
-    nu, alpha, beta, friction = columns.values
+    _, alpha, beta, friction = columns.values
     mask: Mask = (alpha > 0.0) & ~columns.coupled
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
     if asked & _RATIOS:
@@ -38,7 +38,7 @@ def eligible(columns: Columns, request: Request) -> Mask:
     if "pressure" in asked and not request.at_edge_alone:
         mask[:] = False
     if asked & (_RATIOS | _STICKING):  # NaN, no friction, compares False
-        mask &= (beta > 0.0) & (nu < 0.5) & (friction >= 0.0)
+        mask &= (beta > 0.0) & (columns.kappa != 0.0) & (friction >= 0.0)
     return mask
 
 
@@ -74,10 +74,12 @@ def _full_stick(
 ) -> Mask:
     """Fill in full stick, and return where what is asked is that."""
     _, alpha, beta, friction = columns.values
-    kappa, stick = columns.kappa, certified_stick(request.rtol)
+    kappa, stick = np.abs(columns.kappa), certified_stick(request.rtol)
     (shear, edge), (lost_shear, lost_edge) = stick.shear_and_edge(alpha, beta)
     values.update(
-        total_shear=kappa * shear, edge_ratio=kappa * edge, stick_radius=np.ones(len(columns))
+        total_shear=columns.kappa * shear,
+        edge_ratio=kappa * edge,
+        stick_radius=np.ones(len(columns)),
     )
     errors.update(total_shear=lost_shear, edge_ratio=lost_edge, stick_radius=np.zeros(len(columns)))
     asked = frozenset(request.quantities)

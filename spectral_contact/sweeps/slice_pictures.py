@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 #: The parameters in the symbols of all other figures.
 _SYMBOLS: Final = {
     "poisson_ratio": r"$\nu$",
+    "kappa": r"$\kappa$",
     "normal_compliance": r"$\alpha^*$",
     "tangential_compliance": r"$\beta^*$",
     "friction": "$f$",

@@ -24,6 +24,7 @@ from spectral_contact.sweeps.chunk import outcomes
 from spectral_contact.sweeps.curves import LEAST
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
 from spectral_contact.sweeps.parameters import (
+    KAPPA,
     PARAMETERS,
     Indices,
     SweepParameters,
@@ -60,6 +61,7 @@ def sweep(
     scenes: Scene | Iterable[Scene],
     *,
     poisson_ratio: ArrayLike | None = None,
+    kappa: ArrayLike | None = None,
     normal_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike | None = None,
     friction: ArrayLike | None = None,
@@ -85,8 +87,9 @@ def sweep(
     ----------
     scenes : Scene or iterable of Scene
         The scene whose parameters vary, or a list.
-    poisson_ratio, normal_compliance, tangential_compliance, friction : array_like, optional
-        The values that a parameter takes, dimensionless as in `Scene`; the grid has every
+    poisson_ratio, kappa, normal_compliance, tangential_compliance, friction : array_like, optional
+        The values that a parameter takes, dimensionless as in `Scene`, where kappa of two elastic
+        bodies takes the place of Poisson's ratio; the grid has every
         combination, and a list of scenes takes none. A single number replaces that of all
         scenes and makes no dimension. Scenes with SI data can vary friction only.
     contact_radius, load, approach, separation : array_like, optional
@@ -148,6 +151,7 @@ def sweep(
     needed()
     given = poisson_ratio, normal_compliance, tangential_compliance, friction
     axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach, separation), strict=True))
+    axes[KAPPA] = kappa
     parameters = _parameters(scenes, axes, layer, coupling)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
     _check_size(parameters, request)
@@ -187,7 +191,7 @@ def _chunk(parameters: SweepParameters, request: Request) -> int:
     if parameters.shaped or parameters.coupled:
         pressed = pressed_alone(parameters.columns(sample), request)
         return _whole_lines(parameters, ("load", "approach")) if pressed.all() else _SLOW_CHUNK
-    whole = _whole_lines(parameters, ("friction", "poisson_ratio"))
+    whole = _whole_lines(parameters, ("friction", parameters.names[0]))
     if not request.shared:
         return whole
     quick = eligible(parameters.columns(sample), request)

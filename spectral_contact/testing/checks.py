@@ -404,7 +404,7 @@ def _friction_checks(
     places = np.array([d for d in _PLACES if all(abs(d / c - 1.0) > sqrt(rtol) for c in cuts)])
     p, q = pressure(places), traction(places)
     if kappa == 0.0:
-        return [_worst("no traction at nu = 0.5", np.abs(q), 0.0, places)]
+        return [_worst("no traction at kappa = 0", np.abs(q), 0.0, places)]
     parts = [tangential_displacement(traction, pressure, kappa, float(d), cuts) for d in places]
     outward, inward = np.array(parts).T
     displacement = (beta * q + outward - inward) / inward
@@ -412,7 +412,7 @@ def _friction_checks(
     with np.errstate(invalid="ignore"):
         share = np.abs(q) / (friction * p) if friction else np.full(len(q), inf)
     stick, slip = share < 1.0 - 4.0 * rtol, share > 1.0 - 4.0 * rtol
-    sense = np.sign(q) if friction else np.ones(len(q))
+    sense = np.sign(q) * np.sign(kappa) if friction else np.ones(len(q))
     checks = [
         _worst("no displacement in stick (4.2)", np.abs(displacement[stick]), rtol, places[stick]),
         _worst(

@@ -129,8 +129,13 @@ def scene_title(scene: Scene) -> str:
     friction = rf"$f = {scene.friction:g}$" if scene.friction is not None else "no friction"
     if scene.friction == np.inf:
         friction = "full stick"
+    material = []
+    if scene.mismatch is not None:
+        material = [rf"$\kappa = {scene.mismatch:g}$"]
+    elif scene.poisson_ratio is not None:
+        material = [rf"$\nu = {scene.poisson_ratio:g}$"]
     numbers = (
-        rf"$\nu = {scene.poisson_ratio:g}$",
+        *material,
         rf"$\alpha^* = {math_number(scene.normal_compliance)}$",
         rf"$\beta^* = {math_number(scene.tangential_compliance)}$",
     )

@@ -23,7 +23,11 @@ _SYMBOLS: Final = {
     "normal_compliance": ("normal compliance", "α", "m/Pa"),
     "tangential_compliance": ("tangential compliance", "β", "m/Pa"),
     "friction": ("friction", "f", ""),
+    "mismatch": ("coupling constant of two bodies", "κ", ""),
     "youngs_modulus": ("Young's modulus", "E", "Pa"),
+    "punch_youngs_modulus": ("Young's modulus of the punch", "E₂", "Pa"),
+    "punch_poisson_ratio": ("Poisson's ratio of the punch", "ν₂", ""),
+    "reduced_modulus": ("reduced modulus", "E*", "Pa"),
     "radius": ("radius", "a", "m"),
     "load": ("load", "P", "N"),
     "approach": ("approach", "δ", "m"),
@@ -59,7 +63,7 @@ def of_scene(scene: Scene) -> str:
             rows.append((words, symbol + star, f"{value:.6g}"))
         si = getattr(physical, name, None)
         if si is not None:
-            rows.append((words, symbol, f"{si:.6g} {unit}"))
+            rows.append((words, symbol, f"{si:.6g} {unit}".rstrip()))
     if scene.profile is not None:
         rows.append(("profile", "", scene.profile.brief))
     if scene.layer is not None:

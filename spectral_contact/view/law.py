@@ -75,7 +75,7 @@ def plot_law(solution: Solution) -> Figure:
     layer, data = solution.scene.layer, solution.scene.physical
     if layer is None:
         raise NotComputedError("a law to plot", "the scene has no nonlinear layer")
-    unit = 1.0 if data is None else data.reduced_modulus(solution.scene.poisson_ratio)
+    unit = 1.0 if data is None else data.quarter_modulus(solution.scene.poisson_ratio)
     used = _used(solution, unit)
     require()
     named = layer if data is None else data.layer

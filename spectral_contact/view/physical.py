@@ -7,9 +7,9 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from spectral_contact.equations.interior import Inside
+from spectral_contact.equations.interior import Inside, Material
 from spectral_contact.equations.interior.grids import Units, si_units
-from spectral_contact.errors import NotComputedError
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.evaluation import over_r
 from spectral_contact.io import checks, choices
 from spectral_contact.records import Zone
@@ -42,7 +42,7 @@ class PhysicalSolution(choices.Suggesting):
         return table_html(si_cells(self.solution))
 
     @property
-    def _nu(self) -> float:
+    def _nu(self) -> float | None:
         return self.solution.scene.poisson_ratio
 
     @property
@@ -53,7 +53,7 @@ class PhysicalSolution(choices.Suggesting):
     def _modulus(self) -> float | None:
         """What tractions under a profile are in [Pa]; None for a flat punch."""
         shaped = self.solution.scene.profile is not None
-        return float(self._data.reduced_modulus(self._nu)) if shaped else None
+        return float(self._data.quarter_modulus(self._nu)) if shaped else None
 
     @property
     def load(self) -> float:
@@ -153,8 +153,46 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def inside(self) -> Inside:
-        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m."""
-        return Inside(self.solution, self.units)
+        """Stress [Pa] and displacement [m] anywhere in the half-space; points in m.
+
+        Raises
+        ------
+        SceneError
+            If the reduced modulus alone is known, which does not tell the bodies apart.
+        """
+        return Inside(self.solution, self.units, self._half_space, self._punch)
+
+    @property
+    def punch_inside(self) -> Inside:
+        """The same in an elastic punch, depths counted into it; its surface bears p and −q.
+
+        Raises
+        ------
+        NotComputedError
+            If the punch is rigid.
+        SceneError
+            If the reduced modulus alone is known.
+        """
+        half_space, punch = self._half_space, self._punch
+        if punch is None:
+            raise NotComputedError("punch_inside", "the punch is rigid")
+        return Inside(self.solution, self.units, punch, half_space)
+
+    @property
+    def _half_space(self) -> Material:
+        nu = self._nu
+        if nu is None:
+            told = "given: stress inside takes E and ν of either body, not their reduced modulus"
+            raise SceneError("poisson_ratio", None, told)
+        return Material(nu, self._data.compliance_share(nu))
+
+    @property
+    def _punch(self) -> Material | None:
+        """An elastic punch; None if it is rigid."""
+        if self._data.punch_youngs_modulus is None:
+            return None
+        share = self._data.compliance_share(self._nu, punch=True)
+        return Material(self._data.punch_poisson_ratio, share, -1.0)
 
     @over_r
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:

@@ -179,7 +179,16 @@ class _AxisUnits:
         moved = scales.displacement if profile is None else 1.0
         sizes = scales.length, scales.stress, moved
         length_power, stress_power, slip_power = map(_prefix_power, sizes)
-        modulus = rf"$E = {math_number(data.youngs_modulus)}$ Pa"
+        named = {
+            "E": data.youngs_modulus,
+            "E_2": data.punch_youngs_modulus,
+            "E^*": data.reduced_modulus,
+        }
+        modulus = ",   ".join(
+            rf"${symbol} = {math_number(one)}$ Pa"
+            for symbol, one in named.items()
+            if one is not None
+        )
         edged = profile is None or "contact_radius" in solution.values
         radius = rf"${'a' if edged else 'R'} = {math_number(physical.radius)}$ m"
         shown = [one.brief for one in (profile, data.layer) if one is not None]
@@ -250,7 +259,11 @@ def _field_rows(
         traction = units.stress * radii.evaluate(solution.traction)
         curves = [_Curve(units.symbol("q"), traction, VERMILION, "-")]
         if pressure is not None and friction is not None and 0.0 < friction < np.inf:
-            curves.append(_Curve(units.symbol("f p"), friction * pressure, BLACK, "--"))
+            # between bodies of negative kappa the traction is negative, and so is its bound
+            turned = (solution.scene.mismatch or 0.0) < 0.0
+            bound = -friction if turned else friction
+            name = units.symbol("-f p" if turned else "f p")
+            curves.append(_Curve(name, bound * pressure, BLACK, "--"))
         rows.append((units.axis("q"), curves))
     if "slip" in present and any(zone.kind == "slip" for zone in known_zones(solution)):
         slip = units.slip * radii.evaluate(solution.slip)

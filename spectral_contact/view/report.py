@@ -14,7 +14,7 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.scene import Scene
+from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.radii import graded_radii
 
@@ -170,10 +170,28 @@ def scene_text(scene: Scene) -> str:
     elif scene.friction == math.inf:
         friction = "full stick"
     return (
-        f"nu = {scene.poisson_ratio!r}, alpha* = {scene.normal_compliance!r}, "
+        f"{_material_text(scene)}alpha* = {scene.normal_compliance!r}, "
         f"beta* = {scene.tangential_compliance!r}, {friction}{', coupled' * scene.coupling}"
         f"{_shape_text(scene)}"
     )
+
+
+def _material_text(scene: Scene) -> str:
+    """Return what decides on the traction: kappa of two bodies, or Poisson's ratio, if known."""
+    if scene.mismatch is not None:
+        return f"kappa = {scene.mismatch!r}, "
+    return "" if scene.poisson_ratio is None else f"nu = {scene.poisson_ratio!r}, "
+
+
+def _moduli_text(scene: Scene, data: PhysicalData) -> str:
+    """Return the materials of SI data: of one body, of both, or what they are together."""
+    if data.reduced_modulus is not None:
+        return f"E* = {data.reduced_modulus!r} Pa"
+    own = f"E = {data.youngs_modulus!r} Pa"
+    if data.punch_youngs_modulus is None:
+        return own
+    punch = f"E = {data.punch_youngs_modulus!r} Pa, nu = {data.punch_poisson_ratio!r}"
+    return f"{own}, nu = {scene.poisson_ratio!r}; punch: {punch}"
 
 
 def _shape_text(scene: Scene) -> str:
@@ -200,7 +218,7 @@ def _scene_text(solution: Solution) -> str:
         layer = f"alpha = {data.normal_compliance!r} m/Pa"
         if data.layer is not None:
             layer = f"{data.layer.brief} in Pa and m"
-        text += f"\nE = {data.youngs_modulus!r} Pa, {', '.join(given)}, {layer}, "
+        text += f"\n{_moduli_text(solution.scene, data)}, {', '.join(given)}, {layer}, "
         text += f"beta = {data.tangential_compliance!r} m/Pa"
     return text
 

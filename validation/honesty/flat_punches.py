@@ -10,7 +10,8 @@ some scenes, of all strata, it is `reference` to 20 digits. The traction is comp
 estimated shift of the zone boundaries. A violation is a true error above the estimate, an exception
 or a warning, a broken friction law that no estimate explains, and an infinite estimate of the slip
 that a closer tolerance makes finite. Scenes cover alpha, beta in {0} and 1e-14 ... 1e14, all nu,
-and friction from 1e-3 of the critical to 1e-6 below it; tolerances are 1e-2 ... 1e-9.
+and friction from 1e-3 of the critical to 1e-6 below it; tolerances are 1e-2 ... 1e-9. A quarter
+of the scenes is of two elastic bodies with negative kappa.
 """
 
 from __future__ import annotations

@@ -24,6 +24,8 @@ TRUE_WIDTHS = 1.5, 1.75
 #: A truth that breaks the friction law by more is none, nor is one whose shear is as uncertain.
 BROKEN, UNCERTAIN = 1e-6, 1e-9
 
+#: Share of the scenes that are of two bodies with negative kappa.
+TURNED = 0.25
 #: One scene of so many has `reference` to `DIGITS` as its truth.
 BLOCK, DIGITS = 40, 20
 #: Where those are refused, which names what to ask for instead.
@@ -44,6 +46,7 @@ class Draw:
     share: float
     gap: float
     free: float
+    turned: bool
 
     @classmethod
     def of(cls, seed: int, number: int) -> Draw:
@@ -60,7 +63,14 @@ class Draw:
         nu, rtol = rng.uniform(-0.99, 0.499), 10.0 ** rng.uniform(-9, -2)
         near, share = rng.random() < 0.3, 10.0 ** rng.uniform(-3, 0)
         gap, free = 10.0 ** rng.uniform(-6, -1), 10.0 ** rng.uniform(-2, 1.2)
-        return cls(mode, float(alpha), float(beta), float(nu), float(rtol), near, share, gap, free)
+        turned = bool(rng.random() < TURNED)
+        numbers = map(float, (alpha, beta, nu, rtol))
+        return cls(mode, *numbers, near, share, gap, free, turned)
+
+    def scene(self, friction: float, *, coupled: bool = False) -> Scene:
+        """Return the scene with a friction: of one body, or of two with negative kappa."""
+        scene = Scene(self.nu, self.alpha, self.beta, friction, coupling=coupled)
+        return scene.replace(kappa=-scene.kappa) if self.turned else scene
 
     @property
     def stratum(self) -> tuple[int, bool, bool]:
@@ -71,15 +81,15 @@ class Draw:
 def random_scene(seed: int, number: int, coupled: bool) -> tuple[Scene, float]:
     """Return scene `number` of a seed, and a tolerance; with coupling it is one of full stick."""
     drawn = Draw.of(seed, number)
-    stick = Scene(drawn.nu, drawn.alpha, drawn.beta, math.inf, coupling=coupled)
+    stick = drawn.scene(math.inf, coupled=coupled)
     if coupled:
         return stick, drawn.rtol
     critical = solve(stick, 1e-9, ("critical_friction",)).critical_friction
     if math.isinf(critical):
-        friction = stick.kappa * drawn.free
+        friction = abs(stick.kappa) * drawn.free
     else:
         friction = critical * (1.0 - drawn.gap if drawn.near else drawn.share)
-    return Scene(drawn.nu, drawn.alpha, drawn.beta, float(friction)), drawn.rtol
+    return drawn.scene(float(friction)), drawn.rtol
 
 
 def by_reference(seed: int, number: int) -> bool:

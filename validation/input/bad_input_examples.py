@@ -96,6 +96,7 @@ ARGUMENTS: dict[str, Any] = {
     **{"zero_pressure": 1.0, "clearance": 0.1, "overclosures": [0.0, 0.1, 0.2, 0.4]},
     **{"pressures": [0.0, 0.1, 0.3, 0.9], "compliance": 0.5, "start": 0.0, "limit": 1.0},
     "depth": [0.3],
+    **{"first": profiles.Cone(1.0), "second": profiles.Parabola(1.0), "material": None},
     **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
 }
 #: By name of the callable's parameter, where the name alone does not say it.
@@ -125,13 +126,24 @@ SPECIAL: dict[str, Any] = {
     "testing.normal_displacement.pressure": one,
     "testing.tangential_displacement.pressure": one,
 }
+BALL = profiles.Parabola(0.01)
+BODY = {"youngs_modulus": 2.1e11, "poisson_ratio": 0.3}
+PUNCH = {f"punch_{name}": value for name, value in BODY.items()}
 #: What goes along with a parameter, so that it is looked at, or the work is short.
 INSIDE = "equations.interior.Inside"
 COMPANY: dict[str, dict[str, Any]] = {
     "PhysicalData": {"load": 1.0, "radius": 1e-3},
     "PhysicalData.approach": {"radius": 1e-3},
-    "Scene.from_physical": {"load": 1.0, "radius": 1e-3},
-    "Scene.from_physical.approach": {"radius": 1e-3},
+    "PhysicalData.reduced_modulus": {"youngs_modulus": None, "load": 1.0, "radius": 1e-3},
+    "PhysicalData.punch_youngs_modulus": {"punch_poisson_ratio": 0.3, "load": 1.0},
+    "PhysicalData.punch_poisson_ratio": {"punch_youngs_modulus": 1e9, "load": 1.0},
+    "Scene.from_physical": {**BODY, "load": 1.0, "radius": 1e-3},
+    "Scene.from_physical.approach": {**BODY, "radius": 1e-3},
+    "Scene.from_physical.reduced_modulus": {"load": 1.0, "radius": 1e-3},
+    **{
+        f"Scene.from_physical.{name}": {**BODY, **PUNCH, "load": 1.0, "profile": BALL}
+        for name in ("punch_youngs_modulus", "punch_poisson_ratio", "punch_profile")
+    },
     "studies.compare": {"approach": 0.3, "truth": Quarter(), "scene": NORMAL},
     "studies.compare.truth": {"approach": 0.3},
     **{f"studies.compare.{name}": {"pressure": one} for name in ("s", "from_edge")},

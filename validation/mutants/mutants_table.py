@@ -385,9 +385,23 @@ MUTANTS = (
     Mutant(
         "an incompressible half-space is planned as any other",
         f"{_PACKAGE}/solving/planning.py",
-        "if scene.friction is None or scene.poisson_ratio == 0.5:",
+        "if scene.friction is None or _undriven(scene):",
         "if scene.friction is None:",
         f"{_UNIT}/solving/test_planning.py",
+    ),
+    Mutant(
+        "bodies of negative kappa have the traction of positive kappa",
+        f"{_PACKAGE}/solving/mirror.py",
+        "field.times(-1.0)",
+        "field.times(1.0)",
+        f"{_UNIT}/test_two_bodies.py -k negative_kappa_turns",
+    ),
+    Mutant(
+        "the traction on the punch is that on the half-space",
+        f"{_PACKAGE}/view/physical.py",
+        "share, -1.0)",
+        "share, 1.0)",
+        f"{_UNIT}/test_two_bodies.py -k surfaces_of_both",
     ),
     Mutant(
         "the work is that of the smallest system",

@@ -87,7 +87,10 @@ class PaperFigure:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
         choices.instance("scene", scene, Scene)
         compliances = scene.normal_compliance, scene.tangential_compliance
-        parameters = scene.poisson_ratio, *compliances, scene.friction or 0.0
+        nu = scene.poisson_ratio
+        if nu is None or scene.mismatch is not None:
+            raise SceneError("poisson_ratio", nu, "given: the paper's punch is rigid")
+        parameters = nu, *compliances, scene.friction or 0.0
         if not self.radial:
             return np.array([parameters])
         radii = np.column_stack([RADII.s, RADII.from_edge])

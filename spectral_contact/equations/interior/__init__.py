@@ -3,7 +3,7 @@
 A solution imports this when `Solution.inside` is asked for; it knows no solver, only the fields.
 """
 
-from spectral_contact.equations.interior.body import Inside
+from spectral_contact.equations.interior.body import Inside, Material
 from spectral_contact.equations.interior.grids import Units
 from spectral_contact.equations.interior.results import (
     Displacement,
@@ -13,4 +13,13 @@ from spectral_contact.equations.interior.results import (
     Surface,
 )
 
-__all__ = ["Displacement", "Energies", "Extreme", "Inside", "Stress", "Surface", "Units"]
+__all__ = [
+    "Displacement",
+    "Energies",
+    "Extreme",
+    "Inside",
+    "Material",
+    "Stress",
+    "Surface",
+    "Units",
+]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +37,7 @@ from spectral_contact.equations.interior.sampling import (
     stress_error,
     stresses,
 )
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks, choices
 from spectral_contact.layers.control import refuse_layer
@@ -56,12 +56,32 @@ _NEAREST = 1e-100
 _MOST_POINTS = 10**8
 
 
+@dataclass(frozen=True, slots=True)
+class Material:
+    """One of two bodies in contact.
+
+    Attributes
+    ----------
+    poisson_ratio : float
+        ν of the body.
+    share : float
+        E'/E'ᵢ, the share of the body in what both give way.
+    sense : float
+        1 for the half-space, −1 for the punch, on which the traction acts the other way.
+    """
+
+    poisson_ratio: float
+    share: float = 1.0
+    sense: float = 1.0
+
+
 class Inside:
     """Stress and displacement anywhere in the half-space; made by `Solution.inside`.
 
     Points are given by their distance from the axis, or from the edge, and their depth. Everything
     is in the units of the solution: `Solution.inside` is dimensionless, and
-    `PhysicalSolution.inside` in SI units. Under a profile places are in contact radii, as
+    `PhysicalSolution.inside` in SI units, as `PhysicalSolution.punch_inside` of an elastic punch,
+    whose depth is counted into the punch. Under a profile places are in contact radii, as
     those of the pressure, displacements in L and stresses in E'.
 
     The fields are the response of an elastic half-space to the pressure and the traction of the
@@ -72,21 +92,34 @@ class Inside:
     ----------
     solution : Solution
     units : Units, optional
+    material : Material, optional
+        Of the body; by default the half-space under a rigid punch.
+    other : Material, optional
+        Of the other body, if that is elastic.
 
     Raises
     ------
     SceneError
-        If one of them is something else.
+        If one of them is something else, or the scene does not have Poisson's ratio of the body.
     NotComputedError
         If the pressure or the traction was not asked for; under a profile contact radius and load.
     """
 
-    def __init__(self, solution: Solution, units: Units | None = None) -> None:
+    def __init__(
+        self,
+        solution: Solution,
+        units: Units | None = None,
+        material: Material | None = None,
+        other: Material | None = None,
+    ) -> None:
         self._solution = choices.instance("solution", solution, Solution)
         refuse_layer(solution.scene, "inside")
         own = own_units(solution)
         self._units = own if units is None else choices.instance("units", units, Units)
-        self._nu = solution.scene.poisson_ratio
+        own_material = _only_body(solution) if material is None else material
+        self._material = choices.instance("material", own_material, Material)
+        self._other = other if other is None else choices.instance("other", other, Material)
+        self._nu = self._material.poisson_ratio
         pressure, traction = solution.pressure_field, solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed
         solution.traction(0.5)
@@ -94,6 +127,8 @@ class Inside:
         loads: list[Evaluator] = [
             _nothing if field is None else places.finite(field) for field in (pressure, traction)
         ]
+        if self._sheared and self._material.sense < 0.0:
+            loads[1] = _opposite(loads[1])
         self._singular = places.singular(solution)
         self._sampler = Sampler(
             places.grading(solution),
@@ -181,7 +216,7 @@ class Inside:
         arm = np.where(points.r > AXIS, points.r, 0.0)
         error = displacement_error(sums.values, self._errors(sums), arm)
         error = error + (self._solution.error.contact_radius or 0.0)
-        unit = self._units.displacement / (4.0 * (1.0 - self._nu))
+        unit = self._units.displacement * self._material.share / (4.0 * (1.0 - self._nu))
         out, down = sums.values[1] * arm * unit + 0.0, sums.values[0] * unit
         return Displacement(*_shaped(shape, out, down, error))
 
@@ -241,6 +276,8 @@ class Inside:
     ) -> Surface:
         """Evaluate the displacement of the surface, and its gap to the plane of the punch's face.
 
+        Between two elastic bodies the gap is that between their surfaces.
+
         Parameters
         ----------
         r, from_edge : array_like
@@ -261,6 +298,9 @@ class Inside:
         """
         moved = self.displacement(r, 0.0, from_edge=from_edge, rtol=rtol)
         gap = self._approach - moved.z
+        if self._other is not None:
+            facing = Inside(self._solution, self._units, self._other)
+            gap = gap - facing.displacement(r, 0.0, from_edge=from_edge, rtol=rtol).z
         profile = self._solution.scene.profile
         if profile is not None:
             points, shape = self._points(r, 0.0, from_edge)
@@ -376,6 +416,7 @@ class Inside:
         found = largest(
             measure,
             self._solution,
+            self._nu,
             lambda points, rtol: own.stress(from_edge=points.from_edge, z=points.z, rtol=rtol),
         )
         value = None if found.value is None else found.value * self._units.stress
@@ -400,8 +441,10 @@ class Inside:
         ------
         NotComputedError
             If the approach or the slip was not asked for; with friction under a profile, as it
-            dissipates while the contact grows.
+            dissipates while the contact grows; of one of two elastic bodies.
         """
+        if self._solution.scene.mismatch is not None:
+            raise NotComputedError("energies", "they are those of both bodies together")
         own, units = self._unscaled, self._units
         size = 1.0 if self.flat else self._solution.contact_radius
         unit = units.stress * units.length**2 * units.displacement * size
@@ -418,7 +461,7 @@ class Inside:
     def _unscaled(self) -> Inside:
         """The same in the units of the solution."""
         same = self._units == own_units(self._solution)
-        return self if same else Inside(self._solution)
+        return self if same else Inside(self._solution, None, self._material)
 
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""
@@ -430,6 +473,20 @@ class Inside:
         loads = of_pressure * sums.of_pressure + of_traction * sums.of_traction
         # twice: loads are as rough as they are wrong, which quadrature does not resolve
         return np.asarray(2.0 * loads + sums.quadrature)
+
+
+def _only_body(solution: Solution) -> Material:
+    """Return the half-space under a rigid punch."""
+    scene = solution.scene
+    if scene.poisson_ratio is None or scene.mismatch is not None:
+        told = "given, of a half-space under a rigid punch: of two elastic bodies with SI data "
+        told += "solution.physical.inside and solution.physical.punch_inside have the stress"
+        raise SceneError("poisson_ratio", scene.poisson_ratio, told)
+    return Material(scene.poisson_ratio)
+
+
+def _opposite(load: Evaluator) -> Evaluator:
+    return lambda s, from_edge: -load(s, from_edge)
 
 
 def _nothing(s: Array, from_edge: Array) -> Array:

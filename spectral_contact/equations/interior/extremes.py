@@ -55,7 +55,7 @@ class _Found(NamedTuple):
     share: float
 
 
-def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
+def largest(name: str, solution: Solution, nu: float, stress: StressAt) -> Extreme:
     """Return the largest value of a measure of stress.
 
     Parameters
@@ -63,11 +63,13 @@ def largest(name: str, solution: Solution, stress: StressAt) -> Extreme:
     name : str
         One of `MEASURES`.
     solution : Solution
+    nu : float
+        Poisson's ratio of the body.
     stress : callable
         Dimensionless stress at points of the body.
     """
     tension = name == "surface_tension"
-    reason = _tension_grows(solution) if tension else _shear_grows(solution)
+    reason = _tension_grows(solution) if tension else _shear_grows(solution, nu)
     if reason:
         return Extreme(None, 1.0, 0.0, None, None, attained=False, remark=f"unbounded: {reason}")
     best = _search(MEASURES[name], solution, stress, tension)
@@ -95,11 +97,11 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     return Extreme(best.value, r, z, error, place, attained=True, remark="attained")
 
 
-def _shear_grows(solution: Solution) -> str:
+def _shear_grows(solution: Solution, nu: float) -> str:
     """Return why shear stresses have no bound; nothing if they have one."""
     if solution.scene.profile is not None:
         # under a pressure that is locally uniform all stresses are it, or (1 + 2 nu) / 2 of it
-        infinite = singular(solution) and solution.scene.poisson_ratio < 0.5
+        infinite = singular(solution) and nu < 0.5
         return "the pressure is infinite at a tip or a corner" if infinite else ""
     if not np.isfinite(solution.pressure(1.0)):
         return "the pressure of a smooth surface is infinite at the edge"

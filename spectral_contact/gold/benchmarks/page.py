@@ -48,7 +48,7 @@ def page(benchmark: Benchmark, figure: str | None = None, data: str = "") -> str
         *([f"![The fields]({figure})"] if figure else []),
         _fields(benchmark, data),
         "## In other codes",
-        _UNITS.format(modulus=_short(4.0 * (1.0 - benchmark.scene.poisson_ratio**2))),
+        _UNITS.format(modulus=_short(4.0 * (1.0 - _nu(benchmark.scene) ** 2))),
         *(_recipe(one.code, one.tried, one.text) for one in benchmark.recipes),
         "## Source",
         f"{benchmark.source} Cite it as *spectral_contact benchmark {benchmark.name}, version "
@@ -63,8 +63,14 @@ _UNITS = (
 )
 
 
+def _nu(scene: Scene) -> float:
+    """Return Poisson's ratio, which every benchmark has."""
+    assert scene.poisson_ratio is not None
+    return scene.poisson_ratio
+
+
 def _dimensional(scene: Scene) -> str:
-    unit = 4.0 * (1.0 - scene.poisson_ratio**2) * _A / _E
+    unit = 4.0 * (1.0 - _nu(scene) ** 2) * _A / _E
     compliances = {"α": scene.normal_compliance, "β": scene.tangential_compliance}
     given = "".join(f", {one} = {_short(x * unit)} m/Pa" for one, x in compliances.items() if x)
     lines = [

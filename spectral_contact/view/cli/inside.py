@@ -43,6 +43,9 @@ def add_options(command: argparse.ArgumentParser) -> None:
         help="instead: a text file with columns r and z, in these units or those of its headings",
     )
     add_reading(group, "r=2,z=3 [mm]")
+    group.add_argument(
+        "--punch", action="store_true", help="points in an elastic punch, depths counted into it"
+    )
     group = command.add_argument_group("request")
     group.add_argument(
         "--rtol", type=number, default=1e-8, help="bound on relative errors (default: %(default)s)"
@@ -78,7 +81,7 @@ def run(arguments: argparse.Namespace) -> str:
     scene = any_scene(arguments)
     given = None if points is None else read(points, _expected(scene), arguments)
     solution = solve(scene, min(arguments.rtol, 1e-10))
-    body = solution.inside if scene.physical is None else solution.physical.inside
+    body = _body(solution, in_punch=arguments.punch)
     if output is not None:
         content = _content(body, arguments, given, suffix)
         with reported(output, "cannot be written"):
@@ -87,6 +90,14 @@ def run(arguments: argparse.Namespace) -> str:
         plotting.save(plotting.plot_inside(body, arguments.quantity), arguments.plot)
     summary = _summary(body, solution)
     return summary if given is None else f"{given}\n{summary}"
+
+
+def _body(solution: Solution, *, in_punch: bool) -> Inside:
+    if solution.scene.physical is None:
+        if in_punch:
+            raise UsageError("--punch goes with --punch-youngs-modulus and --punch-poisson-ratio")
+        return solution.inside
+    return solution.physical.punch_inside if in_punch else solution.physical.inside
 
 
 def _content(

@@ -11,7 +11,15 @@ from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.layer import add_layer, law, layer_given
 from spectral_contact.view.cli.options import UsageError, add_option, flag, measured, number
-from spectral_contact.view.cli.scene import add_physical, add_scene, scene, si_given
+from spectral_contact.view.cli.scene import (
+    MATERIALS,
+    add_physical,
+    add_scene,
+    kappa,
+    missing_material,
+    scene,
+    si_given,
+)
 
 #: Profiles that numbers describe, by the name on the command line.
 _NAMED: Final = {
@@ -42,7 +50,7 @@ _UNITS: Final = {
     "flat_radius": "m",
 }
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
-_SI_ONLY: Final = ("youngs_modulus", *(f"{name}_si" for name in _COMPLIANCES))
+_SI_ONLY: Final = ("youngs_modulus", *MATERIALS, *(f"{name}_si" for name in _COMPLIANCES))
 
 
 def add_any_scene(command: argparse.ArgumentParser) -> None:
@@ -120,10 +128,15 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
     needed = SHAPES.get(kind, ("radius",))
     _check_complete(given["profile"], needed, values)
     rest: dict[str, Any] = {
-        name: given[name] for name in ("youngs_modulus", "friction") if name in given
+        name: given[name] for name in ("youngs_modulus", *MATERIALS, "friction") if name in given
     }
+    if "reduced_modulus" not in given:
+        rest["poisson_ratio"] = given.get("poisson_ratio", 0.3)
+    elif "poisson_ratio" in given:
+        rest["poisson_ratio"] = given["poisson_ratio"]
+    if not si:
+        rest |= kappa(given)
     known: dict[str, Any] = {
-        "poisson_ratio": given.get("poisson_ratio", 0.3),
         **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
         **{name: values[name] for name in ALL_CONTROLS if name in values},
         "profile": KINDS[kind](**{name: values[name] for name in needed}),
@@ -139,7 +152,7 @@ def _check_si(given: dict[str, Any]) -> None:
     mixed = [name for name in _COMPLIANCES if name in given]
     if mixed:
         raise UsageError(f"{flag(mixed[0])} is dimensionless: use {flag(mixed[0])}-si, in m/Pa")
-    missing = [flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
+    missing = missing_material(given)
     if missing:
         raise UsageError(f"SI input needs {' and '.join(missing)}: there is no default material")
 

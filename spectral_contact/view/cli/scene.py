@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import Final
+from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
@@ -18,7 +18,13 @@ from spectral_contact.view.cli.options import (
 
 _COMPLIANCES: Final = ("normal_compliance", "tangential_compliance")
 _SI_COMPLIANCES: Final = ("normal_compliance_si", "tangential_compliance_si")
-_SI: Final = ("youngs_modulus", "radius", "load", "approach", *_SI_COMPLIANCES)
+_SI: Final = (
+    *("youngs_modulus", "reduced_modulus", "punch_youngs_modulus", "punch_poisson_ratio"),
+    *("radius", "load", "approach"),
+    *_SI_COMPLIANCES,
+)
+#: What the materials of SI data are given by besides modulus and Poisson's ratio of the half-space.
+MATERIALS: Final = ("reduced_modulus", "punch_youngs_modulus", "punch_poisson_ratio")
 #: Dimensionless scene of a bare ``spectral-contact solve``.
 _DEFAULTS: Final = {
     "poisson_ratio": 0.1,
@@ -45,6 +51,8 @@ def add_scene(command: argparse.ArgumentParser) -> None:
         ),
     ):
         add_option(group, name, kind, f"{meaning} (default: {_DEFAULTS[name]})", metavar)
+    meaning = "instead of --poisson-ratio: kappa of two elastic bodies, in (-3/8, 3/8)"
+    add_option(group, "kappa", number, meaning, "KAPPA")
     add_coupling(group)
 
 
@@ -68,6 +76,9 @@ def add_physical(command: argparse.ArgumentParser) -> None:
     )
     for name, metavar, meaning in (
         ("youngs-modulus", "E", "Young's modulus of the half-space [Pa]"),
+        ("punch-youngs-modulus", "E2", "that of an elastic punch, under a profile [Pa]"),
+        ("punch-poisson-ratio", "NU2", "Poisson's ratio of an elastic punch"),
+        ("reduced-modulus", "E*", "in place of all four, without friction: E* of both bodies [Pa]"),
         ("radius", "A", "radius of the punch [m]"),
         ("load", "P", "normal force [N]"),
         ("approach", "DELTA", "rigid approach of the punch [m]"),
@@ -87,11 +98,30 @@ def scene(arguments: argparse.Namespace) -> Scene:
     given = vars(arguments)
     if not si_given(arguments):
         values = {name: given.get(name, default) for name, default in _DEFAULTS.items()}
-        return Scene(**values, coupling=arguments.coupling)
+        return Scene(**{**values, **kappa(given)}, coupling=arguments.coupling)
     _check_si(arguments)
-    values = {name: given[name] for name in (*_SI_NEEDS, "load", "approach") if name in given}
+    known = (*_SI_NEEDS, *MATERIALS, "load", "approach")
+    values = {name: given[name] for name in known if name in given}
     compliances = {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
     return Scene.from_physical(**values, **compliances, coupling=arguments.coupling)
+
+
+def kappa(given: dict[str, Any]) -> dict[str, Any]:
+    """Return what a scene takes for the coupling constant of two bodies, if that is given."""
+    if "kappa" not in given:
+        return {}
+    if "poisson_ratio" in given:
+        raise UsageError("--kappa is instead of --poisson-ratio")
+    return {"poisson_ratio": None, "mismatch": given["kappa"]}
+
+
+def missing_material(given: dict[str, Any]) -> list[str]:
+    """Return which options of the material of the half-space are missing in SI units."""
+    if "kappa" in given:
+        raise UsageError("--kappa is dimensionless: give the moduli and Poisson's ratios")
+    if "reduced_modulus" in given:
+        return []
+    return [flag(name) for name in ("youngs_modulus", "poisson_ratio") if name not in given]
 
 
 def defaults(arguments: argparse.Namespace) -> list[str]:
@@ -124,7 +154,9 @@ def _check_si(arguments: argparse.Namespace) -> None:
             f"({flag(next(name for name in _SI if name in given))}); "
             f"use {flag(mixed[0])}-si, in m/Pa"
         )
-    missing = [flag(name) for name in _SI_NEEDS if name not in given]
+    missing = missing_material(given)
+    needed = ("radius",) if "reduced_modulus" in given else ("radius", "friction")
+    missing += [flag(name) for name in needed if name not in given]
     if missing:
         raise UsageError(f"SI input needs {' and '.join(missing)}: there is no default material")
     if ("load" in given) == ("approach" in given):

@@ -27,7 +27,7 @@ from spectral_contact.view.cli.options import (
     whole,
 )
 from spectral_contact.view.cli.profile import add_profile, profile_given, profile_scene
-from spectral_contact.view.cli.scene import add_coupling
+from spectral_contact.view.cli.scene import add_coupling, kappa
 from spectral_contact.view.report import table
 
 if TYPE_CHECKING:
@@ -49,6 +49,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
     for name, (default, meaning) in _PARAMETERS.items():
         kind = _frictions if name == "friction" else values
         add_option(group, name, kind, f"{meaning} (default: {default})", "VALUES")
+    meaning = "instead of --poisson-ratio: kappa of two elastic bodies, in (-3/8, 3/8)"
+    add_option(group, "kappa", values, meaning, "VALUES")
     add_coupling(group)
     add_profile(command, values)
     group = command.add_argument_group(
@@ -123,9 +125,8 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
     """Run the sweep that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
-    lists = {
-        name: vars(arguments)[name] for name in (*_PARAMETERS, *ALL_CONTROLS) if name in arguments
-    }
+    names = (*_PARAMETERS, "kappa", *ALL_CONTROLS)
+    lists = {name: vars(arguments)[name] for name in names if name in arguments}
     of_law = {name: vars(arguments)[name] for name in LAW_NUMBERS if name in arguments}
     axes = {name: several for name, several in lists.items() if len(several) > 1}
     law = {
@@ -153,6 +154,8 @@ def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
     if alien:
         raise UsageError(f"--{alien[0]} needs --profile")
     values = {name: default for name, (default, _) in _PARAMETERS.items()} | first
+    values |= kappa(first)
+    values.pop("kappa", None)
     return Scene(**values, coupling=arguments.coupling)
 
 

@@ -14,6 +14,7 @@ from urllib.parse import parse_qsl, urlencode
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.choices import instance, one_of
+from spectral_contact.io.physical import checked_poisson_ratio
 from spectral_contact.layers.control import refuse_layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
@@ -103,6 +104,9 @@ def texts_of(scene: Scene | None, rtol: float | None = None) -> dict[str, str]:
     if scene is None:
         return {name: KNOBS[name].start for name in FLAT} | told
     refuse_layer(instance("scene", scene, Scene), "explore")
+    if scene.poisson_ratio is None or scene.mismatch is not None:
+        allowed = "one with a Poisson's ratio and a rigid punch: explore has no kappa"
+        raise SceneError("scene", scene, allowed)
     texts = {name: _text(getattr(scene, name)) for name in FLAT}
     if scene.coupling:
         texts["coupling"] = "true"
@@ -141,6 +145,8 @@ def query_of(texts: Texts) -> str:
 def scene_of(texts: Texts) -> Scene:
     """Return the scene of a state; what is none, text that is no number too, is a `SceneError`."""
     values: dict[str, Any] = {name: _number(name, texts[name]) for name in FLAT if name in texts}
+    if "poisson_ratio" in values:  # a scene may be without, the page has a slider for it
+        values["poisson_ratio"] = checked_poisson_ratio(values["poisson_ratio"])
     if "coupling" in texts:
         values["coupling"] = _YES_NO[one_of("coupling", texts["coupling"], _YES_NO)]
     if "profile" in texts:

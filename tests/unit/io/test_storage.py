@@ -39,6 +39,7 @@ from spectral_contact.io import physical, schema, storage
 from spectral_contact.layers import asperities, laws, sampled
 from spectral_contact.profiles import sampled as sampled_profiles
 from spectral_contact.profiles import shapes as shape_profiles
+from spectral_contact.profiles import sums
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     Ending,
@@ -54,7 +55,7 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.solver import solve
 
-profile_classes = (sampled_profiles, shape_profiles)
+profile_classes = (sampled_profiles, shape_profiles, sums)
 layer_classes = (asperities, laws, sampled)
 SUFFIXES = (".npz", ".json")
 AWKWARD = [math.inf, -math.inf, -0.0, 5e-324, -2.2e-308, 1.7976931348623157e308, 0.1 + 0.2, 1e22]
@@ -302,6 +303,7 @@ PROFILES = {
     "cone": profiles.Cone(0.8),
     "truncated cone": profiles.TruncatedCone(0.5, 1.1),
     "rounded flat": profiles.RoundedFlat(0.5, 1.0),
+    "sum": profiles.Sum(profiles.Cone(0.8), profiles.Sphere(1.3)),
     "points": profiles.Sampled.from_points([0.0, 0.5, 1.0, 1.5], [0.0, 0.125, 0.5, 1.125]),
 }
 

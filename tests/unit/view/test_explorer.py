@@ -92,7 +92,7 @@ def test_a_link_that_means_nothing_is_refused(query, complaint):
         ("?friction=-1", {"friction": -1.0}),
         ("?friction=a lot", {"friction": "a lot"}),
         ("?poisson_ratio=0.7", {"poisson_ratio": 0.7}),
-        ("?poisson_ratio=none", {"poisson_ratio": None}),
+        ("?poisson_ratio=none", {"poisson_ratio": None, "friction": 0.1}),
         ("?normal_compliance=nan", {"normal_compliance": math.nan}),
         ("?normal_compliance=", {"normal_compliance": ""}),
         ("?load=1", {"load": 1.0}),

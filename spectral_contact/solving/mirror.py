@@ -1,0 +1,55 @@
+"""Scenes with κ < 0, which the solver knows by their mirror images.
+
+With the punch and the half-space exchanged κ changes its sign, and so does whatever is radial:
+``(p, -q)`` solves the scene with ``-kappa``, with elastic coupling and without (docs/two_bodies).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution
+
+
+def with_positive_kappa(scene: Scene) -> Scene:
+    """Return the scene, or without SI data that of two bodies with the size of κ."""
+    if scene.mismatch is None:
+        return scene
+    return scene.replace(kappa=abs(scene.mismatch), physical=None)
+
+
+def mirrored(solution: Solution, scene: Scene) -> Solution:
+    """Return the solution of a scene from that of `with_positive_kappa`.
+
+    Parameters
+    ----------
+    solution : Solution
+    scene : Scene
+        Whose solution it is to be.
+    """
+    if solution.scene is scene:
+        return solution
+    if scene.mismatch is None or scene.mismatch >= 0.0:
+        return replace(solution, scene=scene)
+    values = dict(solution.values)
+    if "total_shear" in values:
+        values["total_shear"] = _opposite(values["total_shear"])
+    grown = solution.grown
+    return replace(
+        solution,
+        scene=scene,
+        values=values,
+        traction_field=_reversed(solution.traction_field),
+        slip_field=_reversed(solution.slip_field),
+        grown=None if grown is None else replace(grown, shears=-grown.shears),
+    )
+
+
+def _reversed(field: Any) -> Any:
+    return None if field is None else field.times(-1.0)
+
+
+def _opposite(value: float) -> float:
+    return 0.0 - value  # 0 stays 0
