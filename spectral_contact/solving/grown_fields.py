@@ -43,7 +43,7 @@ _AT_CENTRE = 4
 _FEWEST, _ROOT_PANELS = 11, 26
 #: Quadrature over the history, graded to where it begins: the ratio of its panels, their number
 #: where there are square roots, and points; what is smooth takes few points.
-_RATIO, _ROOT_GRADED, _POINTS, _SMOOTH = 0.2, 36, 10, (16, 1, 0.0)
+_RATIO, _ROOT_GRADED, _POINTS, _SMOOTH = 0.2, 36, 14, (16, 1, 0.0)
 #: How far into the edge, as a power of the tolerance in shares of the layer, panels go, and
 #: quadrature, where fields are bounded.
 _DEEP, _DEEP_QUADRATURE = 0.75, 0.5
