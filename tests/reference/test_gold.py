@@ -40,7 +40,7 @@ def test_profiles_are_there():
     pressed = [solution for solution in SOLUTIONS if solution.scene.profile is not None]
     assert len(pressed) >= 24
     kinds = {type(solution.scene.profile).__name__ for solution in pressed}
-    assert kinds == {*KINDS}
+    assert kinds == {*KINDS} - {"Sum"}  # which adds up two of the others
     for name in CONTROLS:
         assert any(getattr(solution.scene, name) is not None for solution in pressed)
     for solution in pressed:
