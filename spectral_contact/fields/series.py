@@ -278,15 +278,18 @@ class DiskSeries:
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""
         scaled = s / self.outer.value
-        value = self.even_part(
+        value = self.over_power(
             np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
         )
         if self.exponent != 0.0:
             value = value * np.maximum(scaled, np.finfo(float).tiny) ** self.exponent
         return np.asarray(scaled**self.power * value)
 
-    def even_part(self, d: Array) -> Array:
-        """Return ``weight + series`` at ``d = 1 - (s/outer)**2``, exactly as close to `outer`."""
+    def over_power(self, d: Array) -> Array:
+        """Return the field over ``(s/outer)**power`` at ``d = 1 - (s/outer)**2``.
+
+        It is the weight plus the series, without the factor of the `exponent`.
+        """
         value = np.zeros(np.shape(d))
         if self.series is not None:
             value = value + self.series(d)
@@ -317,9 +320,9 @@ class AnnulusSeries:
         below = np.maximum(self.outer.below(s, from_edge), 0.0)
         half = (above + below) / 2.0
         half = np.where(half > 0.0, half, 1.0)
-        return np.asarray(s**self.power * self.even_part(above / half, below / half))
+        return np.asarray(s**self.power * self.over_power(above / half, below / half))
 
-    def even_part(self, above: Array, below: Array) -> Array:
+    def over_power(self, above: Array, below: Array) -> Array:
         """Return the field over ``s**power``.
 
         Parameters

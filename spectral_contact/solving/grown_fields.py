@@ -96,14 +96,13 @@ class GrownFields:
             count = min(max(2 + int((edge + _DEEP * digits) / _WIDTH), _FEWEST), count)
             deep = (edge + _DEEP_QUADRATURE * digits) / -math.log(_RATIO)
             graded = min(1 + int(deep), graded)
-        rule = graded_rule(_POINTS, graded, _RATIO)
         self.history = _History(
             growth,
-            rule,
-            _both_ends(_POINTS, graded, _RATIO),
-            math.ceil((digits + _WIDTH) / math.log(_GAIN)),
+            stick_rule=graded_rule(_POINTS, graded, _RATIO),
+            slip_rule=_both_ends(_POINTS, graded, _RATIO),
+            degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
         )
-        self._slip_rule = _both_ends(*(_ROOT_SLIP_GRADED if smooth else _SLIP_GRADED))
+        self._displacement_rule = _both_ends(*(_ROOT_SLIP_GRADED if smooth else _SLIP_GRADED))
         self.stick, self._count = stick, count
         self._inner = self._cuts(-math.inf, math.log(stick.value))
         self._outer = self._cuts(math.log(stick.value), 0.0)
@@ -163,7 +162,9 @@ class GrownFields:
 
         def values(log_r: Array) -> Array:
             when = self.history.when_stuck(log_r)
-            return self.history.while_slipping("slip", log_r, when, self._slip_rule, power=1)
+            return self.history.while_slipping(
+                "slip", log_r, when, self._displacement_rule, power=1
+            )
 
         return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=1)
 
@@ -234,14 +235,23 @@ def _largest_radii(mesh: GradedMesh) -> Array:
 class _History:
     """A growth, and what it adds up to.
 
-    `rule` is for what sticks, graded to when it stuck. `slip_rule` is for what slips: with coupling
-    the pressure of a flat punch has a root at the edge and one at its stick radius.
+    `stick_rule` is for radii that stick, graded to when they stuck. `slip_rule` is for radii that
+    slip, graded to when they began and to when they stuck: with coupling the pressure of a flat
+    punch has a root at the edge and one at its stick radius. `degree` is that of the series.
     """
 
     def __init__(
-        self, growth: Growth, rule: tuple[Array, Array], slip_rule: tuple[Array, Array], degree: int
+        self,
+        growth: Growth,
+        *,
+        stick_rule: tuple[Array, Array],
+        slip_rule: tuple[Array, Array],
+        degree: int,
     ) -> None:
-        self.growth, self.rule, self.slip_rule, self.degree = growth, rule, slip_rule, degree
+        self.growth = growth
+        self.stick_rule = stick_rule
+        self.slip_rule = slip_rule
+        self.degree = degree
 
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
         """Return the panels towards an end of a part that extends so far in ``s**2``."""
@@ -259,7 +269,7 @@ class _History:
             # what stuck long before has a smooth integrand
             near = panel.stretch.before(stuck) < _NEAR * panel.stretch.extent
             for rows, rule in (
-                (near & (stuck < panel.high), self.rule),
+                (near & (stuck < panel.high), self.stick_rule),
                 (~near, graded_rule(*_SMOOTH)),
             ):
                 if rows.any():

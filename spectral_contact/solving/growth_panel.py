@@ -292,7 +292,7 @@ def _in_stick_disk(flat: Solution, name: str, d: Array) -> Array:
     """
     piece = _zone_piece(flat, name, 0)
     if piece is not None and isinstance(piece.field, DiskSeries):
-        return piece.factor * piece.field.even_part(d)
+        return piece.factor * piece.field.over_power(d)
     stick, scaled = stick_radius(flat), np.sqrt(1.0 - d)
     from_edge = stick.from_edge + stick.value * d / (1.0 + scaled)
     values = _field(flat, name, stick.value * scaled, from_edge)
@@ -310,7 +310,7 @@ def _in_slip_zone(flat: Solution, name: str, ratio: Array) -> Array:
     piece = _zone_piece(flat, name, 1)
     if piece is not None and isinstance(piece.field, AnnulusSeries):
         return np.asarray(
-            piece.factor * s**piece.field.power * piece.field.even_part(ratio * below, below)
+            piece.factor * s**piece.field.power * piece.field.over_power(ratio * below, below)
         )
     return _field(flat, name, s, y / (1.0 + s))
 

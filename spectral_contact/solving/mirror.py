@@ -35,7 +35,7 @@ def mirrored(solution: Solution, scene: Scene) -> Solution:
         return replace(solution, scene=scene)
     values = dict(solution.values)
     if "total_shear" in values:
-        values["total_shear"] = _opposite(values["total_shear"])
+        values["total_shear"] = 0.0 - values["total_shear"]  # 0 does not become -0
     grown = solution.grown
     return replace(
         solution,
@@ -49,7 +49,3 @@ def mirrored(solution: Solution, scene: Scene) -> Solution:
 
 def _reversed(field: Any) -> Any:
     return None if field is None else field.times(-1.0)
-
-
-def _opposite(value: float) -> float:
-    return 0.0 - value  # 0 stays 0

@@ -72,7 +72,8 @@ def solve(
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
-    asked, scene = scene, with_positive_kappa(scene)
+    asked = scene
+    scene = with_positive_kappa(asked)
     todo = plan(scene, quantities)
     rtol = checked_tolerance(rtol, todo.quantities)
     strict = checks.flag("strict", strict)
@@ -200,7 +201,8 @@ class Continuation:
 
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
         """Return the solution of the next scene, converged or not, and more quantities of it."""
-        asked, scene = scene, with_positive_kappa(scene)
+        asked = scene
+        scene = with_positive_kappa(asked)
         todo = plan(scene, (*self._quantities, *more))
         run = _run(scene, todo, self._rtol, self._max_unknowns, self._shared)
         with one_thread():
