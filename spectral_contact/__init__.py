@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
     from spectral_contact.view.explorer import explore as explore
-    from spectral_contact.view.physical import PhysicalSolution as PhysicalSolution
+    from spectral_contact.view.physical_solution import PhysicalSolution as PhysicalSolution
 
 __all__ = [
     "QUANTITIES",
@@ -104,7 +104,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     **{name: (name, None) for name in ("asperities", "calibration", "closed_forms")},
     **{name: (name, None) for name in ("gold", "precise", "studies", "testing")},
     "benchmarks": ("gold.benchmarks", None),
-    "PhysicalSolution": ("view.physical", "PhysicalSolution"),
+    "PhysicalSolution": ("view.physical_solution", "PhysicalSolution"),
     "compare": ("studies", "compare"),
     "explore": ("view.explorer", "explore"),
     "fit": ("calibration", "fit"),

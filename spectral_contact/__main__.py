@@ -30,14 +30,21 @@ from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
-from spectral_contact.view.cli import benchmark as cli_benchmark
-from spectral_contact.view.cli import explore as cli_explore
-from spectral_contact.view.cli import inside as cli_inside
-from spectral_contact.view.cli import scene as cli_scene
-from spectral_contact.view.cli import study as cli_study
-from spectral_contact.view.cli import sweep as cli_sweep
+from spectral_contact.view.cli import (
+    benchmark_command,
+    explore_command,
+    inside_command,
+    scene_options,
+    study_command,
+    sweep_command,
+)
 from spectral_contact.view.cli.options import NothingSolved, UsageError, joined, number, whole
-from spectral_contact.view.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
+from spectral_contact.view.cli.profile_options import (
+    add_any_scene,
+    any_scene,
+    in_si_units,
+    profile_given,
+)
 from spectral_contact.view.report import FIELDS, report, write_csv
 
 __all__ = ["main"]
@@ -91,7 +98,7 @@ def _run(argv: Sequence[str]) -> int:
     except NothingSolved as error:
         return failed(str(error), 1)
     except SceneError as error:
-        return failed(cli_scene.in_options(error, in_si_units(arguments)), 2)
+        return failed(scene_options.in_options(error, in_si_units(arguments)), 2)
     except SpectralContactError as error:
         return failed(str(error), 2)
     return 0
@@ -214,7 +221,7 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
         epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
     )
     add_any_scene(command)
-    cli_inside.add_options(command)
+    inside_command.add_options(command)
     command.set_defaults(run=_inside)
 
 
@@ -225,9 +232,9 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Measure errors against solutions to many digits, and times.",
     )
     resumed = " A run that was stopped resumes from its --store."
-    for kind, command in _kinds(study, cli_study.KINDS, resumed, " 1 no truth or no solve,"):
-        cli_scene.add_scene(command)
-        cli_study.add_options(command, kind)
+    for kind, command in _kinds(study, study_command.KINDS, resumed, " 1 no truth or no solve,"):
+        scene_options.add_scene(command)
+        study_command.add_options(command, kind)
         command.set_defaults(run=_study)
 
 
@@ -259,7 +266,7 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
         epilog="Exit status: 0 done, 1 no scene solved, 2 bad input or file, 130 interrupted. "
         "Scenes that could not be solved are counted; the output files name them with the reason.",
     )
-    cli_sweep.add_options(command)
+    sweep_command.add_options(command)
     command.set_defaults(run=_sweep)
 
 
@@ -269,9 +276,9 @@ def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
         help="problems to test other codes against",
         description="Ten problems with numbers and fields to test other codes against.",
     )
-    for kind, command in _kinds(benchmark, cli_benchmark.KINDS):
-        cli_benchmark.add_options(command, kind)
-        command.set_defaults(run=lambda arguments: print(cli_benchmark.run(arguments)))
+    for kind, command in _kinds(benchmark, benchmark_command.KINDS):
+        benchmark_command.add_options(command, kind)
+        command.set_defaults(run=lambda arguments: print(benchmark_command.run(arguments)))
 
 
 def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -284,9 +291,9 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
         epilog="Exit status: 0 ended by Ctrl-C, 2 bad input or no free port.",
     )
     add_any_scene(command)
-    cli_explore.add_options(command)
+    explore_command.add_options(command)
     command.set_defaults(
-        run=lambda arguments: cli_explore.run(
+        run=lambda arguments: explore_command.run(
             arguments, any_scene(arguments), lambda address: print(address, flush=True)
         )
     )
@@ -311,32 +318,32 @@ def _solve(arguments: argparse.Namespace) -> None:
     try:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
-        print(report(solution, [] if shaped else cli_scene.defaults(arguments)))
+        print(report(solution, [] if shaped else scene_options.defaults(arguments)))
 
 
 def _inside(arguments: argparse.Namespace) -> None:
-    _check_paths(arguments, cli_inside.OUTPUTS)
-    print(cli_inside.run(arguments))
+    _check_paths(arguments, inside_command.OUTPUTS)
+    print(inside_command.run(arguments))
 
 
 def _study(arguments: argparse.Namespace) -> None:
-    _check_paths(arguments, cli_study.OUTPUTS)
-    study = cli_study.run(arguments, cli_scene.scene(arguments))
+    _check_paths(arguments, study_command.OUTPUTS)
+    study = study_command.run(arguments, scene_options.scene(arguments))
     try:
-        cli_study.write(study, arguments)
+        study_command.write(study, arguments)
     finally:
         print(study)
-    cli_study.check_some_solved(study)
+    study_command.check_some_solved(study)
 
 
 def _sweep(arguments: argparse.Namespace) -> None:
-    _check_paths(arguments, cli_sweep.OUTPUTS)
-    found = cli_sweep.run(arguments)
+    _check_paths(arguments, sweep_command.OUTPUTS)
+    found = sweep_command.run(arguments)
     try:
-        cli_sweep.write(found, arguments)
+        sweep_command.write(found, arguments)
     finally:
-        print(cli_sweep.summary(found))
-    cli_sweep.check_some_solved(found)
+        print(sweep_command.summary(found))
+    sweep_command.check_some_solved(found)
 
 
 def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:

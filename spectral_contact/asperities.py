@@ -23,7 +23,7 @@ import numpy as np
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import positive, within
 from spectral_contact.io.choices import one_of
-from spectral_contact.io.physical import checked_poisson_ratio
+from spectral_contact.io.physical_data import checked_poisson_ratio
 from spectral_contact.layers import CalculixExponential, GreenwoodWilliamson, Layer, PowerLaw
 
 __all__ = ["AsperityLayer", "greenwood_williamson"]

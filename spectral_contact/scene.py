@@ -16,7 +16,7 @@ from spectral_contact.io.checks import flag, real
 from spectral_contact.io.choices import Suggesting, one_of, suggesting
 from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
 from spectral_contact.io.kinds import kind_tree
-from spectral_contact.io.physical import (
+from spectral_contact.io.physical_data import (
     LARGEST_COMPLIANCE,
     NO_HALF_SPACE,
     SMALLEST_COMPLIANCE,
@@ -25,7 +25,7 @@ from spectral_contact.io.physical import (
 )
 from spectral_contact.io.units import Measured, in_si
 from spectral_contact.layers import Layer
-from spectral_contact.layers.control import check_layer, in_own_units, layer_from
+from spectral_contact.layers.scene_layer import check_layer, in_own_units, layer_from
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.profiles.control import (
     ALL_CONTROLS,

@@ -21,7 +21,7 @@ from mpmath import mp
 
 import spectral_contact
 from spectral_contact import Scene, Solution, benchmarks, solve
-from spectral_contact.gold.benchmarks.page import page
+from spectral_contact.gold.benchmarks.benchmark_page import page
 from spectral_contact.precise import reference
 from spectral_contact.view import plotting
 from spectral_contact.view.plotting import graded_radii

@@ -63,7 +63,7 @@ CITATION = re.compile(r"docs/theory|\bEqs?\.|\((?:[^()]*\s)?(?:18|19|20)\d\d[a-z
 MOST_COMPLEX = 25
 #: Modules whose methods import what is above them when they are called: output of a solution, and
 #: of a study. What they import in functions is no link of a chain, and is counted by itself.
-LATE = ("view.output", "studies.results")
+LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
 #: How many of the worst are named.
 NAMED = 5

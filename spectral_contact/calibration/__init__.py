@@ -7,7 +7,7 @@ of a nonlinear layer's law. `compare_laws` says which of several laws such a cur
 """
 
 from spectral_contact.calibration.estimate import LawComparison, compare_laws, fit
-from spectral_contact.calibration.indentation import (
+from spectral_contact.calibration.indentation_curve import (
     INDENTATION_PARAMETERS,
     IndentationData,
     IndentationFit,

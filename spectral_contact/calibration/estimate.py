@@ -12,8 +12,12 @@ from typing import Any, Final, overload
 
 import numpy as np
 
-from spectral_contact.calibration.indentation import CurveProblem, IndentationData, IndentationFit
-from spectral_contact.calibration.layered import LawProblem
+from spectral_contact.calibration.indentation_curve import (
+    CurveProblem,
+    IndentationData,
+    IndentationFit,
+)
+from spectral_contact.calibration.layered_fits import LawProblem
 from spectral_contact.calibration.measurements import Data
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, least_squares_fit
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting

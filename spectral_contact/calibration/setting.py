@@ -18,7 +18,7 @@ from spectral_contact.contact.normal import compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution

@@ -16,7 +16,13 @@ the load 1.
 """
 
 from ._stick_radius import StickRadius, stick_radius
-from .coupled import (
+from .compliance_limits import (
+    approach_large_compliance,
+    approach_small_compliance,
+    edge_pressure_large_compliance,
+    edge_pressure_small_compliance,
+)
+from .coupled_punch import (
     coupled_approach,
     coupled_pressure,
     coupled_shear,
@@ -38,12 +44,6 @@ from .indentation import (
     winkler_contact,
 )
 from .partial_slip import partial_slip_shear, partial_slip_traction, slip_displacement
-from .series import (
-    approach_large_compliance,
-    approach_small_compliance,
-    edge_pressure_large_compliance,
-    edge_pressure_small_compliance,
-)
 from .smooth import full_stick_shear, full_stick_traction, smooth_approach, smooth_pressure
 
 __all__ = [

@@ -19,7 +19,7 @@ from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.errors import SceneError
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 
 Contact = Indentation | Refinement[Indentation]
 #: The contact of a radius, to a tolerance, and whether the pressure is wanted.

@@ -28,7 +28,7 @@ from spectral_contact.contact.refine import Refinement, SpaceSolution, refine, w
 from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import LogSeries
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.regularised import Regularised
 from spectral_contact.spectral.spaces import Space, disk_space

@@ -29,7 +29,7 @@ from spectral_contact.contact.on_parts import Indentation, PartedProblem
 from spectral_contact.contact.refine import Refinement, refine, within_budget
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE
-from spectral_contact.layers.base import Layer
+from spectral_contact.layers.layer_base import Layer
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 

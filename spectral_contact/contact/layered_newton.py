@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from spectral_contact.fields.series import central_value
-from spectral_contact.layers.base import Layer
-from spectral_contact.profiles.base import Profile
+from spectral_contact.layers.layer_base import Layer
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.parts import DiskPartition

@@ -19,8 +19,8 @@ from spectral_contact.contact.layered_newton import LayeredSetting, balanced
 from spectral_contact.contact.on_parts import layer_depth, profile_parts
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.layers.base import Layer
-from spectral_contact.profiles.base import Profile
+from spectral_contact.layers.layer_base import Layer
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.profiles.shapes import Flat
 from spectral_contact.spectral.cells import DiskCells
 from spectral_contact.spectral.parts import DiskPartition

@@ -25,7 +25,7 @@ from spectral_contact.fields.series import (
     Radius,
     ZonalField,
 )
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.parts import DiskPartition
 from spectral_contact.spectral.regularised import Change

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import PANEL_WIDTH, ROUNDING
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule

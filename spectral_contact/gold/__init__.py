@@ -7,7 +7,7 @@ Gold tables are scenes solved to 25 certified digits and more.
 import sys
 from types import ModuleType
 
-from spectral_contact.gold.loader import (
+from spectral_contact.gold.table_loader import (
     GoldPoint,
     GoldSolution,
     GoldTable,

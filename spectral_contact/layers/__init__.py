@@ -5,10 +5,10 @@ less what the half-space gives; a clearance is a negative one. Overclosures are 
 of length L, pressures in E' = E/(4(1−ν²)).
 """
 
-from spectral_contact.layers.asperities import GreenwoodWilliamson
-from spectral_contact.layers.base import Layer
+from spectral_contact.layers.asperity_law import GreenwoodWilliamson
 from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw
-from spectral_contact.layers.sampled import Sampled, Table
+from spectral_contact.layers.layer_base import Layer
+from spectral_contact.layers.sampled_law import Sampled, Table
 
 __all__ = [
     "CalculixExponential",

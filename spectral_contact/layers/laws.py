@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.layers.base import Layer, positive
+from spectral_contact.layers.layer_base import Layer, positive
 
 #: Below 1 the layer softens under pressure; beyond, it is as good as rigid at one overclosure.
 _EXPONENTS = 1.0, 10.0

@@ -5,6 +5,6 @@ second solution on another mesh.
 """
 
 from spectral_contact.precise.reference import reference
-from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.precise.reference_solution import ReferenceSolution
 
 __all__ = ["ReferenceSolution", "reference"]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.precise.annulus import AnnulusMesh
+from spectral_contact.precise.annulus_mesh import AnnulusMesh
 from spectral_contact.precise.fixed import Ints
 
 Array = NDArray[np.float64]

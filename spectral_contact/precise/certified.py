@@ -18,14 +18,14 @@ from spectral_contact.contact.layered_setting import setting_at_approach
 from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.io import checks
-from spectral_contact.layers.control import endless
-from spectral_contact.precise.coupled_run import PreciseCoupledRun
-from spectral_contact.precise.laws import law_of
-from spectral_contact.precise.layered import Begin
-from spectral_contact.precise.pressed import PressedRun, compared
-from spectral_contact.precise.run import PreciseRun
+from spectral_contact.layers.scene_layer import endless
+from spectral_contact.precise.layer_laws import law_of
+from spectral_contact.precise.layered_indented import Begin
+from spectral_contact.precise.precise_coupled_run import PreciseCoupledRun
+from spectral_contact.precise.precise_profile_run import PreciseProfileRun, compared
+from spectral_contact.precise.precise_run import PreciseRun
+from spectral_contact.precise.reference_solution import ReferenceSolution
 from spectral_contact.precise.search import lawful, solved
-from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.profiles import Flat
 from spectral_contact.records import ErrorEstimates, Zone
@@ -134,10 +134,10 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
     begun = None if scene.layer is None else _begun(scene, digits, solve)
     guess = _guessed(scene, begun, solve)
     first, second = (_on_mesh(number, tell) for number in (1, 2))
-    run = PressedRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, begun)
+    run = PreciseProfileRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, begun)
     tell("", 0.55)
     place = run.mp.mpf(run.place)
-    check = PressedRun(scene, digits + _CHECK[0], _CHECK[1], place, second, begun)
+    check = PreciseProfileRun(scene, digits + _CHECK[0], _CHECK[1], place, second, begun)
     tell("comparison", 0.95)
     error, worst = compared(run, check)
     run.mp.dps = digits + 3

@@ -13,8 +13,8 @@ from math import ceil
 from typing import Any
 
 from spectral_contact.errors import NotComputedError
-from spectral_contact.profiles import sampled, shapes, sums
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles import sampled_profile, shapes, sums
+from spectral_contact.profiles.profile_base import Profile
 
 Function = Callable[[Any], Any]
 
@@ -164,7 +164,7 @@ class _RoundedFlatHeights(Heights):
 class _SampledHeights(Heights):
     """Chebyshev series of the slope on every piece."""
 
-    def __init__(self, mp: Any, profile: sampled.Sampled) -> None:
+    def __init__(self, mp: Any, profile: sampled_profile.Sampled) -> None:
         super().__init__(mp, profile)
         self._edges = [mp.mpf(edge) for edge in profile.edges]
         self._rows = [[mp.mpf(c) for c in row] for row in profile.slopes]
@@ -342,6 +342,6 @@ _KINDS: dict[type[Profile], Callable[[Any, Any], Heights]] = {
     shapes.Sphere: _SphereHeights,
     shapes.TruncatedCone: _TruncatedConeHeights,
     shapes.RoundedFlat: _RoundedFlatHeights,
-    sampled.Sampled: _SampledHeights,
+    sampled_profile.Sampled: _SampledHeights,
     sums.Sum: _SumHeights,
 }

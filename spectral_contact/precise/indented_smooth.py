@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.precise.heights import heights
-from spectral_contact.precise.indented import OUTSIDE, Contact
+from spectral_contact.precise.indented_rough import OUTSIDE, Contact
 from spectral_contact.profiles import Profile
 
 #: Longest interval of a rule, and radii inside where the pressure is looked at.

@@ -6,7 +6,7 @@ from typing import Final
 
 from spectral_contact.io.choices import suggesting
 from spectral_contact.precise.certified import certified
-from spectral_contact.precise.solution import ReferenceSolution
+from spectral_contact.precise.reference_solution import ReferenceSolution
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 

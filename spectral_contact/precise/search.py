@@ -8,9 +8,9 @@ from typing import Any
 
 from spectral_contact.errors import ConvergenceError, NotComputedError
 from spectral_contact.fields.series import Radius
-from spectral_contact.precise.coupled_run import PreciseCoupledRun
-from spectral_contact.precise.law import Breach, obeying
-from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.law_breaches import Breach, obeying
+from spectral_contact.precise.precise_coupled_run import PreciseCoupledRun
+from spectral_contact.precise.precise_run import PreciseRun
 from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.scene import Scene
 from spectral_contact.view.progress import silent

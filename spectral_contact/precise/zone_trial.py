@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields.series import EDGE, Radius
-from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulusSeries
+from spectral_contact.precise.annulus_mesh import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.spectral.parts import gap

@@ -5,8 +5,8 @@ centre first. What the solver asks of one is in `Profile`; shapes of everyday us
 form, and `Sampled` makes one of functions or of points.
 """
 
-from spectral_contact.profiles.base import Profile
-from spectral_contact.profiles.sampled import Sampled
+from spectral_contact.profiles.profile_base import Profile
+from spectral_contact.profiles.sampled_profile import Sampled
 from spectral_contact.profiles.shapes import (
     Cone,
     Flat,

@@ -13,9 +13,9 @@ import numpy as np
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import positive, real
 from spectral_contact.io.kinds import kind_from
-from spectral_contact.io.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
-from spectral_contact.profiles.base import Profile
-from spectral_contact.profiles.sampled import Sampled
+from spectral_contact.io.physical_data import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
+from spectral_contact.profiles.profile_base import Profile
+from spectral_contact.profiles.sampled_profile import Sampled
 from spectral_contact.profiles.shapes import (
     Cone,
     Flat,

@@ -10,7 +10,7 @@ import numpy as np
 
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import positive, real
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 
 #: Beyond, powers of ordinary lengths leave the range of doubles.
 _HIGHEST_POWER = 100.0

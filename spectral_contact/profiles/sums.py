@@ -8,7 +8,7 @@ import numpy as np
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.profiles.shapes import Flat
 
 

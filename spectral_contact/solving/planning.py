@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from spectral_contact.io.choices import instance, suggesting
-from spectral_contact.layers.control import endless
+from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (

@@ -12,7 +12,7 @@ from spectral_contact.contact.contact_radius import Contact, find_radius, indent
 from spectral_contact.contact.indented import glance
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
-from spectral_contact.layers.control import endless
+from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import (
     COUPLING,
@@ -183,7 +183,7 @@ class ProfileRun(Run):
     def _through_layer(self, layer: Layer, pointwise: bool, drives: bool) -> tuple[Contact, float]:
         """Return the contact of what is given, and the relative error of its radius."""
         from spectral_contact.contact.layered_setting import has_edge
-        from spectral_contact.solving.layered import through_layer
+        from spectral_contact.solving.through_layer import through_layer
 
         scene = self.scene
         assert scene.profile is not None

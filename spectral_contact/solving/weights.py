@@ -26,7 +26,7 @@ from scipy.special import roots_jacobi
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import LogSeries
-from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.solving.outside import outside_displacement, reached
 from spectral_contact.solving.stretch import RadiusStretch, interpolation_weights, left_out
 from spectral_contact.spectral.jacobi import gauss_rule, graded_rule

@@ -10,10 +10,16 @@ from spectral_contact.studies.comparison import Agreement, Comparison, compare
 from spectral_contact.studies.derivatives import Derivative, Sensitivity, sensitivity
 from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
 from spectral_contact.studies.machine import Machine, this_machine
-from spectral_contact.studies.results import QUANTITIES, Convergence, Point, Study, WorkPrecision
-from spectral_contact.studies.solvers import named_solver
+from spectral_contact.studies.named_solvers import named_solver
 from spectral_contact.studies.study import OwnSolver, convergence, truth_of, work_precision
 from spectral_contact.studies.study_files import load
+from spectral_contact.studies.study_results import (
+    QUANTITIES,
+    Convergence,
+    Point,
+    Study,
+    WorkPrecision,
+)
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
 from spectral_contact.studies.truth import Truth
 

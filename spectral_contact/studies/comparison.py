@@ -14,13 +14,13 @@ from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
 from spectral_contact.io.choices import instance, suggesting
-from spectral_contact.layers.control import endless
+from spectral_contact.layers.scene_layer import endless
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.studies.truth import PLACES, estimate_of
-from spectral_contact.testing.checks import by_distance, field_of
+from spectral_contact.testing.solution_checks import by_distance, field_of
 from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table

@@ -18,7 +18,7 @@ from spectral_contact.equations.residuals import approach_slope
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import radii
 from spectral_contact.io.choices import instance, names
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution

@@ -16,8 +16,8 @@ from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.studies.machine import Machine, this_machine
-from spectral_contact.studies.results import Convergence, Point, WorkPrecision
-from spectral_contact.studies.solvers import Solver, solver_name
+from spectral_contact.studies.named_solvers import Solver, solver_name
+from spectral_contact.studies.study_results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.study_store import StudyStore
 from spectral_contact.studies.timing import Stopwatch, Times, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth

@@ -24,7 +24,7 @@ from spectral_contact.io.documents import (
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate
 from spectral_contact.studies.machine import Machine
-from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.study_results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Stopwatch, Times, Timing
 from spectral_contact.view.report import scene_text
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from spectral_contact.io.documents import path_text
 from spectral_contact.studies.fitting import Rate
-from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.study_results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
 from spectral_contact.view.figures import new_figure
 from spectral_contact.view.plotting import save, scene_title, style

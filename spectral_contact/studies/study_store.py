@@ -22,8 +22,8 @@ from spectral_contact.io.documents import (
     reported,
 )
 from spectral_contact.scene import Scene
-from spectral_contact.studies.results import Point
 from spectral_contact.studies.study_files import point_from_row, point_row
+from spectral_contact.studies.study_results import Point
 
 _SCHEMA: Final = "spectral_contact.study.point"
 _VERSION: Final = 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from spectral_contact.scene import Scene
-from spectral_contact.studies.results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.study_results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
 from spectral_contact.view.report import scene_text, table
 

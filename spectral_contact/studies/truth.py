@@ -14,9 +14,9 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import scalar
 from spectral_contact.io.choices import names
 from spectral_contact.scene import Scene, same_problem
-from spectral_contact.studies.results import QUANTITIES
+from spectral_contact.studies.study_results import QUANTITIES
 from spectral_contact.testing.attributes import computed
-from spectral_contact.testing.checks import field_of
+from spectral_contact.testing.solution_checks import field_of
 
 _SCALARS = ("approach", "total_shear", "stick_radius")
 _FIELDS = ("pressure", "traction")

@@ -17,11 +17,11 @@ import numpy as np
 from spectral_contact.processes import end_with_parent
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Ending, Solution
+from spectral_contact.sweeps.indentation_curves import along, indentation_curves
 from spectral_contact.sweeps.lines import between, lines
-from spectral_contact.sweeps.parameters import Columns, Indices, SweepParameters, changed
-from spectral_contact.sweeps.pressed import along, indentation_curves
 from spectral_contact.sweeps.request import Outcome, Request, Rows
 from spectral_contact.sweeps.shortcuts import served
+from spectral_contact.sweeps.sweep_parameters import Columns, Indices, SweepParameters, changed
 from spectral_contact.threads import one_thread
 
 if TYPE_CHECKING:

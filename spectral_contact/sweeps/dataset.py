@@ -12,8 +12,8 @@ from spectral_contact.errors import optional
 from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import Solution
-from spectral_contact.sweeps.parameters import Indices, SweepParameters, alone
 from spectral_contact.sweeps.request import ENDINGS, FIELDS, Outcome, Request, Rows, requested
+from spectral_contact.sweeps.sweep_parameters import Indices, SweepParameters, alone
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, So
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 
 if TYPE_CHECKING:
-    from spectral_contact.sweeps.parameters import Indices
+    from spectral_contact.sweeps.sweep_parameters import Indices
 
 #: Quantities that are a number for each scene: what a sweep asks for by default.
 SCALARS: Final = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.fields import Array
 from spectral_contact.sweeps.error_maps import certified_normal, certified_stick
-from spectral_contact.sweeps.parameters import Columns
 from spectral_contact.sweeps.request import Request, Served
+from spectral_contact.sweeps.sweep_parameters import Columns
 
 Mask = NDArray[np.bool_]
 

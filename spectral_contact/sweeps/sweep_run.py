@@ -23,7 +23,10 @@ from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
 from spectral_contact.sweeps.curves import LEAST
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
-from spectral_contact.sweeps.parameters import (
+from spectral_contact.sweeps.indentation_curves import pressed_alone
+from spectral_contact.sweeps.request import Request, requested
+from spectral_contact.sweeps.shortcuts import eligible
+from spectral_contact.sweeps.sweep_parameters import (
     KAPPA,
     PARAMETERS,
     Indices,
@@ -32,9 +35,6 @@ from spectral_contact.sweeps.parameters import (
     grid,
     listed,
 )
-from spectral_contact.sweeps.pressed import pressed_alone
-from spectral_contact.sweeps.request import Request, requested
-from spectral_contact.sweeps.shortcuts import eligible
 from spectral_contact.sweeps.sweep_store import Store
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine

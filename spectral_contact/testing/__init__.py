@@ -6,7 +6,7 @@ property-based tests (extra ``testing``).
 """
 
 from spectral_contact.equations.residuals import load, normal_displacement, tangential_displacement
-from spectral_contact.testing.checks import Check, CheckReport, check_solution
+from spectral_contact.testing.solution_checks import Check, CheckReport, check_solution
 
 __all__ = [
     "Check",

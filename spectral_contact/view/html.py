@@ -15,7 +15,7 @@ from spectral_contact.view.figures import SLIP_GREY, STICK_WHITE, ZONE_EDGE
 from spectral_contact.view.report import quantity_cells, si_cells, zone_cells
 
 if TYPE_CHECKING:
-    from spectral_contact.gold.loader import GoldSolution, GoldTable
+    from spectral_contact.gold.table_loader import GoldSolution, GoldTable
 
 #: Symbol, and unit of the SI data, of what makes a scene.
 _SYMBOLS: Final = {

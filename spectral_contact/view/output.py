@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spectral_contact.equations.interior import Inside
-    from spectral_contact.gold.loader import GoldSolution, GoldTable
+    from spectral_contact.gold.table_loader import GoldSolution, GoldTable
     from spectral_contact.records import Plan
     from spectral_contact.scene import Scene
     from spectral_contact.solution import Solution
     from spectral_contact.studies.derivatives import Sensitivity
-    from spectral_contact.view.physical import PhysicalSolution
+    from spectral_contact.view.physical_solution import PhysicalSolution
 
 
 def notebook_table(shown: Scene | Plan | Solution) -> str:
@@ -108,7 +108,7 @@ class Output(Suggesting):
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
-        from spectral_contact.view.physical import PhysicalSolution
+        from spectral_contact.view.physical_solution import PhysicalSolution
 
         return PhysicalSolution(self._solution)
 

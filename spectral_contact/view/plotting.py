@@ -32,9 +32,9 @@ from spectral_contact.view.figures import (
     scene_title,
     style,
 )
-from spectral_contact.view.history import plot_history
-from spectral_contact.view.inside import plot_inside
-from spectral_contact.view.law import plot_law
+from spectral_contact.view.history_picture import plot_history
+from spectral_contact.view.inside_pictures import plot_inside
+from spectral_contact.view.law_picture import plot_law
 from spectral_contact.view.radii import (
     Radii,
     bulk_limits,

@@ -19,7 +19,7 @@ from spectral_contact.solution import Solution
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
-    from spectral_contact.view.physical import PhysicalSolution
+    from spectral_contact.view.physical_solution import PhysicalSolution
 
 #: Quantities that are functions of the radius: the columns of a table.
 FIELDS = ("pressure", "traction", "slip")

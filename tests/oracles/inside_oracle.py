@@ -16,7 +16,7 @@ import mpmath as mp
 import numpy as np
 from scipy.special import j0, j1
 
-from spectral_contact.equations.interior import rings
+from spectral_contact.equations.interior import ring_loads
 
 
 class Fields(NamedTuple):
@@ -241,12 +241,12 @@ def over_rings(solution, from_edge, z, count=1500):
         ahead = before + length * low if abs(before) < abs(behind) else behind - length * high
         near = np.where((s > 0.0) & (d > 0.0), 1.0, 0.0)
         s, d = np.maximum(s, 1e-300), np.maximum(d, 1e-300)
-        g = rings.geometry(np.full_like(s, r), np.full_like(s, z), s, ahead)
+        g = ring_loads.geometry(np.full_like(s, r), np.full_like(s, z), s, ahead)
         five = [
             np.array([*of_stress(g, nu), of_displacement(g, nu)[0]])
             for of_stress, of_displacement in (
-                (rings.normal_stress, rings.normal_displacement),
-                (rings.radial_stress, rings.radial_displacement),
+                (ring_loads.normal_stress, ring_loads.normal_displacement),
+                (ring_loads.radial_stress, ring_loads.radial_displacement),
             )
         ]
         loads = solution.pressure_field, solution.traction_field

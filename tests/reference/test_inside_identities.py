@@ -8,7 +8,7 @@ import pytest
 from oracles.inside_oracle import _parts, assemble, bonded, over_rings, ring
 
 from spectral_contact import Scene, closed_forms, solve
-from spectral_contact.equations.interior import rings
+from spectral_contact.equations.interior import ring_loads
 
 
 def sources(nu, r, z):
@@ -45,10 +45,10 @@ def test_the_formulas_are_in_equilibrium_compatible_and_obey_hooke():
     [(0.3, 0.4, -0.5), (0.8, 1e-9, 1e-7), (1e-3, 0.02, -0.6), (1.0, 1e-3, 1e-10)],
 )
 def test_a_ring_is_the_sum_of_its_point_forces(r, z, ahead):
-    g = rings.geometry(*(np.array([one]) for one in (r, z, r - ahead, ahead)))
+    g = ring_loads.geometry(*(np.array([one]) for one in (r, z, r - ahead, ahead)))
     of = (
-        (rings.normal_stress, rings.normal_displacement),
-        (rings.radial_stress, rings.radial_displacement),
+        (ring_loads.normal_stress, ring_loads.normal_displacement),
+        (ring_loads.radial_stress, ring_loads.radial_displacement),
     )
     for (stress, displacement), expected in zip(of, ring(0.3, r, z, r - ahead, ahead), strict=True):
         got = np.array([*(one[0] for one in stress(g, 0.3)), displacement(g, 0.3)[0][0]])

@@ -22,8 +22,8 @@ from spectral_contact.closed_forms import (
 )
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import certified, reference
-from spectral_contact.precise.coupled_run import PreciseCoupledRun
-from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.precise_coupled_run import PreciseCoupledRun
+from spectral_contact.precise.precise_run import PreciseRun
 from spectral_contact.precise.search import lawful
 from spectral_contact.precise.zone_trial import PreciseLayout
 

@@ -7,9 +7,9 @@ import pytest
 from spectral_contact import ConvergenceError, NotComputedError, Scene
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import search
-from spectral_contact.precise.coupled_run import PreciseCoupledRun
 from spectral_contact.precise.fixed import Fixed
-from spectral_contact.precise.law import Breach, excesses, obeying
+from spectral_contact.precise.law_breaches import Breach, excesses, obeying
+from spectral_contact.precise.precise_coupled_run import PreciseCoupledRun
 from spectral_contact.precise.search import lawful
 from spectral_contact.precise.zone_trial import PreciseLayout
 

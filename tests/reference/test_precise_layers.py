@@ -11,7 +11,7 @@ from mpmath.ctx_mp import MPContext
 
 from spectral_contact import NotComputedError, Scene, layers, profiles, solve
 from spectral_contact.precise import reference
-from spectral_contact.precise.laws import law_of
+from spectral_contact.precise.layer_laws import law_of
 
 BALL = profiles.Parabola(1.0)
 TABLE = layers.Table((0.0, 0.2, 0.4, 0.6), (0.0, 0.1, 0.3, 0.6))

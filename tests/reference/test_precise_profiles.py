@@ -12,7 +12,7 @@ import pytest
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact import NotComputedError, Scene, SceneError, gold, profiles, solve
-from spectral_contact.precise import indented, reference
+from spectral_contact.precise import indented_rough, reference
 from spectral_contact.precise.heights import heights
 
 PARABOLA = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), contact_radius=1.0)
@@ -103,7 +103,7 @@ def test_a_kinked_profile_of_its_own_series():
 def test_what_it_does_not_know_is_refused(monkeypatch):
     with pytest.raises(NotComputedError, match="normal contact alone"):
         reference(Scene(0.3, 0.1, 0.1, 0.2, profile=profiles.Parabola(1.0), load=1.0))
-    monkeypatch.setattr(indented, "_MOST_NODES", 100)
+    monkeypatch.setattr(indented_rough, "_MOST_NODES", 100)
     with pytest.raises(NotComputedError, match="with 1 breaks it takes"):
         reference(CORNER, 15)
     with pytest.raises(SceneError, match="digits"):

@@ -9,7 +9,7 @@ from spectral_contact import Scene, solve
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise.drive import PreciseDrive
 from spectral_contact.precise.fixed import Fixed
-from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.precise_run import PreciseRun
 from spectral_contact.precise.zone_trial import PreciseLayout, ZoneProblem
 from spectral_contact.precise.zones import solve_zones
 

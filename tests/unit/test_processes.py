@@ -69,7 +69,8 @@ def children(number):
 
 
 @pytest.mark.parametrize(
-    "module", ["numpy", "spectral_contact.view.cli.sweep", "spectral_contact.sweeps.sweep_run"]
+    "module",
+    ["numpy", "spectral_contact.view.cli.sweep_command", "spectral_contact.sweeps.sweep_run"],
 )
 def test_ctrl_c_while_it_imports_is_one_line(tmp_path, module):
     (tmp_path / "sitecustomize.py").write_text(SITE.format(name=module))

@@ -20,8 +20,8 @@ from spectral_contact.precise import reference
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import chunk, sweep, sweep_run
-from spectral_contact.sweeps.parameters import listed
 from spectral_contact.sweeps.request import Rows, requested
+from spectral_contact.sweeps.sweep_parameters import listed
 from spectral_contact.threads import _Hold, one_thread
 
 SCENE = Scene(0.1, 0.5)

@@ -26,7 +26,7 @@ from spectral_contact.scene import same_problem
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.studies import sensitivity
 from spectral_contact.sweeps import sweep
-from spectral_contact.sweeps.parameters import grid, listed
+from spectral_contact.sweeps.sweep_parameters import grid, listed
 from spectral_contact.testing import check_solution
 from spectral_contact.view.explorer.state import texts_of
 

@@ -29,7 +29,7 @@ import browser
 from spectral_contact import solve
 from spectral_contact.view.explorer.look import look_at
 from spectral_contact.view.explorer.page import Page
-from spectral_contact.view.explorer.solvers import LookRequest, Solvers
+from spectral_contact.view.explorer.solver_processes import LookRequest, Solvers
 from spectral_contact.view.explorer.state import KNOBS, texts_from
 
 ROOT = Path(__file__).parents[2]

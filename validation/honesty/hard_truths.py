@@ -18,8 +18,8 @@ from oracles.hard_inside import overrefined
 from spectral_contact import Scene, Solution, solve
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
+from spectral_contact.precise.reference_solution import ReferenceSolution
 from spectral_contact.precise.search import solved
-from spectral_contact.precise.solution import ReferenceSolution
 from spectral_contact.precise.zone_trial import PreciseLayout
 
 DIGITS = 20

@@ -30,7 +30,7 @@ from profiles import drawn
 import spectral_contact
 from spectral_contact import Scene, SpectralContactError, solve
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
-from spectral_contact.equations.interior import rings
+from spectral_contact.equations.interior import ring_loads
 
 RESULTS = Path(__file__).parents[1] / "results"
 SEED, POINTS, MANY = 20, 10, 6000
@@ -81,10 +81,10 @@ def of_ring(rng):
     nu, s = rng.choice([-0.5, 0.0, 0.3, 0.5]), rng.uniform(0.02, 1.0)
     r = max(s + 10.0 ** rng.uniform(-12.0, 0.0) * rng.choice([-1.0, 1.0]), 1e-3)
     z, ahead = 10.0 ** rng.uniform(-12.0, 1.0), r - s
-    g = rings.geometry(*(np.array([one]) for one in (r, z, r - ahead, ahead)))
+    g = ring_loads.geometry(*(np.array([one]) for one in (r, z, r - ahead, ahead)))
     of = (
-        (rings.normal_stress, rings.normal_displacement),
-        (rings.radial_stress, rings.radial_displacement),
+        (ring_loads.normal_stress, ring_loads.normal_displacement),
+        (ring_loads.radial_stress, ring_loads.radial_displacement),
     )
     got = np.array([[*(one[0] for one in a(g, nu)), b(g, nu)[0][0]] for a, b in of])
     expected = ring(nu, r, z, s, ahead)

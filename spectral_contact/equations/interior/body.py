@@ -40,7 +40,7 @@ from spectral_contact.equations.interior.sampling import (
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks, choices
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.solution import Solution
 from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import ProgressLine

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.equations.interior.mesh import BodyMesh, BodyPoints, MeshNodes
-from spectral_contact.equations.interior.rings import Geometry, geometry
+from spectral_contact.equations.interior.ring_loads import Geometry, geometry
 from spectral_contact.fields import Array
 
 Kernel = Callable[[Geometry, float], tuple[Array, ...]]

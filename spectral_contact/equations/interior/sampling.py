@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from spectral_contact.equations.interior import rings
+from spectral_contact.equations.interior import ring_loads
 from spectral_contact.equations.interior.integrals import Integrals, integrate
 from spectral_contact.equations.interior.mesh import (
     AXIS,
@@ -91,7 +91,7 @@ class Sampler:
 
     def stress(self, points: BodyPoints, rtol: float) -> Integrals:
         """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
-        kernels = (rings.normal_stress, rings.radial_stress)[: 1 + self._sheared]
+        kernels = (ring_loads.normal_stress, ring_loads.radial_stress)[: 1 + self._sheared]
 
         def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
             return self._limits(some, integrate(mesh, some, kernels, self._nu, self._floors))
@@ -107,7 +107,9 @@ class Sampler:
 
     def displacement(self, points: BodyPoints, rtol: float) -> Integrals:
         """Return the integrals ``2 G u_z`` and ``2 G u_r / r``; the other two rows are empty."""
-        kernels = (rings.normal_displacement, rings.radial_displacement)[: 1 + self._sheared]
+        kernels = (ring_loads.normal_displacement, ring_loads.radial_displacement)[
+            : 1 + self._sheared
+        ]
 
         def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
             return integrate(mesh, some, kernels, self._nu, self._floors)

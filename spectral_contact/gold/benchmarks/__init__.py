@@ -4,6 +4,15 @@ The files are in ``data``, written by validation/make_benchmarks.py; docs/benchm
 them, a page each. Nothing here knows the solver: the folder can be copied into another project.
 """
 
-from .loader import VERSION, Benchmark, CheckNumber, Recipe, Stiffness, export, load, names
+from .benchmark_loader import (
+    VERSION,
+    Benchmark,
+    CheckNumber,
+    Recipe,
+    Stiffness,
+    export,
+    load,
+    names,
+)
 
 __all__ = ["VERSION", "Benchmark", "CheckNumber", "Recipe", "Stiffness", "export", "load", "names"]

@@ -10,7 +10,7 @@ from typing import Any, Final
 from spectral_contact.errors import optional
 from spectral_contact.scene import Scene
 from spectral_contact.view.explorer.shown import Look
-from spectral_contact.view.explorer.solvers import LookRequest, Solvers
+from spectral_contact.view.explorer.solver_processes import LookRequest, Solvers
 from spectral_contact.view.explorer.state import query_of, texts_of
 from spectral_contact.view.explorer.widgets import Controls, Figures, grid
 

@@ -13,7 +13,7 @@ from spectral_contact.errors import SceneError, optional
 from spectral_contact.io.checks import whole
 from spectral_contact.scene import Scene
 from spectral_contact.view.explorer.page import Page
-from spectral_contact.view.explorer.solvers import Solvers
+from spectral_contact.view.explorer.solver_processes import Solvers
 from spectral_contact.view.explorer.state import check_length, query_of, texts_from, texts_of
 
 #: The loopback address: nobody else on the network reaches the page.

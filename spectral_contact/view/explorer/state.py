@@ -14,8 +14,8 @@ from urllib.parse import parse_qsl, urlencode
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.choices import instance, one_of
-from spectral_contact.io.physical import checked_poisson_ratio
-from spectral_contact.layers.control import refuse_layer
+from spectral_contact.io.physical_data import checked_poisson_ratio
+from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene

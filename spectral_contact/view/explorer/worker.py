@@ -1,7 +1,8 @@
 """The process that solves for the explorer: reads states, and writes what is to be shown of each.
 
-It is started by `spectral_contact.view.explorer.solvers`, and reads pickles from stdin and writes
-pickles to stdout. It ends when its stdin ends, as it does when the process that started it is gone.
+It is started by `spectral_contact.view.explorer.solver_processes`, and reads pickles from stdin
+and writes pickles to stdout. It ends when its stdin ends, as it does when the process that started
+it is gone.
 """
 
 from __future__ import annotations

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from spectral_contact import ConvergenceError, Scene, SceneError, layers, profiles, solve
-from spectral_contact.calibration import IndentationData, fit, indentation, layered
-from spectral_contact.calibration.indentation import curve_load
-from spectral_contact.calibration.layered import layered_load
+from spectral_contact.calibration import IndentationData, fit, indentation_curve, layered_fits
+from spectral_contact.calibration.indentation_curve import curve_load
+from spectral_contact.calibration.layered_fits import layered_load
 
 FREE = ("reduced_modulus", "normal_compliance", "zero_point")
 BALL = {"poisson_ratio": 0.2, "profile": profiles.Parabola(1e-5), "load": 5e-3}
@@ -73,8 +73,11 @@ def test_without_a_layer_and_without_contact():
 @pytest.mark.parametrize(
     ("module", "load"),
     [
-        (indentation, lambda: curve_load(profiles.Parabola(1.0), 0.2, 0.1, 1e-6)),
-        (layered, lambda: layered_load(profiles.Flat(1.0), layers.PowerLaw(5.0, 2.0), 0.3, 1e-6)),
+        (indentation_curve, lambda: curve_load(profiles.Parabola(1.0), 0.2, 0.1, 1e-6)),
+        (
+            layered_fits,
+            lambda: layered_load(profiles.Flat(1.0), layers.PowerLaw(5.0, 2.0), 0.3, 1e-6),
+        ),
     ],
     ids=["linear", "power law"],
 )

@@ -7,7 +7,7 @@ import pytest
 
 from spectral_contact import Scene, SceneError, layers, profiles, solve
 from spectral_contact.calibration import IndentationData, compare_laws, fit
-from spectral_contact.calibration.layered import layered_load
+from spectral_contact.calibration.layered_fits import layered_load
 
 BODY = {"poisson_ratio": 0.2, "profile": profiles.Flat(1e-6), "youngs_modulus": 70e9}
 POWER, GUESS = layers.PowerLaw(1e20, 2.0), layers.PowerLaw(3e21, 2.3)

@@ -9,7 +9,7 @@ import pytest
 
 from spectral_contact import SceneError, SolutionFileError, benchmarks
 from spectral_contact.__main__ import main
-from spectral_contact.gold.benchmarks import loader
+from spectral_contact.gold.benchmarks import benchmark_loader
 
 DATA = resources.files("spectral_contact.gold.benchmarks") / "data"
 
@@ -28,7 +28,7 @@ def test_every_file_is_the_one_that_was_published():
 def test_an_altered_file_is_refused(tmp_path, monkeypatch):
     for one in DATA.iterdir():
         (tmp_path / one.name).write_bytes(one.read_bytes())
-    monkeypatch.setattr(loader, "_folder", lambda: tmp_path)
+    monkeypatch.setattr(benchmark_loader, "_folder", lambda: tmp_path)
     path = tmp_path / "smooth_normal.json"
     body = json.loads(path.read_text())
     body["check"]["text"] = "0.126"

@@ -23,7 +23,7 @@ from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.request import Outcome
 from spectral_contact.sweeps.sweep_store import Store
 from spectral_contact.view import plotting
-from spectral_contact.view.cli import sweep as cli_sweep
+from spectral_contact.view.cli import sweep_command
 from spectral_contact.view.report import write_csv
 
 REPOSITORY = Path(__file__).parents[3]
@@ -95,8 +95,8 @@ SAVERS = {
     "figure.pdf": lambda path: plotting.save(Drawn(), str(path)),
     "study.json": lambda path: study().save(path),
     "study.csv": lambda path: study().save(path),
-    "map.csv": lambda path: cli_sweep.write(dataset(), Namespace(output=str(path), plot=None)),
-    "map.nc": lambda path: cli_sweep.write(dataset(), Namespace(output=str(path), plot=None)),
+    "map.csv": lambda path: sweep_command.write(dataset(), Namespace(output=str(path), plot=None)),
+    "map.nc": lambda path: sweep_command.write(dataset(), Namespace(output=str(path), plot=None)),
     "no_shear.json": write_gold,
 }
 #: Of which a run takes long: there is no space, or Ctrl-C, and once only.

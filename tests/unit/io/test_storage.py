@@ -35,11 +35,10 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
-from spectral_contact.io import physical, schema, storage
-from spectral_contact.layers import asperities, laws, sampled
-from spectral_contact.profiles import sampled as sampled_profiles
+from spectral_contact.io import physical_data, schema, storage
+from spectral_contact.layers import asperity_law, laws, sampled_law
+from spectral_contact.profiles import sampled_profile, sums
 from spectral_contact.profiles import shapes as shape_profiles
-from spectral_contact.profiles import sums
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     Ending,
@@ -55,8 +54,8 @@ from spectral_contact.solution import (
 )
 from spectral_contact.solving.solver import solve
 
-profile_classes = (sampled_profiles, shape_profiles, sums)
-layer_classes = (asperities, laws, sampled)
+profile_classes = (sampled_profile, shape_profiles, sums)
+layer_classes = (asperity_law, laws, sampled_law)
 SUFFIXES = (".npz", ".json")
 AWKWARD = [math.inf, -math.inf, -0.0, 5e-324, -2.2e-308, 1.7976931348623157e308, 0.1 + 0.2, 1e22]
 STEEL = {
@@ -274,7 +273,7 @@ def test_the_schema_declares_every_class_and_every_field():
     """A class or field that is added is to be declared in the schema, and used in `synthetic`."""
     own = (
         *(field_classes, history_classes, radius_classes),
-        *(physical, record_classes, scene_classes, solution_classes),
+        *(physical_data, record_classes, scene_classes, solution_classes),
     )
     classes = {
         cls

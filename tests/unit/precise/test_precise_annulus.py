@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from oracles.kept import Kept
 
-from spectral_contact.precise.annulus import AnnulusMesh, Blocks
+from spectral_contact.precise.annulus_mesh import AnnulusMesh, Blocks
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.fixed import Fixed
 

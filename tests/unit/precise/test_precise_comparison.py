@@ -6,7 +6,7 @@ import pytest
 
 from spectral_contact import ConvergenceError, Scene, gold
 from spectral_contact.precise import reference
-from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.precise_run import PreciseRun
 from spectral_contact.precise.zone_trial import PreciseLayout
 
 

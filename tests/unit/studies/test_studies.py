@@ -17,7 +17,7 @@ from spectral_contact.studies import (
     Stopwatch,
     convergence,
     named_solver,
-    solvers,
+    named_solvers,
     this_machine,
     truth_of,
     work_precision,
@@ -434,10 +434,10 @@ def test_bad_names_are_refused(name, said):
 
 
 def test_solvers_have_names():
-    assert solvers.solver_name(OwnSolver()) == "spectral_contact"
-    assert solvers.solver_name(peers.Decaying) == "Decaying"
-    assert solvers.solver_name(partial(decaying)) == "decaying"
-    assert solvers.solver_name(SimpleNamespace(name=3)) == "SimpleNamespace"
+    assert named_solvers.solver_name(OwnSolver()) == "spectral_contact"
+    assert named_solvers.solver_name(peers.Decaying) == "Decaying"
+    assert named_solvers.solver_name(partial(decaying)) == "decaying"
+    assert named_solvers.solver_name(SimpleNamespace(name=3)) == "SimpleNamespace"
 
 
 def test_the_library_takes_loose_accuracies():

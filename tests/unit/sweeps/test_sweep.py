@@ -9,8 +9,8 @@ from spectral_contact import QUANTITIES, Scene, SceneError, SolutionFileError, s
 from spectral_contact.gold import tables
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import error_maps, lines, shortcuts, sweep, sweep_run
-from spectral_contact.sweeps.parameters import SweepParameters
 from spectral_contact.sweeps.request import SCALARS
+from spectral_contact.sweeps.sweep_parameters import SweepParameters
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 

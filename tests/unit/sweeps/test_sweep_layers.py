@@ -8,7 +8,7 @@ from spectral_contact import Scene, SceneError, SolutionFileError, layers, profi
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
 from spectral_contact.sweeps import plot_slice, sweep  # noqa: E402
-from spectral_contact.sweeps.parameters import grid  # noqa: E402
+from spectral_contact.sweeps.sweep_parameters import grid  # noqa: E402
 
 BALL = profiles.Parabola(1.0)
 POWER = Scene(0.3, layer=layers.PowerLaw(5.0, 2.0), profile=BALL, load=1.0)

@@ -15,8 +15,8 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.curves import Placed
 from spectral_contact.sweeps.lines import LEAST, _disks, between, lines
-from spectral_contact.sweeps.parameters import listed
 from spectral_contact.sweeps.request import requested
+from spectral_contact.sweeps.sweep_parameters import listed
 
 pytest.importorskip("xarray", reason="part of the extra: sweep")
 

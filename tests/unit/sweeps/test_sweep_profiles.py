@@ -6,7 +6,7 @@ import pytest
 from spectral_contact import Scene, SceneError, profiles, solve
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import plot_slice, sweep
-from spectral_contact.sweeps.parameters import grid
+from spectral_contact.sweeps.sweep_parameters import grid
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 

@@ -20,7 +20,7 @@ from spectral_contact import Scene, SceneError, profiles
 from spectral_contact.solving.planning import plan
 from spectral_contact.view.explorer.budget import refusal
 from spectral_contact.view.explorer.look import look_at, tables_of
-from spectral_contact.view.explorer.solvers import Solvers
+from spectral_contact.view.explorer.solver_processes import Solvers
 from spectral_contact.view.explorer.state import (
     KNOBS,
     LONGEST_TEXT,
@@ -201,7 +201,7 @@ def test_a_process_solves_what_this_one_does(solvers):
 def test_a_solve_ends_at_its_time_limit_and_the_next_is_solved():
     solvers = Solvers(seconds=2.0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("spectral_contact.view.explorer.solvers.refusal", lambda *_: "")
+        patch.setattr("spectral_contact.view.explorer.solver_processes.refusal", lambda *_: "")
         look = solvers.request(SLOW).future.result(timeout=60.0)
     assert look.complaint.startswith("ended after 2 s")
     assert look.code == code_of(SLOW)

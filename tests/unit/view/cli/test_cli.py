@@ -16,7 +16,7 @@ from spectral_contact.__main__ import EXAMPLES, _parser, main
 from spectral_contact.io import units
 from spectral_contact.processes import PROGRAM
 from spectral_contact.view.cli.options import joined, number
-from spectral_contact.view.cli.profile import any_scene
+from spectral_contact.view.cli.profile_options import any_scene
 
 STEEL = ("--youngs-modulus", "2.1e11", "--poisson-ratio", "0.3", "--radius", "0.013")
 SLIDING = (*STEEL, "--friction", "0.1")

@@ -4,7 +4,7 @@ import pytest
 
 from spectral_contact import Scene, Solution, SolutionFileError, layers, profiles
 from spectral_contact.__main__ import main
-from spectral_contact.view.cli.layer import law
+from spectral_contact.view.cli.layer_options import law
 
 BALL = ("--profile", "parabola", "--radius", "1", "--approach", "0.2", "--rtol", "1e-4")
 POWER = ("--layer", "power-law", "--layer-coefficient", "5", "--layer-exponent", "2")

@@ -10,7 +10,7 @@ from spectral_contact import Scene
 from spectral_contact import __main__ as cli
 from spectral_contact.__main__ import main
 from spectral_contact.studies import OwnSolver, Stopwatch, convergence, load, work_precision
-from spectral_contact.view.cli import study as cli_study
+from spectral_contact.view.cli import study_command
 
 FRICTIONLESS = ("--friction", "none")
 QUICK = Stopwatch(repeats=1, seconds=0.0, processes=1)
@@ -37,8 +37,8 @@ def asked(monkeypatch):
 
         return spy
 
-    monkeypatch.setattr(cli_study, "convergence", spied(convergence))
-    monkeypatch.setattr(cli_study, "work_precision", spied(work_precision))
+    monkeypatch.setattr(study_command, "convergence", spied(convergence))
+    monkeypatch.setattr(study_command, "work_precision", spied(work_precision))
     return calls
 
 
@@ -148,7 +148,7 @@ def test_bad_input_is_one_line(capsys, monkeypatch, options, words):
 
 def test_a_missing_matplotlib_is_found_before_the_work(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.setattr(cli_study, "convergence", None)
+    monkeypatch.setattr(study_command, "convergence", None)
     status, _, err = run(capsys, "convergence", "--plot", "x.png")
     assert status == 2
     assert 'pip install ".[plot]"' in err
@@ -163,7 +163,7 @@ def test_the_table_is_printed_even_if_it_cannot_be_written(capsys, asked, monkey
     assert "x.json: cannot be written" in err
 
 
-@pytest.mark.parametrize("kind", cli_study.KINDS)
+@pytest.mark.parametrize("kind", study_command.KINDS)
 def test_help(capsys, kind):
     status, out, _ = run(capsys, kind, "--help")
     assert status == 0

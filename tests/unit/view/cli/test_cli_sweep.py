@@ -10,7 +10,7 @@ from spectral_contact import Scene, SceneError, solve
 from spectral_contact.__main__ import main
 from spectral_contact.sweeps import plot_slice, sweep
 from spectral_contact.sweeps.slice_pictures import varying
-from spectral_contact.view.cli import sweep as cli_sweep
+from spectral_contact.view.cli import sweep_command
 from spectral_contact.view.cli.options import NothingSolved
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
@@ -229,7 +229,7 @@ def test_what_is_no_slice_is_named(capsys, tmp_path, options, said):
 
 def test_the_summary_counts_endings():
     found = sweep(Scene(0.3, 0.5, 0.5, 0.1), rtol=1e-10, max_unknowns=10, quantities=["approach"])
-    assert cli_sweep.summary(found).startswith("1 scenes: 1 unknowns")
+    assert sweep_command.summary(found).startswith("1 scenes: 1 unknowns")
 
 
 def test_a_sweep_of_which_nothing_is_solved_fails_and_says_why(capsys, tmp_path):
@@ -247,13 +247,13 @@ def test_a_sweep_of_which_nothing_is_solved_fails_and_says_why(capsys, tmp_path)
 
 def test_a_sweep_of_which_something_is_solved_is_done():
     found = sweep(Scene(0.3, 0.5), normal_compliance=[0.1, 0.5], quantities=["approach"])
-    cli_sweep.check_some_solved(found)
+    sweep_command.check_some_solved(found)
     found.ending.values[0] = "failed"
-    cli_sweep.check_some_solved(found)
+    sweep_command.check_some_solved(found)
     found.ending.values[1] = "rounding"
     found.message.values[0] = "why"
     with pytest.raises(NothingSolved, match="2 scenes was solved; the first one: failed, why"):
-        cli_sweep.check_some_solved(found)
+        sweep_command.check_some_solved(found)
 
 
 @pytest.mark.parametrize("count", ["1000000000000", "10000001"])

@@ -19,7 +19,7 @@ from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.files import add_reading, read, reading_given
 from spectral_contact.view.cli.options import UsageError, number, values
-from spectral_contact.view.cli.profile import any_scene
+from spectral_contact.view.cli.profile_options import any_scene
 from spectral_contact.view.report import table
 
 #: Suffixes of a stored table; a grid alone can be a dataset.

@@ -16,8 +16,8 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, flag, positive, values_at
 from spectral_contact.io.choices import function, listed
-from spectral_contact.profiles.base import Profile
 from spectral_contact.profiles.convex import convex_pieces
+from spectral_contact.profiles.profile_base import Profile
 
 Rows = tuple[tuple[float, ...], ...]
 

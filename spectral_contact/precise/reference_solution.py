@@ -10,13 +10,13 @@ import numpy as np
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
 from spectral_contact.io.units import plain_numbers
-from spectral_contact.precise.coupled_run import PreciseCoupledRun
-from spectral_contact.precise.run import PreciseRun
+from spectral_contact.precise.precise_coupled_run import PreciseCoupledRun
+from spectral_contact.precise.precise_run import PreciseRun
 from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene
 
 if TYPE_CHECKING:
-    from spectral_contact.precise.pressed import PressedRun
+    from spectral_contact.precise.precise_profile_run import PreciseProfileRun
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class ReferenceSolution:
     unknowns: int
     bits: int
     seconds: float = field(compare=False)
-    _run: PreciseRun | PreciseCoupledRun | PressedRun = field(repr=False, compare=False)
+    _run: PreciseRun | PreciseCoupledRun | PreciseProfileRun = field(repr=False, compare=False)
     contact_radius: Any = None
     load: Any = None
     stiffness: Any = None

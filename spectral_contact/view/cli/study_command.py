@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
-from spectral_contact.studies.results import QUANTITIES, Study
-from spectral_contact.studies.solvers import named_solver
+from spectral_contact.studies.named_solvers import named_solver
 from spectral_contact.studies.study import OwnSolver, convergence, work_precision
+from spectral_contact.studies.study_results import QUANTITIES, Study
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.options import NothingSolved, resolution

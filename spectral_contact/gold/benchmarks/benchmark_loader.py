@@ -150,7 +150,7 @@ class Benchmark:
 
     def page(self) -> str:
         """Return the page of the benchmark, as Markdown."""
-        from spectral_contact.gold.benchmarks.page import page
+        from spectral_contact.gold.benchmarks.benchmark_page import page
 
         return page(self)
 

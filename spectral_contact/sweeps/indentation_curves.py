@@ -20,8 +20,8 @@ from spectral_contact.fields import Array
 from spectral_contact.profiles import Profile
 from spectral_contact.solution import PROFILE_QUANTITIES, Solution
 from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, nodes_needed
-from spectral_contact.sweeps.parameters import PARAMETERS, Columns, Indices
 from spectral_contact.sweeps.request import Request, Served
+from spectral_contact.sweeps.sweep_parameters import PARAMETERS, Columns, Indices
 
 Mask = NDArray[np.bool_]
 

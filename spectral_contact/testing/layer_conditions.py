@@ -9,7 +9,7 @@ import numpy as np
 
 from spectral_contact.fields import Array
 from spectral_contact.layers import Layer
-from spectral_contact.layers.control import endless
+from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.testing.attributes import computed
 

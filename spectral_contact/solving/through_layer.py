@@ -9,7 +9,7 @@ from spectral_contact.contact.layered_bends import Bend
 from spectral_contact.contact.layered_contact import layered_contact, solve_layered
 from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.errors import SceneError
-from spectral_contact.layers.base import Layer
+from spectral_contact.layers.layer_base import Layer
 from spectral_contact.profiles import Profile
 
 #: Tolerance of a contact that is a first guess only.

@@ -9,9 +9,9 @@ from typing import Any, Final
 from spectral_contact.io.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
-from spectral_contact.view.cli.layer import add_layer, law, layer_given
+from spectral_contact.view.cli.layer_options import add_layer, law, layer_given
 from spectral_contact.view.cli.options import UsageError, add_option, flag, measured, number
-from spectral_contact.view.cli.scene import (
+from spectral_contact.view.cli.scene_options import (
     MATERIALS,
     add_physical,
     add_scene,

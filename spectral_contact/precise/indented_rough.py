@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from spectral_contact.errors import ConvergenceError, NotComputedError
-from spectral_contact.precise.annulus import AnnulusMesh, Blocks, PreciseAnnulusSeries
+from spectral_contact.precise.annulus_mesh import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.fixed import DoubleFactors, Fixed, Ints
 from spectral_contact.precise.heights import Heights, heights

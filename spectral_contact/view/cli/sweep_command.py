@@ -16,7 +16,7 @@ from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
 from spectral_contact.sweeps.sweep_run import sweep
 from spectral_contact.view import plotting
-from spectral_contact.view.cli.layer import LAW_NUMBERS
+from spectral_contact.view.cli.layer_options import LAW_NUMBERS
 from spectral_contact.view.cli.options import (
     NothingSolved,
     UsageError,
@@ -26,8 +26,8 @@ from spectral_contact.view.cli.options import (
     values,
     whole,
 )
-from spectral_contact.view.cli.profile import add_profile, profile_given, profile_scene
-from spectral_contact.view.cli.scene import add_coupling, kappa
+from spectral_contact.view.cli.profile_options import add_profile, profile_given, profile_scene
+from spectral_contact.view.cli.scene_options import add_coupling, kappa
 from spectral_contact.view.report import table
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.layers import Layer
 from spectral_contact.precise.fixed import DoubleFactors, Ints
-from spectral_contact.precise.indented import DiskInParts, RoughContact, RoughIndented
-from spectral_contact.precise.laws import Law, law_of
+from spectral_contact.precise.indented_rough import DiskInParts, RoughContact, RoughIndented
+from spectral_contact.precise.layer_laws import Law, law_of
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.threads import cached_property
 

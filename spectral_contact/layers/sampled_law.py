@@ -16,7 +16,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, values_at
 from spectral_contact.io.choices import function, listed
-from spectral_contact.layers.base import Layer
+from spectral_contact.layers.layer_base import Layer
 
 Rows = tuple[tuple[float, ...], ...]
 

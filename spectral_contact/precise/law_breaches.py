@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
-from spectral_contact.precise.annulus import AnnulusMesh
+from spectral_contact.precise.annulus_mesh import AnnulusMesh
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.precise.zone_trial import ZoneTrial
 

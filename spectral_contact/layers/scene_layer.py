@@ -8,11 +8,11 @@ from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.kinds import kind_from
-from spectral_contact.io.physical import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
-from spectral_contact.layers.asperities import GreenwoodWilliamson
-from spectral_contact.layers.base import Layer
+from spectral_contact.io.physical_data import LARGEST_COMPLIANCE, SMALLEST_COMPLIANCE
+from spectral_contact.layers.asperity_law import GreenwoodWilliamson
 from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw
-from spectral_contact.layers.sampled import Sampled, Table
+from spectral_contact.layers.layer_base import Layer
+from spectral_contact.layers.sampled_law import Sampled, Table
 from spectral_contact.profiles.shapes import Flat
 
 #: Layers by the name that they have in files.

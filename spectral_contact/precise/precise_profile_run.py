@@ -11,10 +11,10 @@ import numpy as np
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact.errors import ConvergenceError
-from spectral_contact.layers.control import endless
-from spectral_contact.precise.indented import Contact, RoughIndented
+from spectral_contact.layers.scene_layer import endless
+from spectral_contact.precise.indented_rough import Contact, RoughIndented
 from spectral_contact.precise.indented_smooth import SmoothIndented
-from spectral_contact.precise.layered import Begin, LayeredIndented
+from spectral_contact.precise.layered_indented import Begin, LayeredIndented
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import ErrorEstimates
@@ -30,7 +30,7 @@ _DEPTHS = np.concatenate([np.linspace(0.02, 0.98, 13), 10.0 ** -np.arange(2.0, 3
 _ASIDE = (1e-12, 1e-6, 1e-3)
 
 
-class PressedRun:
+class PreciseProfileRun:
     """A scene with a profile solved with one mesh and precision.
 
     Parameters
@@ -86,7 +86,7 @@ class PressedRun:
         self.contact = self._found(guess)
 
     @property
-    def fixed(self) -> PressedRun:
+    def fixed(self) -> PreciseProfileRun:
         """Itself: where `mp` and `bits` are."""
         return self
 
@@ -148,7 +148,7 @@ class PressedRun:
         return np.full(len(s), self.mp.zero)
 
 
-def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]:
+def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEstimates, float]:
     """Return twice the relative differences, no less than the check aims at, and the worst.
 
     Raises
@@ -179,7 +179,7 @@ def compared(run: PressedRun, check: PressedRun) -> tuple[ErrorEstimates, float]
     return replace(ErrorEstimates(), **errors), max(errors.values(), default=inf)
 
 
-def _places(run: PressedRun) -> tuple[Any, Any]:
+def _places(run: PreciseProfileRun) -> tuple[Any, Any]:
     """Return radii over a and distances from the edge."""
     mp, a = run.mp, run.contact.radius
     rests = [mp.mpf(v) for v in _DEPTHS]

@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 
 from spectral_contact.fields import Array
 from spectral_contact.io.choices import one_of
-from spectral_contact.layers.base import Layer, positive
+from spectral_contact.layers.layer_base import Layer, positive
 
 _HEIGHTS = "gaussian", "exponential"
 #: ``4/3 E*`` in E'.

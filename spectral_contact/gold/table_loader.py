@@ -19,7 +19,7 @@ from typing import Any, Final
 from spectral_contact.errors import shown
 from spectral_contact.io.choices import instance, one_of
 from spectral_contact.io.documents import Refused, check_keys, check_schema, read_file, reported
-from spectral_contact.layers.control import layer_from
+from spectral_contact.layers.scene_layer import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
 from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from spectral_contact.scene import Scene
 
 if TYPE_CHECKING:  # a benchmark writes its page when asked to
-    from spectral_contact.gold.benchmarks.loader import Benchmark, Stiffness
+    from spectral_contact.gold.benchmarks.benchmark_loader import Benchmark, Stiffness
 
 #: The instance in SI units: Young's modulus [Pa], radius [m], load [N].
 _E, _A, _P = 210e9, 10e-3, 1e3

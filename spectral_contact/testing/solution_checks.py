@@ -24,7 +24,7 @@ from spectral_contact.io.choices import instance, listed
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.attributes import computed
-from spectral_contact.testing.layered import LayerConditions
+from spectral_contact.testing.layer_conditions import LayerConditions
 
 Field = Callable[[Array], Array]
 

@@ -12,7 +12,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.precise.disk import Disk, PreciseMesh
 from spectral_contact.precise.drive import PreciseDrive, RoughDrive, SmoothDrive
 from spectral_contact.precise.fixed import Fixed, Ints
-from spectral_contact.precise.law import Breach, breaches
+from spectral_contact.precise.law_breaches import Breach, breaches
 from spectral_contact.precise.one_disk import PreciseOneDisk, solve_one_disk
 from spectral_contact.precise.zone_trial import PreciseLayout, ZoneProblem, Zones, ZoneTrial
 from spectral_contact.precise.zones import solve_zones

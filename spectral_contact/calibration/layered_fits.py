@@ -17,17 +17,17 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from spectral_contact.calibration.indentation import CurveProblem, cuts
+from spectral_contact.calibration.indentation_curve import CurveProblem, cuts
 from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.fields import Array
 from spectral_contact.layers import GreenwoodWilliamson, Layer
-from spectral_contact.layers.control import in_own_units
+from spectral_contact.layers.scene_layer import in_own_units
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
-from spectral_contact.solving.layered import through_layer
+from spectral_contact.solving.through_layer import through_layer
 
 _MOST_UNKNOWNS: Final = 20_000
 #: Exponents between which is searched.
