@@ -49,14 +49,14 @@ _CONTACT, _PRECISE, _FORMS = (
     f"{_PACKAGE}/closed_forms",
 )
 _UNIT, _REFERENCE = "tests/unit", "tests/reference"
-_CERTIFICATES = f"{_UNIT}/precise/test_precise_comparison.py"
-_COUPLED = f"{_UNIT}/contact/test_coupled_outcome.py"
+_CERTIFICATES = f"{_UNIT}/precise/test_certified.py"
+_COUPLED = f"{_UNIT}/contact/test_slip_outcome.py"
 _CENTRE = f"{_REFERENCE}/test_coupled_slip.py -k centre"
-_ENDINGS = f"{_UNIT}/contact/test_endings.py"
+_ENDINGS = f"{_UNIT}/solving/test_run.py"
 _EXACT = f"{_REFERENCE}/test_closed_forms.py"
 _SOLVER = f"{_UNIT}/solving/test_solver.py"
 _ESTIMATES = f"{_REFERENCE}/test_estimates.py"
-_GOLD = f"{_UNIT}/gold/test_gold.py"
+_GOLD = f"{_UNIT}/gold/test_table_loader.py"
 _PROPERTY = "tests/property/test_solutions.py"
 _DIGITS = f"{_UNIT}/profiles/test_profiles.py -k keep_their_digits"
 
@@ -294,7 +294,7 @@ MUTANTS = (
         f"{_PACKAGE}/fields/legendre.py",
         "- 0.5 * later",
         "- later",
-        f"{_UNIT}/fields/test_fields.py",
+        f"{_UNIT}/fields/test_series.py",
     ),
     Mutant(
         "the upper bound of the approach lacks the residual",
@@ -308,14 +308,14 @@ MUTANTS = (
         f"{_PACKAGE}/fields/radius.py",
         "np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)",
         "self.value - s",
-        f"{_UNIT}/fields/test_fields.py",
+        f"{_UNIT}/fields/test_series.py",
     ),
     Mutant(
         "radii next to the edge lose their distance",
         f"{_PACKAGE}/fields/radius.py",
         "return cls(value, outside / total / (1.0 + value))",
         "return cls(value, 1.0 - value)",
-        f"{_UNIT}/fields/test_fields.py",
+        f"{_UNIT}/fields/test_series.py",
     ),
     # closed forms
     Mutant(
@@ -394,14 +394,14 @@ MUTANTS = (
         f"{_PACKAGE}/solving/mirror.py",
         "field.times(-1.0)",
         "field.times(1.0)",
-        f"{_UNIT}/test_two_bodies.py -k negative_kappa_turns",
+        "tests/features/test_two_bodies.py -k negative_kappa_turns",
     ),
     Mutant(
         "the traction on the punch is that on the half-space",
         f"{_PACKAGE}/view/physical_solution.py",
         "share, -1.0)",
         "share, 1.0)",
-        f"{_UNIT}/test_two_bodies.py -k surfaces_of_both",
+        "tests/features/test_two_bodies.py -k surfaces_of_both",
     ),
     Mutant(
         "the work is that of the smallest system",
@@ -458,14 +458,14 @@ MUTANTS = (
         f"{_PACKAGE}/gold/table_loader.py",
         "len(figures) >= self.digits",
         "len(figures) >= 3",
-        f"{_UNIT}/gold/test_gold.py -k altered",
+        f"{_UNIT}/gold/test_table_loader.py -k altered",
     ),
     Mutant(
         "gold zones may leave gaps",
         f"{_PACKAGE}/gold/table_loader.py",
         "if [numbers[0], numbers[2]] != start:",
         "if False:",
-        f"{_UNIT}/gold/test_gold.py -k altered",
+        f"{_UNIT}/gold/test_table_loader.py -k altered",
     ),
     # tools
     Mutant(
@@ -473,28 +473,28 @@ MUTANTS = (
         f"{_PACKAGE}/testing/solution_checks.py",
         "_FLOOR = 1e-12",
         "_FLOOR = 1e-7",
-        f"{_UNIT}/testing/test_testing.py -k wrong",
+        f"{_UNIT}/testing/test_solution_checks.py -k wrong",
     ),
     Mutant(
         "slip with the traction passes the check",
         f"{_PACKAGE}/testing/solution_checks.py",
         "np.maximum(displacement[slip] * sense[slip], 0.0)",
         "np.maximum(-displacement[slip] * sense[slip], 0.0) * 0.0",
-        f"{_UNIT}/testing/test_testing.py -k wrong",
+        f"{_UNIT}/testing/test_solution_checks.py -k wrong",
     ),
     Mutant(
         "spectra are trusted sixteen times more",
         f"{_PACKAGE}/sweeps/error_maps.py",
         "_EDGE_SAFETY, _CRITICAL_SAFETY = 4.0, 8.0",
         "_EDGE_SAFETY, _CRITICAL_SAFETY = 0.25, 0.5",
-        f"{_UNIT}/sweeps/test_sweep.py -k sharp",
+        f"{_UNIT}/sweeps/test_sweep_run.py -k sharp",
     ),
     Mutant(
         "a map does not know how ends of panels round",
         f"{_PACKAGE}/sweeps/error_maps.py",
         "_places(beta)] + jump",
         "_places(beta)]",
-        f"{_UNIT}/sweeps/test_sweep.py -k sharp",
+        f"{_UNIT}/sweeps/test_sweep_run.py -k sharp",
     ),
     Mutant(
         "coupled slip that rings miss is not looked for where full stick has it",
@@ -508,21 +508,21 @@ MUTANTS = (
         f"{_PACKAGE}/sweeps/request.py",
         "            values[i] = np.nan\n",
         "            values[i] = 0.0\n",
-        f"{_UNIT}/sweeps/test_sweep.py -k a_scene_that_fails",
+        f"{_UNIT}/sweeps/test_sweep_run.py -k a_scene_that_fails",
     ),
     Mutant(
         "fits believe in the noise of derivatives",
         f"{_PACKAGE}/calibration/estimate.py",
         "noise = 4.0 *",
         "noise = 0.0 *",
-        f"{_UNIT}/calibration/test_calibration.py -k noise_of",
+        f"{_UNIT}/calibration/test_estimate.py -k noise_of",
     ),
     Mutant(
         "intervals of fits are one-sided",
         f"{_PACKAGE}/calibration/outcome.py",
         "0.5 + 0.5 * share",
         "share",
-        f"{_UNIT}/calibration/test_calibration.py -k an_interval",
+        f"{_UNIT}/calibration/test_estimate.py -k an_interval",
     ),
     Mutant(
         "rates of measured errors are certain",
@@ -543,7 +543,7 @@ MUTANTS = (
         f"{_PACKAGE}/studies/truth.py",
         "and not same_problem(own, scene)",
         "and False",
-        f"{_UNIT}/studies/test_studies.py -k truth",
+        f"{_UNIT}/studies/test_study.py -k truth",
     ),
     Mutant(
         "repeated measurements stop at the first",
@@ -558,21 +558,21 @@ MUTANTS = (
         f"{_PACKAGE}/sweeps/lines.py",
         "0.5 * y * moved",
         "0.5 * z * moved",
-        f"{_UNIT}/sweeps/test_sweep_lines.py -k logit_makes",
+        f"{_UNIT}/sweeps/test_lines.py -k logit_makes",
     ),
     Mutant(
         "a fit takes a stiffness that is not known",
         f"{_PACKAGE}/calibration/indentation_curve.py",
         "error = max(found.load_error, found.stiffness_error)",
         "error = found.load_error",
-        f"{_UNIT}/calibration/test_indentation.py -k well_enough",
+        f"{_UNIT}/calibration/test_indentation_curve.py -k well_enough",
     ),
     Mutant(
         "a fit of a law takes a stiffness that is not known",
         f"{_PACKAGE}/calibration/layered_fits.py",
         "error = max(found.load_error, found.stiffness_error)",
         "error = found.load_error",
-        f"{_UNIT}/calibration/test_indentation.py -k well_enough",
+        f"{_UNIT}/calibration/test_indentation_curve.py -k well_enough",
     ),
     Mutant(
         "displacements lack the error of the contact radius",
@@ -586,7 +586,7 @@ MUTANTS = (
         f"{_PACKAGE}/view/physical_solution.py",
         "self.units.displacement if self._modulus is None else 1.0",
         "self.units.displacement",
-        f"{_UNIT}/profiles/test_profiles_si.py -k other_units",
+        "tests/features/test_profiles_si.py -k other_units",
     ),
     Mutant(
         "more unknowns than allowed converge",
@@ -649,7 +649,7 @@ MUTANTS = (
         f"{_PACKAGE}/sweeps/error_maps.py",
         "size=2 * _DENSITY + 1",
         "size=1",
-        f"{_UNIT}/sweeps/test_sweep.py -k by_accident",
+        f"{_UNIT}/sweeps/test_sweep_run.py -k by_accident",
     ),
     Mutant(
         "dissipation lacks the error of the slip",
@@ -774,7 +774,7 @@ SURVIVORS = (
             f"{_CONTACT}/full_stick.py",
             "edge_change += abs(series_of(contact.panels, top).limit",
             "edge_change += 0.0 * abs(series_of(contact.panels, top).limit",
-            f"{_UNIT}/contact/test_only_what_is_needed.py {_PROPERTY} -k full_stick",
+            f"tests/features/test_only_what_is_needed.py {_PROPERTY} -k full_stick",
         ),
         f"{_REWRITE}; errors in 90 solves of random full stick are 0.35 of estimates without it",
     ),

@@ -13,7 +13,7 @@ pytest.importorskip("matplotlib")
 pytest.importorskip("pint")
 pytest.importorskip("xarray")
 
-VALIDATION = Path(__file__).parents[3] / "validation" / "input"
+VALIDATION = Path(__file__).parents[2] / "validation" / "input"
 
 
 @pytest.fixture(scope="module")

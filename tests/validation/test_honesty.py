@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-VALIDATION = Path(__file__).parents[3] / "validation"
+VALIDATION = Path(__file__).parents[2] / "validation"
 HONESTY = VALIDATION / "honesty"
 #: Strata whose scenes are solved again or swept in a second or two.
 SHORT = ("profiles", "layers", "bent_layers", "lines", "curves")

@@ -14,7 +14,7 @@ from spectral_contact import Scene, solve
 
 sys.path += [
     str(folder)
-    for folder in (Path(__file__).parents[3] / "validation").glob("**/")
+    for folder in (Path(__file__).parents[2] / "validation").glob("**/")
     if folder.name != "results"
 ]
 

@@ -3,7 +3,7 @@
 import runpy
 from pathlib import Path
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 TABLE = runpy.run_path(str(ROOT / "validation" / "mutants" / "mutants_table.py"))
 
 

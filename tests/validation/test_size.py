@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.append(str(Path(__file__).parents[3] / "validation"))
+sys.path.append(str(Path(__file__).parents[2] / "validation"))
 
 import size
 

@@ -210,3 +210,18 @@ def test_modules_fit_a_sitting(path):
 
 def test_every_module_says_what_it_is_for():
     assert [dotted(path) for path, tree in TREES.items() if not ast.get_docstring(tree)] == []
+
+
+def test_unit_tests_are_of_the_module_that_their_path_names():
+    """`unit/a/test_b.py` is the test of `a/b.py`, `unit/a/test_a.py` that of `a/__init__.py`."""
+    unit = REPOSITORY / "tests" / "unit"
+    strays = []
+    for path in sorted(unit.rglob("*.py")):
+        folder = PACKAGE / path.parent.relative_to(unit)
+        name = path.stem.removeprefix("test_")
+        modules = [folder / f"{name}.py", folder / f"__{name}__.py"]
+        if folder.name == name:
+            modules.append(folder / "__init__.py")
+        if not any(module in SOURCES for module in modules):
+            strays.append(str(path.relative_to(REPOSITORY)))
+    assert strays == []

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 README = (ROOT / "validation" / "README.md").read_text(encoding="utf-8")
 SCRIPTS = [
     path
@@ -37,7 +37,7 @@ def cited(pattern):
 
 
 def test_scripts_that_are_cited_are_there():
-    scripts = cited(r"(?<!unit/)\bvalidation/(?:\w+/)*\w+\.(?:py|toml)\b")
+    scripts = cited(r"(?<!tests/)\bvalidation/(?:\w+/)*\w+\.(?:py|toml)\b")
     assert len(scripts) > 100
     assert [one for one in scripts if not (ROOT / one[1]).exists()] == []
 

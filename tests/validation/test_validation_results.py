@@ -20,7 +20,7 @@ from spectral_contact.studies import OwnSolver, Stopwatch, load, truth_of
 #: Version 0.2 has the numbers of 0.1 in other modules.
 SAME_NUMBERS = ("0.1.0", "0.2.0")
 
-RESULTS = Path(__file__).parents[3] / "validation" / "results"
+RESULTS = Path(__file__).parents[2] / "validation" / "results"
 EPS = 2.0**-52
 #: Largest difference of a Galerkin entry, in eps of its scale.
 FEW = 32

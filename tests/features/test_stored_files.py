@@ -15,7 +15,7 @@ from spectral_contact.calibration import RoughnessFit
 from spectral_contact.solution import Solution
 from spectral_contact.studies import load as load_study
 
-DATA = Path(__file__).parents[2] / "data"
+DATA = Path(__file__).parents[1] / "data"
 FILES = sorted(p for p in (DATA / "solutions").iterdir() if p.name != "expected.json")
 EXPECTED = json.loads((DATA / "solutions" / "expected.json").read_text(encoding="utf-8"))
 MEGABYTE = 2**20

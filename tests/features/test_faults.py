@@ -26,7 +26,7 @@ from spectral_contact.view import plotting
 from spectral_contact.view.cli import sweep_command
 from spectral_contact.view.report import write_csv
 
-REPOSITORY = Path(__file__).parents[3]
+REPOSITORY = Path(__file__).parents[2]
 SCENE = Scene(0.3, 0.5, 0.5, 0.1)
 OLD = b"what was there before\n"
 
