@@ -593,7 +593,7 @@ class CoupledSearch(ZoneSearch):
             verdict = str(error)
         reason = "one stick disk, with narrow stick at the edge in closed form"
         self._trials.append(Trial(_WIDE_DISK, reason, verdict))
-        if outcome is None or not outcome.verified or outcome.violation_text:
+        if outcome is None or not outcome.verified:
             return None
         self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
