@@ -186,18 +186,22 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
 
 
 def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
-    """Return slip around a point-like stick disk as slip everywhere.
+    """Return slip around a point-like stick disk as slip from the centre.
 
-    ``q = f p``, so that ``Q = f``, as the load is 1.
+    ``q = f p``, so that ``Q = f``, as the load is 1. Stick at the edge, if the outcome has it, is
+    kept, and what it takes from Q is in the error of the outcome.
     """
     pressure = outcome.pressure
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
+    slip_zone, *edge_stick = outcome.zones[1:]
+    at_edge = outcome.traction.pieces[-len(edge_stick) :] if edge_stick else ()
+    slipping = pieces[: len(pieces) - len(edge_stick)]
     return replace(
         outcome,
-        zones=(Zone.from_radii("slip", CENTRE, EDGE),),
-        traction=ZonalField(tuple(replace(piece, factor=friction) for piece in pieces)),
+        zones=(replace(slip_zone, inner=0.0, inner_from_edge=1.0), *edge_stick),
+        traction=ZonalField((*(replace(one, factor=friction) for one in slipping), *at_edge)),
         total_shear=friction,
-        shear_error=2.0 * ROUNDING,
+        shear_error=outcome.shear_error if edge_stick else 2.0 * ROUNDING,
         traction_error=outcome.pressure_error,
         radius_error=1.0,
         zones_error=1.0,
