@@ -179,7 +179,8 @@ class ZoneSearch(ABC):
                 if candidate.predicted:
                     outcomes += self._try(candidate)
                 elif candidate.zones.states not in trial_states:
-                    if candidate.zones.logits:  # a disk without a radius may come again with one
+                    # a disk without a radius may come again with one; a warm start may be far off
+                    if candidate.zones.logits and candidate.zones.jacobian is None:
                         trial_states.add(candidate.zones.states)
                     outcomes += self._try_with_missing_stick(candidate, trial_states)
                 if outcomes and outcomes[-1].verified:
@@ -316,8 +317,7 @@ class UncoupledSearch(ZoneSearch):
         if not self._edge_stick_is_resolvable:
             if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
                 yield Candidate(start, "one stick disk, about as large as that of a like scene")
-            else:
-                yield Candidate(_DISK, "one stick disk")
+            yield Candidate(_DISK, "one stick disk")
         if beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
         from spectral_contact.contact.onset import is_narrow
