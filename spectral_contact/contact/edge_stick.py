@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import ceil, cos, inf, log, pi
+from math import ceil, cos, exp, inf, log, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +47,7 @@ from spectral_contact.contact.tuning import (
     ROUNDING,
     SLIP_ROUNDING,
 )
+from spectral_contact.contact.zone_fields import edge_exponent, edge_stick_width
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,
@@ -145,16 +146,17 @@ def expected_error(parameters: Parameters) -> float:
 
     It is 1, no digit, where the stick is too wide to be narrow.
     """
-    _, beta, kappa, friction = parameters
-    theta = float(np.arctan(2.0 * kappa * friction) / pi)
-    log_width = log(EDGE_WIDTH_FACTOR * beta * friction) / (0.5 - theta)
-    if log_width >= -1.0:
+    theta = edge_exponent(parameters)
+    width = edge_stick_width(parameters, theta, factor=EDGE_WIDTH_FACTOR)
+    if width >= exp(-1.0):
         return 1.0
-    stick = EdgeStick(theta, 1.0, float(np.exp(max(log_width, log(MIN_MATCHED_WIDTH)))))
-    return stick.error + stick.traction_error(beta)
+    stick = EdgeStick(theta, 1.0, max(width, MIN_MATCHED_WIDTH))
+    return stick.error + stick.traction_error(parameters.beta)
 
 
-def with_edge_stick(solved: ZoneSolution, parameters: Parameters) -> PartialSlip:
+def with_edge_stick(
+    solved: ZoneSolution, parameters: Parameters, *, point_disk: bool = False
+) -> PartialSlip:
     """Return slip up to the edge with the stick there, verified against the friction law.
 
     Parameters
@@ -163,6 +165,8 @@ def with_edge_stick(solved: ZoneSolution, parameters: Parameters) -> PartialSlip
         One stick disk on a smooth surface, with slip to the edge.
     parameters : Parameters
         With tangential compliance, and without normal compliance.
+    point_disk : bool
+        As of `zones_outcome`.
 
     Raises
     ------
@@ -170,9 +174,9 @@ def with_edge_stick(solved: ZoneSolution, parameters: Parameters) -> PartialSlip
         If the body does not move the edge against its traction, so that nothing sticks there, or
         the stick is not narrow.
     """
-    _, beta, kappa, friction = parameters
+    _, beta, _, friction = parameters
     # the displacement of the body alone, because that of the compliance is infinite at the edge
-    outcome = zones_outcome(solved, parameters._replace(beta=0.0))
+    outcome = zones_outcome(solved, parameters._replace(beta=0.0), point_disk=point_disk)
     body_displacement = outcome.slip.pieces[-1].field
     assert isinstance(body_displacement, AnnulusSeries)
     at_edge = body_displacement.toward_outer.limit
@@ -181,9 +185,7 @@ def with_edge_stick(solved: ZoneSolution, parameters: Parameters) -> PartialSlip
     amplitude = legendre_sum(-1.0, edge_pressure.tail.tolist()) * extent**-edge_pressure.power
     if not (at_edge < 0.0 < amplitude):
         raise ArithmeticError("the edge is not moved against its traction")
-    stick = EdgeStick.matched(
-        float(np.arctan(2.0 * kappa * friction) / pi), amplitude, -at_edge, beta * friction
-    )
+    stick = EdgeStick.matched(edge_exponent(parameters), amplitude, -at_edge, beta * friction)
     if stick.width >= MAX_MATCHED_WIDTH * extent:
         raise ArithmeticError("the stick at the edge is no narrower than the slip")
     if stick.width < MIN_MATCHED_WIDTH:

@@ -24,6 +24,7 @@ import numpy as np
 from spectral_contact.contact.friction_law import (
     Interval,
     edge_sense_unknown,
+    excused_excess,
     inf_if_unresolved,
     missing_stick,
     obeys,
@@ -75,7 +76,8 @@ class PartialSlip(ScalarResults):
         Estimate of the error of the displacement, relative to its largest value; infinite if no
         digit of it is known.
     violation : float
-        The largest ``|q|/(f p) - 1`` in stick or, if larger, `wrong_slip`.
+        The largest ``|q|/(f p) - 1`` in stick or, if larger, `wrong_slip`; infinite if the pressure
+        is not positive everywhere.
     wrong_slip : float
         The largest displacement in the direction of the traction, relative to the largest of all.
         It is part of the violation only if the slip error is finite; else it is noise.
@@ -110,9 +112,14 @@ class PartialSlip(ScalarResults):
     def verified(self) -> bool:
         """Whether the friction law is known to hold, so that no other zones need be tried.
 
-        The sign of the pressure is not part of it: see `violation_text`.
+        A `violation_text` may say that the pressure is not positive, which no traction shows.
         """
-        return self.consistent and self._sense_is_known and not self.missing
+        return (
+            self.consistent
+            and not self.violation_text
+            and self._sense_is_known
+            and not self.missing
+        )
 
     @property
     def verdict(self) -> str:
@@ -179,18 +186,22 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
 
 
 def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
-    """Return slip around a point-like stick disk as slip everywhere.
+    """Return slip around a point-like stick disk as slip from the centre.
 
-    ``q = f p``, so that ``Q = f``, as the load is 1.
+    ``q = f p``, so that ``Q = f``, as the load is 1. Stick at the edge, if the outcome has it, is
+    kept, and what it takes from Q is in the error of the outcome.
     """
     pressure = outcome.pressure
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
+    slip_zone, *edge_stick = outcome.zones[1:]
+    at_edge = outcome.traction.pieces[-len(edge_stick) :] if edge_stick else ()
+    slipping = pieces[: len(pieces) - len(edge_stick)]
     return replace(
         outcome,
-        zones=(Zone.from_radii("slip", CENTRE, EDGE),),
-        traction=ZonalField(tuple(replace(piece, factor=friction) for piece in pieces)),
+        zones=(replace(slip_zone, inner=0.0, inner_from_edge=1.0), *edge_stick),
+        traction=ZonalField((*(replace(one, factor=friction) for one in slipping), *at_edge)),
         total_shear=friction,
-        shear_error=2.0 * ROUNDING,
+        shear_error=outcome.shear_error if edge_stick else 2.0 * ROUNDING,
         traction_error=outcome.pressure_error,
         radius_error=1.0,
         zones_error=1.0,
@@ -247,7 +258,7 @@ def zones_outcome(
         pressure = contact.pressure
     outcome = _verified_outcome(solved, pressure, stick_tractions, excess, slip_zones, parameters)
     if contact is None and not zone_fields.all_positive(solved.pressures):
-        return replace(outcome, violation_text="the pressure is not positive")
+        return replace(outcome, violation=inf, violation_text="the pressure is not positive")
     return outcome
 
 
@@ -348,19 +359,20 @@ def _verified_outcome(
         violation=max(excess, wrong) if slip_error < inf else excess,
         wrong_slip=wrong,
         consistent=obeys(excess, traction_error, wrong, excused),
-        violation_text=_violation_text(excess, wrong, excused),
+        violation_text=_violation_text(excess, excused_excess(traction_error), wrong, excused),
         missing=missing,
         layout=solved.layout,
         **scalars,
     )
 
 
-def _violation_text(excess: float, wrong: float, excused: float) -> str:
+def _violation_text(excess: float, allowed: float, wrong: float, excused: float) -> str:
     """Return the violation that only other zones can mend, or nothing.
 
-    If no digit of the slip is known, `excused` is infinite: its sense refutes nothing.
+    An excess up to `allowed` and slip in the wrong sense up to `excused` are within the errors. If
+    no digit of the slip is known, `excused` is infinite: its sense refutes nothing.
     """
-    if not excess <= REFUTING_VIOLATION:
+    if not excess <= max(REFUTING_VIOLATION, allowed):
         return "the traction in stick exceeds friction"
     if wrong <= max(REFUTING_VIOLATION, excused):
         return ""

@@ -7,7 +7,7 @@ A zone that is an annulus has two parts, its inner and its outer half; the stick
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import exp, gamma
+from math import atan, exp, gamma, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -91,6 +91,32 @@ def min_stick_radius(parameters: Parameters) -> float:
     """
     _, beta, kappa, friction = parameters
     return 4.0 * exp(-2.0 * kappa / friction) + 2.0 * beta * friction
+
+
+def edge_stick_width(parameters: Parameters, theta: float, *, factor: float = 1.0) -> float:
+    """Return the width in y of the stick at a smooth edge under little friction.
+
+    There ``u = -kappa/(2 pi)`` at the edge and ``p = y**(theta - 1/2)/(2 pi)`` next to it, and the
+    layer makes up for u where ``beta f p`` does: ``w**(1/2 - theta) = beta f/kappa``
+    (docs/coupling.md).
+
+    Parameters
+    ----------
+    parameters : Parameters
+        With tangential compliance. Without elastic coupling those for kappa = 1.
+    theta : float
+        `edge_exponent` with elastic coupling, else 0.
+    factor : float
+        Of ``beta f/kappa``: what more friction makes of it.
+    """
+    _, beta, kappa, friction = parameters
+    with np.errstate(all="ignore"):  # a width beyond the range of doubles is 0 or infinite
+        return float(np.power(factor * beta * friction / kappa, 1.0 / (0.5 - theta)))
+
+
+def edge_exponent(parameters: Parameters) -> float:
+    """Return theta of ``p ~ y**(theta - 1/2)`` next to a smooth edge in slip with coupling."""
+    return atan(2.0 * parameters.kappa * parameters.friction) / pi
 
 
 def with_central_asymptote(

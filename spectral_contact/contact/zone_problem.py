@@ -369,7 +369,9 @@ def solve_given_radius(
     """
     disk = Layout((radius.logit,), (0, 1), np.eye(1))
     problem = _GivenRadius(parameters, disk, tolerance, known=known)
-    return refine(problem, tolerance, max_unknowns), problem.parameters.friction
+    refinement = refine(problem, tolerance, max_unknowns)
+    # the last space may not be the best one
+    return refinement, refinement.best.value.system.parameters.friction
 
 
 def solve_zones(

@@ -27,8 +27,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from math import exp, inf, log, sqrt
+from math import exp, inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -66,7 +67,12 @@ from spectral_contact.contact.tuning import (
     SCAN_START,
     SCAN_STEP,
 )
-from spectral_contact.contact.zone_fields import min_stick_radius, with_central_asymptote
+from spectral_contact.contact.zone_fields import (
+    edge_exponent,
+    edge_stick_width,
+    min_stick_radius,
+    with_central_asymptote,
+)
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
@@ -173,7 +179,8 @@ class ZoneSearch(ABC):
                 if candidate.predicted:
                     outcomes += self._try(candidate)
                 elif candidate.zones.states not in trial_states:
-                    if candidate.zones.logits:  # a disk without a radius may come again with one
+                    # a disk without a radius may come again with one; a warm start may be far off
+                    if candidate.zones.logits and candidate.zones.jacobian is None:
                         trial_states.add(candidate.zones.states)
                     outcomes += self._try_with_missing_stick(candidate, trial_states)
                 if outcomes and outcomes[-1].verified:
@@ -231,7 +238,7 @@ class ZoneSearch(ABC):
     @property
     def _edge_stick_width(self) -> float:
         """The order of the width in ``y`` over which a smooth edge sticks."""
-        return (self.parameters.friction * self.parameters.beta) ** 2
+        return edge_stick_width(self.parameters, 0.0)
 
     @property
     def _edge_stick_is_resolvable(self) -> bool:
@@ -310,8 +317,7 @@ class UncoupledSearch(ZoneSearch):
         if not self._edge_stick_is_resolvable:
             if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
                 yield Candidate(start, "one stick disk, about as large as that of a like scene")
-            else:
-                yield Candidate(_DISK, "one stick disk")
+            yield Candidate(_DISK, "one stick disk")
         if beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
         from spectral_contact.contact.onset import is_narrow
@@ -495,6 +501,10 @@ class CoupledSearch(ZoneSearch):
         else:
             yield Candidate(_WIDE_DISK, "one stick disk")
 
+    @property
+    def _edge_stick_width(self) -> float:
+        return edge_stick_width(self.parameters, edge_exponent(self.parameters))
+
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether zones of these states are possible.
 
@@ -515,7 +525,8 @@ class CoupledSearch(ZoneSearch):
         if unrefuted:
             return min(unrefuted, key=lambda outcome: outcome.apparent_violation)
         if self._smooth_edge_sticks and self._stick_disk_below_range:
-            return self._full_slip()
+            with suppress(ArithmeticError):  # the stick at the edge may not be narrow
+                return self._full_slip()
         unresolved = (
             f"the edge sticks over some {self._edge_stick_width:.0e}, too little to resolve"
         )
@@ -593,7 +604,7 @@ class CoupledSearch(ZoneSearch):
             verdict = str(error)
         reason = "one stick disk, with narrow stick at the edge in closed form"
         self._trials.append(Trial(_WIDE_DISK, reason, verdict))
-        if outcome is None or not outcome.verified or outcome.violation_text:
+        if outcome is None or not outcome.verified:
             return None
         self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
         self.record(SLIP_FIELD, outcome, solved)
@@ -626,7 +637,11 @@ class CoupledSearch(ZoneSearch):
         return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
 
     def _full_slip(self) -> PartialSlip:
-        """Return full slip: the stick disk is too small to change the fields around it."""
+        """Return full slip: the stick disk is too small to change the fields around it.
+
+        What sticks at a smooth edge is added in closed form.
+        """
+        from spectral_contact.contact.edge_stick import with_edge_stick
         from spectral_contact.contact.little_friction import full_slip_problem
 
         begin = perf_counter()
@@ -635,13 +650,11 @@ class CoupledSearch(ZoneSearch):
         )
         self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
-        outcome = zones_outcome(refinement.best.value, self.parameters, point_disk=True)
+        verified = with_edge_stick if self._smooth_edge_sticks else zones_outcome
+        outcome = verified(refinement.best.value, self.parameters, point_disk=True)
         if self.parameters.alpha == 0.0:
             outcome = self._with_central_asymptote(outcome)
         outcome = as_full_slip(outcome, self.parameters.friction)
-        if self._smooth_edge_sticks:  # add the part of the load that a sticking edge carries
-            shear_error = outcome.shear_error + sqrt(self._edge_stick_width)
-            outcome = replace(outcome, shear_error=shear_error)
         self.record(SLIP_FIELD, outcome, begin)
         return outcome
 

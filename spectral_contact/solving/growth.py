@@ -48,7 +48,7 @@ _AT_ONSET, _TIGHTEST, _POWER = 1e-3, 1e-10, 0.2
 _BESIDE = 2.0
 #: What panels may leave out, of the tolerance, as there are a few; they are not halved below.
 _MARGIN, _SHORTEST = 0.1, 1e-4
-#: By how much a stick radius may fall, as its own error may make it.
+#: By how much a stick radius may fall, relative, beside what its errors make of it.
 _FALL = 1e-8
 #: By how much more than their own errors those of the flat punches count in load and approach,
 #: which the Volterra equation amplifies.
@@ -350,7 +350,7 @@ class Grower:
                 self.weight.keep()
                 panels.append(panel)
         found = Growth(tuple(panels), self.onset, self.breaks)
-        _check(found)
+        check_stick_radii(found)
         return found
 
     def until(self, growth: Growth, log_radius: float) -> Growth:
@@ -415,9 +415,11 @@ class Grower:
         return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
 
 
-def _check(growth: Growth) -> None:
-    """Raise if what has stuck would slip again."""
-    for (_, before), (b, after) in pairwise(growth.stages):
-        if after < before * (1.0 - _FALL):
+def check_stick_radii(growth: Growth) -> None:
+    """Raise if the stick radius falls by more than its errors: what stuck would slip again."""
+    errors = [one.error.stick_radius or 0.0 for panel in growth.panels for one in panel.flats]
+    stages = zip(growth.stages, errors, strict=True)
+    for ((_, before), error_before), ((b, after), error_after) in pairwise(stages):
+        if after < before * (1.0 - max(_FALL, error_before + error_after)):
             told = f"the stick radius falls at the contact radius {b:.6g}"
             raise NotComputedError("traction", f"{told}: points that stuck would slip again")

@@ -448,7 +448,8 @@ class Run:
         """Store partial slip, with all that is tangential scaled as in `store_full_stick`."""
         reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
         self.updated_steps[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
-        if len(solved.zones) > 2:
+        states = [zone.kind for zone in solved.zones]
+        if len(states) > 2 or states == ["slip", "stick"]:
             reason = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
             if len(solved.trials) > 1:
                 reason += f"; tried: {'; '.join(trial.text for trial in solved.trials)}"

@@ -174,11 +174,16 @@ class StickPath:
         coordinate = self._coordinate(parameters)
         if coordinate is None or len(self._layouts) < 2:
             return None
-        nearest = sorted(self._layouts, key=lambda other: abs(other - coordinate))
-        nearest = nearest[:PATH_POINTS]
-        logits = [np.array(self._layouts[other].logits) for other in nearest]
-        predicted = extrapolate([1.0 + other - coordinate for other in nearest], logits)
-        return self._layouts[nearest[0]]._replace(logits=tuple(predicted.tolist()))
+        chosen: list[float] = []
+        for other in sorted(self._layouts, key=lambda other: abs(other - coordinate)):
+            # a polynomial through radii that differ by their errors alone leads anywhere
+            apart = min((abs(other - one) for one in chosen), default=math.inf)
+            if apart >= abs(other - coordinate) / 4.0:
+                chosen.append(other)
+        chosen = chosen[:PATH_POINTS]
+        logits = [np.array(self._layouts[other].logits) for other in chosen]
+        predicted = extrapolate([1.0 + other - coordinate for other in chosen], logits)
+        return self._layouts[chosen[0]]._replace(logits=tuple(predicted.tolist()))
 
 
 def _difference(start: LogParameters, end: LogParameters) -> LogParameters:

@@ -192,7 +192,6 @@ def test_thin_layers_keep_twelve_digits(layers):
         ((1e-8, 0.0), 1e-3),
         ((0.1, 0.1), 1e-18),
         ((0.1, 0.1), 1e-80),
-        ((0.0, 0.1), 1e-11),
     ],
 )
 def test_where_the_stick_disk_is_too_small_to_be_felt_all_slips(layers, friction):

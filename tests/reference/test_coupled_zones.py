@@ -257,14 +257,37 @@ def test_stick_at_a_smooth_edge_below_all_rings_is_found():
 
 
 @pytest.mark.parametrize(("beta", "friction"), [(1e-14, 1e-28), (1e-14, 1e-12), (1e-6, 1e-9)])
-def test_where_stick_at_the_edge_is_too_narrow_all_slips_with_room_for_it(beta, friction):
+def test_where_the_stick_disk_is_too_small_all_slips_but_the_edge(beta, friction):
     scene = Scene(0.3, 0.0, beta, friction)
     solution, plain = solve(scene.replace(coupling=True), 1e-4), solve(scene, 1e-10)
-    assert [zone.kind for zone in solution.zones] == ["slip"]
+    assert [zone.kind for zone in solution.zones] == ["slip", "stick"]
     assert solution.error.zones == 1.0
     # so little friction changes the pressure by hardly more
     allowed = solution.error.total_shear + plain.error.total_shear + 2.0 * friction
     assert abs(solution.total_shear / plain.total_shear - 1.0) <= allowed < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("kappa", "beta", "friction"), [(0.25, 5e-11, 0.02), (1e-3, 5e-8, 2e-5), (1e-5, 5e-8, 2e-7)]
+)
+def test_the_shear_lacks_what_stick_at_the_edge_takes_under_little_friction(kappa, beta, friction):
+    """It was f with an estimate of ``f beta``, which the error exceeds by ``1/(2 kappa)``.
+
+    With ``p = 1/(2 pi sqrt(y))``, which so little coupling hardly changes, the traction f p(w)
+    within ``w = (beta f/kappa)**2`` takes ``sqrt(w)/2`` of the shear.
+    """
+    scene = Scene.from_kappa(kappa, 0.0, beta, friction)
+    solution, plain = solve(scene.replace(coupling=True), 1e-6), solve(scene, 1e-12)
+    assert plain.total_shear / friction - 1.0 == pytest.approx(
+        -beta * friction / kappa / 2.0, rel=0.05, abs=1e-13
+    )
+    error = abs(solution.total_shear / plain.total_shear - 1.0)
+    assert error <= solution.error.total_shear + plain.error.total_shear < 1e-8
+    # next to the edge f p grows without bound, the traction does not
+    width = 2.0 * plain.zones[-1].inner_from_edge
+    near = np.array([0.1, 1e-3, 1e-6]) * width
+    ratios = solution.traction(from_edge=near) / plain.traction(from_edge=near)
+    assert np.abs(ratios - 1.0).max() <= 1e-3
 
 
 #: Scenes with stick at the edge far below what panels resolve, which were refused at these

@@ -2,6 +2,7 @@
 
 import functools
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from oracles.growing_rings import march
 
 from spectral_contact import NotComputedError, Scene, Solution, plan, profiles, solve
 from spectral_contact.equations import residuals
+from spectral_contact.solving.growth import check_stick_radii
 
 NU = 0.3
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
@@ -79,6 +81,33 @@ def test_a_march_in_increments_slips_as_far():
     first, second = (np.abs(one - truth).max() / largest for one in found)
     assert first / second == pytest.approx(2.0, abs=0.2)
     assert np.abs(2.0 * found[1] - found[0] - truth).max() < 0.005 * largest
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+def test_next_to_the_end_of_a_flat_part_errors_of_stick_radii_are_no_fall(coupling):
+    """It was refused: points that stuck would slip again."""
+    punch = profiles.RoundedFlat(0.5, 1.0)
+    scene = Scene(NU, 0.2, 0.2, 0.1, profile=punch, contact_radius=1.0, coupling=coupling)
+    found = solve(scene, 1e-2, ("total_shear", "stick_radius"))
+    marches = [
+        march(punch.height, 0.2, 0.2, scene.kappa, 0.1, count, coupled=coupling)
+        for count in (40, 80)
+    ]
+    shear = 2.0 * marches[1].shear - marches[0].shear
+    assert found.total_shear == pytest.approx(shear, rel=found.error.total_shear + 5e-4)
+    flat = solve(Scene(NU, 0.2, 0.2, 0.1, coupling=coupling), 1e-10)
+    error = abs(found.stick_radius / flat.stick_radius - 1.0)
+    assert error <= found.error.stick_radius < 1e-4
+
+
+@pytest.mark.parametrize(("fall", "error"), [(2e-8, 0.0), (1e-5, 4e-6)])
+def test_a_stick_radius_that_falls_by_more_than_its_errors_is_refused(fall, error):
+    flat = SimpleNamespace(error=SimpleNamespace(stick_radius=error))
+    panels = [SimpleNamespace(flats=(flat, flat))]
+    rises, falls = [(0.5, 0.3), (0.6, 0.31)], [(0.5, 0.3), (0.6, 0.3 * (1.0 - fall))]
+    check_stick_radii(SimpleNamespace(stages=rises, panels=panels))
+    with pytest.raises(NotComputedError, match=r"falls at the contact radius 0\.6"):
+        check_stick_radii(SimpleNamespace(stages=falls, panels=panels))
 
 
 def test_slip_opposes_the_traction_and_is_zero_where_nothing_has_slipped():

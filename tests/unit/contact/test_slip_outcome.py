@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from spectral_contact import Ending, Scene, solve
-from spectral_contact.contact import zone_search
+from spectral_contact.contact import zone_fields, zone_search
 from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.slip_outcome import zones_outcome
@@ -32,7 +32,7 @@ def test_a_disk_that_obeys_the_law_passes():
 
 
 def test_traction_in_stick_beyond_friction_is_refused():
-    outcome = zones_outcome(disk(), PARAMETERS._replace(friction=0.15 * (1.0 - 1e-4)))
+    outcome = zones_outcome(disk(), PARAMETERS._replace(friction=0.9 * 0.15))
     assert outcome.violation_text == "the traction in stick exceeds friction"
 
 
@@ -48,6 +48,26 @@ def test_pressure_that_pulls_is_refused(part):
     pressures[part] = pressures[part].times(-1.0)
     outcome = zones_outcome(replace(disk(), pressures=pressures), PARAMETERS)
     assert outcome.violation_text == "the pressure is not positive"
+    assert not outcome.verified
+    assert outcome.violation == math.inf
+
+
+def test_a_pressure_that_is_never_positive_is_no_convergence(monkeypatch):
+    """Slip obeys ``q = f p`` under a negative pressure, too: only its sign refutes it."""
+    monkeypatch.setattr(zone_fields, "all_positive", lambda pressures: False)
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1, coupling=True), 1e-2, strict=False)
+    assert solution.ending is Ending.ZONES
+    assert "the pressure is not positive" in str(solution.plan)
+    # full stick, which is stored in its place, has a positive pressure
+    assert 0.1 < solution.error.violation < math.inf
+
+
+def test_traction_that_exceeds_friction_within_its_error_refutes_nothing():
+    """The outcome was taken, but as a refuted one: without its work and ending."""
+    scene = Scene.from_kappa(0.1936720260888, 0.0, 6.6256831741e-11, 0.4043212021, coupling=True)
+    solution = solve(scene, 8.9e-3)
+    assert 1e-6 < solution.error.violation < solution.error.traction
+    assert {"partial slip", "slip displacement"} <= {step.name for step in solution.work.steps}
 
 
 def test_zones_without_width_are_no_zones(monkeypatch):

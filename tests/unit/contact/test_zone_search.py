@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from spectral_contact import Scene, StepState, solve
@@ -71,6 +72,16 @@ def test_narrow_zones_of_a_like_scene_are_not_tried():
     narrow = Layout((1.0, 1.0005), (0, 1, 0))
     outcome = uncoupled(0.5, 0.5, 0.5, warm_start=narrow).outcome()
     assert [trial.reason for trial in outcome.trials] == ["one stick disk"]
+
+
+def test_a_disk_that_is_far_off_is_followed_by_one_that_is_not_predicted():
+    """There was no other, and full stick took the place of slip with c = 0.66."""
+    far = Layout((36.8,), (0, 1), np.array([[0.26]]))
+    outcome = uncoupled(0.4, 0.4, 0.5333, warm_start=far).outcome()
+    predicted, other = outcome.trials
+    assert predicted.verdict != HOLDS
+    assert other.reason == "one stick disk"
+    assert outcome.zones[0].outer == pytest.approx(0.6636, abs=1e-3)
 
 
 def test_the_plan_tells_which_zones_were_tried():

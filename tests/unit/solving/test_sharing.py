@@ -8,7 +8,7 @@ import pytest
 from spectral_contact import QUANTITIES, Scene, SceneError, solve
 from spectral_contact.contact import zone_problem
 from spectral_contact.contact.layout import Layout
-from spectral_contact.solving.sharing import ZonePath
+from spectral_contact.solving.sharing import StickPath, ZonePath
 from spectral_contact.solving.solver import Continuation
 
 SCALARS = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")
@@ -184,6 +184,24 @@ def test_the_path_is_a_polynomial_through_its_last_scenes():
     # zones of another kind begin anew
     path.add((0.0, 0.0, 0.0), Layout((0.0,), (0, 1), slopes[:1, :1]))
     assert path.predict((0.0, 0.0, 0.1)).logits == (0.0,)
+
+
+def test_radii_of_a_growing_contact_that_differ_by_their_errors_lead_nowhere():
+    """Points next to the end of a flat part are 1e-12 apart, and their stick radii 1e-8 off."""
+    path = StickPath(0.2, 0.2)
+
+    def place_of(radius):
+        return math.log(0.2 / radius), math.log(0.2 / radius), 0.0
+
+    for k in range(6):
+        layout = Layout((0.24 + (-1) ** k * 1e-8,), (0, 1), np.eye(1))
+        path.add(place_of(0.5 * (1.0 + 1e-11 * (k + 1))), layout)
+    assert path.predict(place_of(0.5 * (1.0 + 3e-6))).logits[0] == pytest.approx(0.24, abs=2e-8)
+    # radii that are apart are interpolated
+    apart = StickPath(0.2, 0.2)
+    for radius in (0.5, 0.6, 0.75, 0.9, 1.0):
+        apart.add(place_of(radius), Layout((math.log(radius) ** 2,), (0, 1), np.eye(1)))
+    assert apart.predict(place_of(0.8)).logits[0] == pytest.approx(math.log(0.8) ** 2, abs=1e-12)
 
 
 def test_what_cannot_be_asked_is_refused_before_any_scene():

@@ -8,7 +8,7 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.normal import solve_normal
-from spectral_contact.contact.zone_problem import solve_given_radius
+from spectral_contact.contact.zone_problem import _GivenRadius, solve_given_radius
 from spectral_contact.fields.series import Radius
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.parameters import Parameters
@@ -150,3 +150,22 @@ def test_the_friction_of_a_radius_on_a_smooth_surface(logit):
         c = mpmath.sqrt(1 / (1 + mpmath.exp(-logit)))
         true = 2 * mpmath.atanh(c) / c / mpmath.ellipk(1 - c**2)
     assert abs(friction / float(true) - 1.0) <= solved.best.value.logit_errors[0] < 1e-11
+
+
+def test_the_friction_of_a_radius_is_that_of_the_best_space_and_not_of_the_last(monkeypatch):
+    """Where rounding ends the refinement, the last two spaces are worse than the best."""
+    frictions = []
+    estimate = _GivenRadius.estimate
+
+    def kept(problem, iterate, spaces):
+        frictions.append(problem.parameters.friction)
+        return estimate(problem, iterate, spaces)
+
+    monkeypatch.setattr(_GivenRadius, "estimate", kept)
+    contact = solve_normal(0.05, 1e-12, 1000, goal="traction").best.value
+    form = Parameters(0.05, 0.3, 1.0, 1.0), Radius.from_logit(0.5)
+    solved, friction = solve_given_radius(contact, *form, 1e-16, 20_000)
+    errors = [step.error for step in solved.history]
+    best = errors.index(min(errors))
+    assert best < len(errors) - 1
+    assert friction == frictions[best] != frictions[-1]
