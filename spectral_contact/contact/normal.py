@@ -11,8 +11,8 @@ from spectral_contact.contact.resolution import (
     NormalContact,
     decay_rates,
     expected_error,
+    graded_space,
     relative_panel_changes,
-    starting_resolution,
 )
 from spectral_contact.contact.tuning import (
     CLOSED_FORM_ROUNDING,
@@ -50,7 +50,7 @@ class _NormalProblem:
         layer = max(-log(self.compliance), 0.0)
         # the error of the approach is the square of that of the pressure
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
-        return starting_resolution(layer, tolerance)
+        return graded_space(layer, tolerance)
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[NormalContact]:
         panels = resolution.panels

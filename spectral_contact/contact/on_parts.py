@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import (
     concatenate_spaces,
     expected_error,
+    graded_space,
     relative_panel_changes,
-    starting_resolution,
     table_rates,
 )
 from spectral_contact.fields.series import (
@@ -126,7 +126,7 @@ class PartedProblem:
         """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
         # square roots of the distance in s**2 at a tip
         rate = 0.5 if self.parts.ends[part][0] is CENTRE else 1.0
-        space = starting_resolution(depth, self.tolerance, rate=rate)
+        space = graded_space(depth, self.tolerance, rate)
         digits, degrees = -log(self.tolerance), list(space.degrees)
         least = [share * digits for share in (_FIRST, _SECOND)]
         if len(self.parts.ends) == 1:

@@ -21,7 +21,7 @@ import numpy as np
 from spectral_contact.contact.pressure_loads import load_outside, mean_inside
 from spectral_contact.contact.resolution import (
     EPSILON_DEPTH,
-    starting_resolution,
+    graded_space,
 )
 from spectral_contact.contact.tuning import (
     DISPLACEMENT_SMOOTHING,
@@ -224,7 +224,7 @@ def free_displacement(
     """
     rate = 0.5 if contact.compliance == 0.0 else 1.0
     depth = max(-np.log(contact.compliance or 1.0), 0.0)
-    panels = starting_resolution(depth, tolerance, rate=rate).panels
+    panels = graded_space(depth, tolerance, rate).panels
     y = panels.sampling_distances
     load_inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, y)
     # near the centre the difference cancels: there g/s is half the mean of p inside s

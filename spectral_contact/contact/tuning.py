@@ -153,46 +153,18 @@ SMALL_COMPLIANCE = 1e-2
 # validation/cost/bench_solve.py and bench_coupled.py show both. An estimate decides whether a space
 # is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
-#: Slope of degrees on any panel and, in addition, at a bend of the pressure (normal contact). With
-#: 0.43 in place of 0.45 four of 46 random scenes of full stick need another space; with 0.15 in
-#: place of 0.2 the critical friction of one was 18 times as far off under the same estimate.
-NORMAL_DEGREES = 0.45
-NORMAL_BEND_DEGREES = 0.2
-#: A bend adds all its degrees to panels whose middles are nearer than BEND_REACH - 1 of BEND_TAPER
-#: panels, and none to those farther than BEND_REACH of them.
-BEND_REACH = 2.6
-BEND_TAPER = 1.2
-#: Slope of degrees toward the ends of a slip zone: with 0.5 estimates of the slip are 6 times as
-#: large: validation/honesty/honesty.py.
-SLIP_DEGREES = 0.7
-#: A known pressure is expanded in slip to this fraction of the tolerance, and to MAX_SLIP_TOL or
-#: closer. Without that bound the slip displacement of an annulus of 4e-9 has an error of 0.14 at
-#: rtol 2e-7, with it of 0.02: validation/honesty/honesty.py.
-SLIP_TOL_FACTOR = 0.01
+#: Degrees on every panel beyond those of the digits, degrees per digit, and degrees per digit in
+#: addition on the first panel of a part whose far end is a singularity. With 0.55 and none in
+#: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench_coupled.py.
+SPARE_DEGREES = 3.0
+DEGREES_PER_DIGIT = 0.5
+START_DEGREES = 0.4
+#: A known pressure is expanded in slip to this accuracy or better: without it the slip displacement
+#: of an annulus of 4e-9 has an error of 0.14 at rtol 2e-7, with it of 0.02:
+#: validation/honesty/honesty.py.
 MAX_SLIP_TOL = 1e-11
-#: Slopes of degrees of two fields on zones: on any panel; in addition at a bend; and at a weak
-#: bend, where a layer only changes the amplitude, or on the second panel.
-ZONE_DEGREES = 0.43
-BEND_DEGREES = 0.15
-WEAK_BEND_DEGREES = 0.08
-#: In addition on the first panel, whose far end is a singularity at a depth of ``-ln 2``: of the
-#: stick disk, which has none at the centre but above its rim; of other parts; and at the edge.
-DISK_START_DEGREES = 0.28
-ANNULUS_START_DEGREES = 0.54
-EDGE_START_DEGREES = 0.43
-#: Depth before a layer at which the fields bend: in full stick, or toward a boundary.
-BEND_LEAD = 3.0
-#: Depth by which a layer of the pressure reaches beyond its width, toward an edge with slip around
-#: it: it bends so much before, and settles so much after it.
-EDGE_LAYER_REACH = 4.0
-#: Degrees on every panel beyond those of the digits. In full stick with unknown pressure: with 1,
-#: and none of WEAK_BEND_DEGREES at the centre, 32 of 820 scenes and tolerances need a second space;
-#: with these, one.
-STICK_SPARE_DEGREES = 1.1
-#: In full stick under a known pressure, which decides on slip, and on a stick disk without
-#: tangential compliance, whose traction has a root at the rim: with 1 the friction at which slip
-#: begins is not accurate.
-KNOWN_PRESSURE_SPARE_DEGREES = 3.0
+#: Depth by which a layer of the pressure reaches beyond its width.
+LAYER_REACH = 3.0
 
 # Free boundaries. Logits are those of the boundaries, ``ln(b**2/(1 - b**2))``.
 
