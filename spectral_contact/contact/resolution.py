@@ -2,11 +2,8 @@
 
 A field is expanded on panels that are graded to an end: with d the distance to it in units of the
 extent, panels have equal widths in the depth ``x = -ln d``. A *space* (`DiscreteSpace`) is such a
-mesh with a degree on every panel. With the coefficients of a panel falling by a factor ``rate`` per
-degree, what its top two degrees contribute (the *change*) is about ``rate**-2`` times its error,
-so the estimate of the error is
-
-    error = POINTWISE_SAFETY * rate * change.
+mesh with a degree on every panel. The estimate of the error on a panel is what its top two degrees
+contribute, the *change*: two, because coefficients of one parity may vanish.
 """
 
 from __future__ import annotations
@@ -16,16 +13,11 @@ from dataclasses import dataclass, replace
 from math import ceil, inf, log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.tuning import (
-    DEFAULT_DECAY_RATE,
     DEGREES_PER_DIGIT,
-    MAX_DECAY_RATE,
-    MIN_DECAY_RATE,
     MIN_SAMPLE_DEPTH,
     PANEL_WIDTH,
-    POINTWISE_SAFETY,
     ROOT_TAIL_DEPTH,
     ROUNDING,
     SIGN_CHANGE_SAMPLES,
@@ -67,8 +59,6 @@ class NormalContact:
         the form of a contact. Everything tangential is linear in the pressure, so that these show
         how its error propagates; where the signs of two degrees cancel, those of one do not. Empty
         if they are not wanted.
-    rate : float
-        Factor by which one more degree lowers the change, on the panel with the largest error.
     """
 
     compliance: float
@@ -79,7 +69,6 @@ class NormalContact:
     approach_error: float = 0.0
     pressure_error: float = 0.0
     changes: tuple[NormalContact, ...] = ()
-    rate: float = 0.0
 
 
 def graded_space(
@@ -125,8 +114,8 @@ def _graded_space(
     power: float,
     starts_near_singularity: bool,
 ) -> DiscreteSpace:
-    # two digits more than are wanted
-    settled_digits = digits + 2.0
+    # four more than are wanted: the top degrees of the last panel are hardly determined
+    settled_digits = digits + 4.0
     depth = settling_depth + (settled_digits / rate if rate else ROOT_TAIL_DEPTH)
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
@@ -156,45 +145,6 @@ def concatenate_spaces(spaces: Sequence[DiscreteSpace]) -> DiscreteSpace:
     return DiscreteSpace(replace(spaces[0].panels, degree=capacity), degrees)
 
 
-def decay_rates(resolution: DiscreteSpace, coefficients: Array) -> Array:
-    """Return the factor by which coefficients fall with one degree, for every panel."""
-    return table_rates(resolution.degrees, resolution.panels.table(coefficients))
-
-
-def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
-    """Return the factor by which the rows of a table of coefficients fall with one degree.
-
-    With ``c`` the moduli of a row and n its degree it is ``(m / k)**(1/2)``, where ``m`` is the
-    larger one of ``c[n], c[n-1]``, and ``k`` that of ``c[n-2], c[n-3]``, so that coefficients of
-    one parity may vanish. It lies between MIN_DECAY_RATE and MAX_DECAY_RATE.
-    """
-    terms = table.shape[1]
-    indices, least_rates = _last_indices(degrees, terms)
-    c0, c1, c2, c3 = np.abs(table.ravel()[indices])  # c[n], c[n-1], c[n-2], c[n-3]
-    last = np.maximum(c0, c1)
-    before = np.maximum(c2, c3)
-    ratio = np.divide(last, before, out=np.ones(len(last)), where=before > 0.0)
-    # the larger ones of both pairs may be c[n] and c[n-3], three degrees apart
-    over_three_degrees = (c0 >= c1) & (c3 >= c2)
-    rate = np.where(over_three_degrees, np.cbrt(ratio), np.sqrt(ratio))
-    rate[rate < least_rates] = DEFAULT_DECAY_RATE
-    return np.asarray(np.minimum(np.maximum(rate, MIN_DECAY_RATE), MAX_DECAY_RATE))
-
-
-@bounded_cache("last coefficients")
-def _last_indices(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
-    """Return the flat indices of the last four coefficients of every row, and the least rates.
-
-    The coefficients of exp(-x), the smoothest function of a solution, fall by ``1/(2 n - 1)``. A
-    rate below half of that is taken for an accident of signs; below degree 4 every rate is.
-    """
-    highest = np.array(degrees)
-    top = terms * np.arange(len(degrees)) + highest
-    indices = np.maximum(top - np.arange(4)[:, None], 0)
-    smoothest = 0.5 / np.maximum(2.0 * highest - 1.0, 1.0)
-    return indices, np.where(highest < 4, np.inf, smoothest)
-
-
 def radius_errors(logit_error: float, radius: Radius) -> tuple[float, float]:
     """Return the relative errors of a radius c and of its distance ``1 - c`` from the edge.
 
@@ -204,11 +154,6 @@ def radius_errors(logit_error: float, radius: Radius) -> tuple[float, float]:
     if logit_error > 0.5:
         return inf, inf
     return logit_error * radius.rest / 2.0 + ROUNDING, logit_error * radius.square + ROUNDING
-
-
-def expected_error(change: Array, rates: Array) -> Array:
-    """Return the estimate of the error on every panel, from the change of the top two degrees."""
-    return np.asarray(POINTWISE_SAFETY * change * rates)
 
 
 def sample_depths(depth: float, count: int) -> Array:

@@ -26,7 +26,6 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.tuning import (
     DISPLACEMENT_SMOOTHING,
     FIELD_ROUNDING,
-    FUNCTIONAL_SAFETY,
 )
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
@@ -160,7 +159,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(np.concatenate(zone_samples))
     largest = max(float(np.abs(values).max()) for values in samples)
-    return SlipFields(fields, samples, largest, 2.0 * FUNCTIONAL_SAFETY * unresolved)
+    return SlipFields(fields, samples, largest, 2.0 * unresolved)
 
 
 def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZone]:
