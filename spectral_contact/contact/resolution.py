@@ -115,11 +115,11 @@ def _graded_space(
     starts_near_singularity: bool,
 ) -> DiscreteSpace:
     # four more than are wanted: the top degrees of the last panel are hardly determined
-    settled_digits = digits + 4.0
-    depth = settling_depth + (settled_digits / rate if rate else ROOT_TAIL_DEPTH)
+    mesh_digits = digits + 4.0
+    depth = settling_depth + (mesh_digits / rate if rate else ROOT_TAIL_DEPTH)
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
-    unsettled = np.clip(1.0 - rate * (x - settling_depth) / settled_digits, 0.0, 1.0)
+    unsettled = np.clip(1.0 - rate * (x - settling_depth) / mesh_digits, 0.0, 1.0)
     degrees = np.ceil(SPARE_DEGREES + DEGREES_PER_DIGIT * digits * unsettled).astype(int)
     if starts_near_singularity:
         degrees[0] += ceil(START_DEGREES * digits)

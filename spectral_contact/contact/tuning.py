@@ -70,29 +70,6 @@ JACOBIAN_FIELD_TOL = 1e-8
 
 # Error estimates
 
-#: The error of a field on a panel is estimated by this times ``change * rate``, where the change is
-#: what the top two degrees contribute and the rate is the decay of the coefficients per degree: the
-#: change is about ``rate**-2`` times the error. Of 4400 random scenes the estimate is 1.1 times the
-#: error or more: validation/honesty/honesty.py.
-POINTWISE_SAFETY = 1.6
-#: The error of a functional, or of a linear map of a field, is estimated by this times its change
-#: and a power of the rate. Of 300 random scenes the largest errors of shear and boundaries are 0.57
-#: and 0.53 of their estimates: validation/honesty/honesty.py, validation/honesty/sharpness.py.
-FUNCTIONAL_SAFETY = 4.5
-#: Rate of decay that is taken for changes of boundary residuals, which may be small by
-#: cancellation, and the least one by which panels with slow decay are found:
-#: validation/honesty/honesty.py.
-BOUNDARY_DECAY_RATE = 0.25
-#: Bounds of the rate of decay per degree, and the rate that is taken where a rate from coefficients
-#: is below that of ``exp(-x)``, so that it must be an accident of signs. With these none of 10,000
-#: random scenes has an estimate below its error: validation/honesty/honesty.py.
-MIN_DECAY_RATE = 0.05
-MAX_DECAY_RATE = 0.6
-DEFAULT_DECAY_RATE = 0.3
-#: Least rate of decay on the last panel toward a sticking edge under a known pressure, where q has
-#: terms ``y ln y``, whose coefficients fall only like a power of the degree. Of 870 scenes and
-#: tolerances errors are 0.75 of estimates at most: validation/honesty/honesty.py.
-EDGE_DECAY_RATE = 0.5
 #: The error of a field at an edge where it has a square root is this times the change of its tail,
 #: of which it was 1.9 times at most: validation/honesty/honesty.py.
 ROOT_EDGE_SAFETY = 2.5
