@@ -153,16 +153,8 @@ MAX_LOGIT = 100.0
 MIN_SMOOTH_LOGIT = -40.0
 #: Longest step of a boundary, as a logit: not measured again.
 MAX_LOGIT_STEP = 2.0
-#: Secant steps for one stick radius begin with this slope of the boundary residual in the logit.
-#: Not measured again.
-FIRST_SECANT_SLOPE = 0.5
-#: Most secant steps, of which 4 are enough but next to onsets: not measured again.
-MAX_SECANT_STEPS = 10
-#: Half the step of a central difference in a logit; a change below RESIDUAL_NOISE after a step so
-#: short shows a slope to one per cent or worse, and is not used.
-SHORT_LOGIT_STEP = 1e-3
-#: Half the step of the same where SHORT_LOGIT_STEP shows rounding: right to two digits.
-WIDE_LOGIT_STEP = 0.05
+#: Half the step of a central difference in a logit: the slope is right to two digits.
+LOGIT_STEP = 0.05
 #: Largest step of a difference for the Jacobian, over the width of the narrowest zone: with 0.03 or
 #: 0.5 no digit of 25 scenes changes.
 MAX_DIFFERENCE_STEP = 0.2

@@ -26,13 +26,12 @@ from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
 from spectral_contact.contact.stick_radius import (
     NoStickDiskError,
+    enclosed_root,
     fd_jacobian,
     min_logit,
-    secant_root,
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    FIRST_SECANT_SLOPE,
     HALFWAY_TOL,
     JACOBIAN_FIELD_TOL,
     JACOBIAN_RANGE,
@@ -206,13 +205,13 @@ class FreeBoundaryProblem:
         return self._layout_of(iterate.logits, iterate.jacobian)
 
     def _initial_disk(self, guess: float) -> Layout:
-        """Return the boundary of one stick disk, by secants, and the slope of its residual."""
+        """Return the boundary of one stick disk, and the slope of its residual."""
         least = MIN_LOGIT if self._known else min_logit(self.parameters)
 
         def residual(logit: float) -> float:
             return float(self.coarse_solution(logit).boundary_residual[0])
 
-        logit, slope = secant_root(residual, guess, FIRST_SECANT_SLOPE, COARSE_TOL, least=least)
+        logit, slope = enclosed_root(residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def _jacobian(
