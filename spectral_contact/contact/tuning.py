@@ -53,17 +53,11 @@ RESIDUAL_NOISE = 1e-13
 #: below it of the step. With 0.1 for corrections the estimates of shear and boundaries are 1.7 and
 #: 1.9 times as large in the mean of 50 random scenes: validation/honesty/sharpness.py.
 NEGLIGIBLE_FRACTION = 0.01
-#: Tolerance of the space and of the steps in which several boundaries are located first. Its cost:
+#: Tolerance of the space and of the steps in which boundaries are located first, and in which a
+#: field is evaluated to decide what to try. A space for the root of the tolerance, in which
+#: boundaries have nearly all of their digits, comes next if that root is below this. Its cost:
 #: validation/cost/bench_coupled.py.
 COARSE_TOL = 1e-3
-#: Boundaries superconverge: a space for the root of the tolerance has nearly all of their digits,
-#: so they are moved in it first, if that root is below this. Its cost:
-#: validation/cost/bench_solve.py.
-HALFWAY_TOL = 1e-4
-#: Tolerance of the space in which the boundary of one stick disk is located, and in which a field
-#: is evaluated to decide what to try. With 0.03 it takes 1 % fewer solutions:
-#: validation/cost/bench_solve.py.
-PROBE_TOL = 1e-2
 #: Error of the fields from which the Jacobian is taken by differences. With 1e-5 in place of 1e-8,
 #: 25 scenes take 214 corrections, not 212: validation/cost/bench_coupled.py.
 JACOBIAN_FIELD_TOL = 1e-8

@@ -32,7 +32,6 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    HALFWAY_TOL,
     JACOBIAN_FIELD_TOL,
     JACOBIAN_RANGE,
     MAX_STARTS,
@@ -40,7 +39,6 @@ from spectral_contact.contact.tuning import (
     MIN_LOGIT,
     MIN_RESTART_TOL,
     NEGLIGIBLE_FRACTION,
-    PROBE_TOL,
     RESIDUAL_NOISE,
     RESTART_FACTOR,
     ROUNDING,
@@ -170,9 +168,9 @@ class FreeBoundaryProblem:
     # the first boundaries, in small spaces
 
     def coarse_solution(self, logit: float) -> FieldSolution:
-        """Return the fields with one given boundary in the smallest space, that of PROBE_TOL."""
+        """Return the fields with one given boundary in the smallest space, that of COARSE_TOL."""
         logits = np.array([logit])
-        system = self.system(self.spaces(PROBE_TOL, logits), logits)
+        system = self.system(self.spaces(COARSE_TOL, logits), logits)
         return corrected(FieldSolution.first(factored(system)), COARSE_TOL, relative_size).fields
 
     def initial_layout(self) -> Layout:
@@ -239,7 +237,7 @@ class FreeBoundaryProblem:
         logits = np.array(self._layout.logits)
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway_tol = float(np.sqrt(self.field_tolerance))
-        if len(logits) and halfway_tol < HALFWAY_TOL and not (self._known and self.warm_start):
+        if len(logits) and halfway_tol < COARSE_TOL and not (self._known and self.warm_start):
             newton = self._newton(self.spaces(halfway_tol, logits))
             assert self._layout.jacobian is not None
             start = newton.start(logits, self._layout.jacobian)
