@@ -20,7 +20,7 @@ from spectral_contact.contact.resolution import (
     EPSILON_DEPTH,
 )
 from spectral_contact.contact.tuning import (
-    PROBE_TOL,
+    COARSE_TOL,
     SCAN_ACCURACY,
     SCAN_PAST_LAYERS,
 )
@@ -54,7 +54,7 @@ class PossibleRadius:
 
         The sense of the slip is not verified.
         """
-        return self.positive and self.excess <= PROBE_TOL
+        return self.positive and self.excess <= COARSE_TOL
 
 
 def stick_radii(

@@ -3,7 +3,7 @@
 The *changes* of a solution are the contributions of the top two degrees of every panel, and of the
 top degree alone (`FieldSolution.coarse_differences`). From them follow
 
-- the errors of the fields, panel by panel: change times a decay rate (`resolution`);
+- the errors of the fields, panel by panel: the change itself (`resolution`);
 - bounds r of the error of the boundary residual, and by them those of the boundaries,
   ``|J^-1| r`` with J its Jacobian by the logits;
 - the errors of approach and shear: their changes, and what the boundaries make. In full stick with
@@ -35,19 +35,14 @@ from spectral_contact.contact.free_boundary import FieldSolution, Iterate, Pertu
 from spectral_contact.contact.layout import Layout, NoBoundariesError, ScalarResults
 from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.resolution import (
-    decay_rates,
-    expected_error,
     radius_errors,
     relative_panel_changes,
 )
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
-    BOUNDARY_DECAY_RATE,
     CENTRE_ROUNDING_FACTOR,
     COUPLED_INTEGRAL_ROUNDING,
-    EDGE_DECAY_RATE,
     FIELD_ROUNDING,
-    FUNCTIONAL_SAFETY,
     JACOBIAN_CURVATURE,
     KNOWN_PRESSURE_INTEGRAL_ROUNDING,
     MIN_CONTRACTION,
@@ -77,15 +72,13 @@ class FieldErrors(NamedTuple):
     ----------
     pressure, traction : float
         The largest ones on any panel.
-    indicators, rates : ndarray
-        For every panel of every part the larger one of both errors, and the factor by which one
-        more degree lowers it.
+    indicators : ndarray
+        For every panel of every part the larger one of both errors.
     """
 
     pressure: float
     traction: float
     indicators: Array
-    rates: Array
 
 
 def _field_errors(
@@ -99,7 +92,6 @@ def _field_errors(
     root_is_shear = beta > 0.0
     largest = [0.0, 0.0]  # of p and of q/s
     indicators = [np.zeros(len(space.degrees)) for space in spaces]
-    slowest_rates = [np.full(len(space.degrees), BOUNDARY_DECAY_RATE) for space in spaces]
     panel_changes = relative_changes(system, values, change)
     for field, relative in zip(system.fields, panel_changes, strict=True):
         k = field.part
@@ -110,16 +102,9 @@ def _field_errors(
             tail_change = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
             root_error = ROOT_EDGE_SAFETY * float(tail_change / at_edge)
             largest[field.is_shear] = max(root_error, largest[field.is_shear])
-        rates = decay_rates(spaces[k], field.coefficients(values))
-        if system.pressure_known and not system.radii:
-            rates[-1] = max(rates[-1], EDGE_DECAY_RATE)
-        errors = expected_error(relative, rates)
-        largest[field.is_shear] = max(largest[field.is_shear], float(errors.max()))
-        np.maximum(indicators[k], errors, out=indicators[k])
-        np.maximum(slowest_rates[k], rates, out=slowest_rates[k])
-    return FieldErrors(
-        largest[0], largest[1], np.concatenate(indicators), np.concatenate(slowest_rates)
-    )
+        largest[field.is_shear] = max(largest[field.is_shear], float(relative.max()))
+        np.maximum(indicators[k], relative, out=indicators[k])
+    return FieldErrors(largest[0], largest[1], np.concatenate(indicators))
 
 
 def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
@@ -348,7 +333,7 @@ class ZoneEstimate:
     def residual_bound(self) -> Array:
         """Bounds of the errors of the boundary residual."""
         changes = np.max([np.abs(effect.boundary_residual) for effect in self.effects], axis=0)
-        bound = 2.0 * FUNCTIONAL_SAFETY * BOUNDARY_DECAY_RATE * changes
+        bound = 2.0 * changes
         bound += self.second_order + self.noise + self.remaining
         return np.asarray(bound + 2.0 * np.abs(self.solution.boundary_residual))
 
@@ -405,7 +390,7 @@ class ZoneEstimate:
         # no degree lowers the error of the corrections
         fields.indicators[fields.indicators <= self.remaining] = 0.0
         error = max(pressure_error, traction_error)
-        solution = SpaceSolution(value, error, fields.indicators, fields.rates, system.unknowns)
+        solution = SpaceSolution(value, error, fields.indicators, system.unknowns)
         if system.symmetric and not system.pressure_known:
             return self._with_energies(solution)
         return solution
@@ -470,7 +455,6 @@ class ZoneEstimate:
         """
         system = self.system
         fields = self.solution
-        rates = solution.rates**2
         factors = cast("Symmetric", fields.factors)
         energies = factors.energies(fields.values)
         dual_energies = factors.energies(factors.step(system.shear_row))
@@ -479,8 +463,7 @@ class ZoneEstimate:
         products = np.sqrt(energies * dual_energies).sum(axis=0)
         of_shear = products / abs(system.total_shear(fields.values))
         approach_error, field_shear_error = (
-            float(panels[:-1] @ rates + panels[-1]) + self.noise
-            for panels in (of_approach, of_shear)
+            float(panels.sum()) + self.noise for panels in (of_approach, of_shear)
         )
         # the shear is that for unit load, and has the error of the approach, too
         shear_error = approach_error + field_shear_error + STICK_INTEGRAL_ROUNDING
@@ -490,7 +473,7 @@ class ZoneEstimate:
             return solution
         indicators = of_approach + of_shear
         error = max(approach_error, shear_error)
-        return replace(solution, error=error, indicators=indicators[:-1], rates=rates)
+        return replace(solution, error=error, indicators=indicators[:-1])
 
     def _displacement_source(self) -> tuple[list[StickZone], float]:
         """Return the integrals of E over the stick zones, and the largest error of E by them.
@@ -516,10 +499,7 @@ class ZoneEstimate:
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)
             if state
         )
-        if system.pressure_known and len(system.radii) == 1:
-            # calibrated for one disk only (FUNCTIONAL_SAFETY): others take the change itself
-            largest *= float(self.field_errors.rates[np.argmax(self.field_errors.indicators)])
-        return stick_zones, FUNCTIONAL_SAFETY * (largest + scale * float(steps.max(initial=0.0)))
+        return stick_zones, largest + scale * float(steps.max(initial=0.0))
 
 
 def _slip_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:

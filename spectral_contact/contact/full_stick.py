@@ -23,7 +23,7 @@ from spectral_contact.contact.resolution import (
     relative_panel_changes,
     sample_depths,
 )
-from spectral_contact.contact.tuning import CLOSED_FORM_ROUNDING, FUNCTIONAL_SAFETY
+from spectral_contact.contact.tuning import CLOSED_FORM_ROUNDING
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of
@@ -129,7 +129,7 @@ def _with_known_pressure(
     if contact.panels is not None and contact.changes:
         top = contact.changes[0].coefficients
         relative = relative_panel_changes(contact.panels, top, contact.pressure.at_ends())
-        changes.append((contact.panels, FUNCTIONAL_SAFETY * contact.rate**2 * relative))
+        changes.append((contact.panels, relative))
         edge_change += abs(series_of(contact.panels, top).limit / contact.pressure.value(0.0))
     return stick.with_ratios(panels.panels * panels.width, changes, edge_change)
 

@@ -152,11 +152,11 @@ class _IndentationProblem(PartedProblem):
         moment, flat_moment = found.load / (4 * a**2), found.stiffness / (4 * a)
         energy, approach, whole_height = found.work / a**3, found.approach / a, self._whole_height
         change, mean = solved.factored.change(solved.whole), 4 / pi * moment
-        indicators, rates = pointwise_errors(self.parts, used, solved.whole, change, mean)
-        falls, own = np.append(rates**2, 1.0), change.energies
+        indicators = pointwise_errors(self.parts, used, solved.whole, change, mean)
+        own = change.energies
         flat = _INTEGRATED * solved.factored.change(solved.flat).energies
-        load_lost = pi / 2.0 * float(np.sqrt(_INTEGRATED * own * flat) @ falls)
-        work_lost = _INTEGRATED * pi * float(own @ falls)
+        load_lost = pi / 2.0 * float(np.sqrt(_INTEGRATED * own * flat).sum())
+        work_lost = _INTEGRATED * pi * float(own.sum())
         lost = float(np.abs(change.coefficients[-used[-1].panels.tail_terms :]).sum())
         noise = _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
         shifted = _EDGE * lost / solved.flat_edge + noise
@@ -171,15 +171,15 @@ class _IndentationProblem(PartedProblem):
             approach_error=shifted / approach + ROUNDING,
             load_error=(shifted * flat_moment + load_lost) / moment + ROUNDING,
             work_error=(4 * shifted * moment + work_lost) / energy + ROUNDING,
-            stiffness_error=pi / 2.0 * float(flat @ falls) / flat_moment + 2.0 * ROUNDING,
+            stiffness_error=pi / 2.0 * float(flat.sum()) / flat_moment + 2.0 * ROUNDING,
             pressure_error=pressure_error,
         )
         error = max(indentation.approach_error, indentation.load_error)
         if self.pointwise:
             error = max(error, pressure_error)
         else:
-            indicators, rates = indicators**2, rates**2
-        return SpaceSolution(indentation, error, indicators, rates, space.unknowns)
+            indicators = indicators**2
+        return SpaceSolution(indentation, error, indicators, space.unknowns)
 
     def _growth(self, edge: LogSeries, reach: float, flat_edge: float) -> float:
         """Return ``ddelta/da``, from how the pressure falls to the edge."""

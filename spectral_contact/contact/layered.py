@@ -88,20 +88,18 @@ class Layered(ABC):
         )
         flat_change = solver.change(fields.flat, coarse.flat, fields.rate, coarse.rate)
         mean = whole.load / (pi * a**2)
-        indicators, rates = form.errors(fields.pressure, change, mean)
+        indicators = form.errors(fields.pressure, change, mean)
 
         half = float(setting.profile._transform(np.asarray(a))) / 2.0
         approach = setting.origin + half + a * whole.shift
         deepest = solver.deepest(fields)
         size = max(abs(approach), approach - deepest)
-        falls = np.append(rates**2, 1.0)
-        worst = float(rates[np.argmax(indicators)])
         energies = np.sqrt(change.energies * flat_change.energies)
-        own = _INTEGRATED * 2.0 * pi * float(energies @ falls)
-        flat = _INTEGRATED * 2.0 * pi * float(flat_change.energies @ falls)
-        both = _INTEGRATED * 2.0 * pi * float(change.energies @ falls)
+        own = _INTEGRATED * 2.0 * pi * float(energies.sum())
+        flat = _INTEGRATED * 2.0 * pi * float(flat_change.energies.sum())
+        both = _INTEGRATED * 2.0 * pi * float(change.energies.sum())
         # it superconverges, but signs may have made it small
-        sides = _DIFFERENCE * worst
+        sides = _DIFFERENCE
 
         misplaced = self._misplacement(form, fields)
         shifted, data = 0.0, size - min(setting.origin, 0.0)
@@ -136,7 +134,7 @@ class Layered(ABC):
         pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding + misplaced.pressure / mean
         normal = None
         if setting.drives:
-            normal = form.driving(fields.pressure, change, solver.thinnest(fields), worst)
+            normal = form.driving(fields.pressure, change, solver.thinnest(fields))
         indentation = Indentation(
             a,
             approach,
@@ -170,13 +168,12 @@ class Layered(ABC):
         if self.pointwise:
             error = max(error, indentation.pressure_error)
         else:
-            shares = _STIFFNESS * rates * np.abs(solver.carried(flat_change.coefficients))
+            shares = _STIFFNESS * np.abs(solver.carried(flat_change.coefficients))
             indicators = np.maximum(indicators**2, shares / whole.stiffness)
-            rates = rates**2
         if setting.centre is not None or not self.pointwise or setting.layer.knots:
             # what of the error they do not show is where they are worst
             indicators = indicators * max(1.0, error / float(indicators.max()))
-        return SpaceSolution(indentation, error, indicators, rates, form.space.unknowns)
+        return SpaceSolution(indentation, error, indicators, form.space.unknowns)
 
 
 def at_centre(one: Indentation) -> tuple[float, float]:

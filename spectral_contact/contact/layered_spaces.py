@@ -16,11 +16,7 @@ from spectral_contact.contact.on_parts import (
     series_on_parts,
     split_parts,
 )
-from spectral_contact.contact.resolution import (
-    NormalContact,
-    expected_error,
-    table_rates,
-)
+from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.fields.series import EDGE, PressureField, Radius, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values
@@ -33,7 +29,6 @@ from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
-Indicators = tuple[Array, Array]
 
 
 #: Degree in which a pressure with bends drives a traction.
@@ -129,7 +124,7 @@ class PanelForm:
         """Return the function."""
         return field_of(self._parts, series_on_parts(self._used, coefficients))
 
-    def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
+    def errors(self, pressure: Array, change: Change, mean: float) -> Array:
         """Return the expected errors of the pressure, and by what a degree lowers them."""
         return pointwise_errors(self._parts, self._used, pressure, change, mean)
 
@@ -148,7 +143,7 @@ class PanelForm:
             rows += [table.ravel(), own[-was.tail_terms :]]
         return np.concatenate(rows)
 
-    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> NormalContact:
+    def driving(self, pressure: Array, change: Change, thin: float) -> NormalContact:
         """Return the pressure as it drives a traction, which takes panels to the edge alone.
 
         Where the law bends it is what these make of it, and what that lacks is its error.
@@ -160,8 +155,6 @@ class PanelForm:
             What two degrees less make of it.
         thin : float
             Width of its layer at the edge.
-        rate : float
-            By what factor one more degree lowers the change.
         """
         functions = self.space
         last = np.zeros_like(pressure)
@@ -180,7 +173,7 @@ class PanelForm:
             exact = self.sampling.values(pressure)
             off = whole.pressure.evaluate(self.y) - exact
             lost = float(np.abs(off).max()) / float(exact.min())
-        return replace(whole, changes=(moved, lesser), rate=rate, pressure_error=lost)
+        return replace(whole, changes=(moved, lesser), pressure_error=lost)
 
     def _panels_to_edge(self) -> LogPanels:
         """Return panels of one part that are as deep as those next to the edge."""
@@ -235,18 +228,14 @@ class CellForm:
     def _split(self, coefficients: Array) -> list[Array]:
         return np.split(coefficients, np.cumsum(np.array(self._degrees) + 1)[:-1])
 
-    def errors(self, pressure: Array, change: Change, mean: float) -> Indicators:
+    def errors(self, pressure: Array, change: Change, mean: float) -> Array:
         """Return the expected errors of the pressure, and by what a degree lowers them."""
-        rates, shares = [], []
-        each = zip(
-            self._degrees, self._split(pressure), self._split(change.coefficients), strict=True
-        )
-        for degree, own, changed in each:
-            rates.append(table_rates((degree,), own[None, :]))
+        shares = []
+        each = zip(self._split(pressure), self._split(change.coefficients), strict=True)
+        for own, changed in each:
             ends = min(abs(float(own.sum())), abs(float(own[::2].sum() - own[1::2].sum())))
             shares.append(np.abs(changed).sum() / max(ends, mean))
-        all_rates = np.concatenate(rates)
-        return expected_error(np.array(shares), all_rates), all_rates
+        return np.array(shares)
 
     def carried(self, before: Array, old: Form) -> Array:
         """Return the coefficients of a function of another space."""
@@ -276,7 +265,7 @@ class CellForm:
         """Return a bound of what a change is at the edge."""
         return float(np.abs(self._split(change)[-1]).sum())
 
-    def driving(self, pressure: Array, change: Change, thin: float, rate: float) -> None:
+    def driving(self, pressure: Array, change: Change, thin: float) -> None:
         """Return nothing: under a flat punch, which alone drives a traction, there are panels."""
 
 

@@ -9,10 +9,8 @@ import numpy as np
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import (
     NormalContact,
-    decay_rates,
-    expected_error,
+    graded_space,
     relative_panel_changes,
-    starting_resolution,
 )
 from spectral_contact.contact.tuning import (
     CLOSED_FORM_ROUNDING,
@@ -50,7 +48,7 @@ class _NormalProblem:
         layer = max(-log(self.compliance), 0.0)
         # the error of the approach is the square of that of the pressure
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
-        return starting_resolution(layer, tolerance)
+        return graded_space(layer, tolerance)
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[NormalContact]:
         panels = resolution.panels
@@ -74,21 +72,17 @@ class _NormalProblem:
         coefficients = solution * approach
         weight_of_load = None if weight is None else weight.times(approach)
         pressure = PressureField(weight_of_load, series_of(panels, coefficients))
-        rates = decay_rates(resolution, solution)
-        energies = change.energies[:-1] / moment * rates**2
+        energies = change.energies[:-1] / moment
         # without that of the tail, which adds less than 0.03 of it (tests/reference/
         # test_estimates.py)
         approach_error = float(energies.sum()) + ROUNDING
-        worst_rate = 0.0
         changes = []
         if self.pointwise:
-            relative = relative_panel_changes(
+            indicators = relative_panel_changes(
                 panels, change.coefficients * approach, pressure.at_ends()
             )
-            indicators = expected_error(relative, rates)
             pressure_error = float(indicators.max()) + FIELD_ROUNDING
             error = pressure_error
-            worst_rate = float(rates[indicators.argmax()])
             if self.changes_wanted:
                 for coarse_change in (change, factored.change(solution, degrees=1)):
                     top = -coarse_change.coefficients * approach
@@ -96,7 +90,6 @@ class _NormalProblem:
                     changes.append(NormalContact(compliance, 0.0, field, panels, top))
         else:
             indicators = energies
-            rates = rates**2
             pressure_error = np.inf
             error = approach_error
         contact = NormalContact(
@@ -108,9 +101,8 @@ class _NormalProblem:
             approach_error,
             pressure_error,
             tuple(changes),
-            worst_rate,
         )
-        return SpaceSolution(contact, error, indicators, rates, space.unknowns)
+        return SpaceSolution(contact, error, indicators, space.unknowns)
 
 
 def solve_normal(

@@ -12,10 +12,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.resolution import (
     concatenate_spaces,
-    expected_error,
+    graded_space,
     relative_panel_changes,
-    starting_resolution,
-    table_rates,
 )
 from spectral_contact.fields.series import (
     CENTRE,
@@ -45,7 +43,7 @@ _FIRST, _SECOND = 1.0, 0.55
 _BY_DEGREE = 5
 #: What breaks add to the expected error of the pressure, as the worst of three times 300 random
 #: profiles need it.
-_BROKEN = 8.0
+_BROKEN = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +124,7 @@ class PartedProblem:
         """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
         # square roots of the distance in s**2 at a tip
         rate = 0.5 if self.parts.ends[part][0] is CENTRE else 1.0
-        space = starting_resolution(depth, self.tolerance, rate=rate)
+        space = graded_space(depth, self.tolerance, rate)
         digits, degrees = -log(self.tolerance), list(space.degrees)
         least = [share * digits for share in (_FIRST, _SECOND)]
         if len(self.parts.ends) == 1:
@@ -164,29 +162,25 @@ def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
 
 def pointwise_errors(
     parts: DiskPartition, used: tuple[DiscreteSpace, ...], whole: Array, change: Change, mean: float
-) -> tuple[Array, Array]:
-    """Return the expected errors of the pressure on all panels, and by what a degree lowers them.
+) -> Array:
+    """Return the expected errors of the pressure on all panels.
 
     They are relative to the pressure, or to its mean if that is larger.
     """
-    rates: list[Array] = []
     errors: list[Array] = []
     series = series_on_parts(used, whole)
-    each = zip(
-        used, series, split_parts(used, whole), split_parts(used, change.coefficients), strict=True
-    )
+    each = zip(used, series, split_parts(used, change.coefficients), strict=True)
     # a change next to a break says less about the one after it
     factor = _BROKEN if len(used) > 1 else 1.0
-    for (panels, degrees), one, own, changed in each:
-        rates.append(table_rates(degrees, panels.table(own)))
+    for (panels, _), one, changed in each:
         size = np.maximum(np.abs(one.at_ends()), mean)
-        expected = factor * expected_error(relative_panel_changes(panels, changed, size), rates[-1])
+        expected = factor * relative_panel_changes(panels, changed, size)
         if parts.pointed and not errors:
             # no degree lowers what the tail at a tip lacks, a root: 1.8 times what it sheds
             tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
             expected[-1] = max(float(expected[-1]), 2.0 * tail)
         errors.append(expected)
-    return np.concatenate(errors), np.concatenate(rates)
+    return np.concatenate(errors)
 
 
 def series_on_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> list[LogSeries]:

@@ -1,7 +1,7 @@
 """Refinement of spaces until the estimate of the error meets the tolerance.
 
-It takes the errors and the decay rates of all panels from the problem, and raises degrees; it does
-not depend on the equations.
+It takes the errors of all panels from the problem, and raises degrees; it does not depend on the
+equations.
 """
 
 from __future__ import annotations
@@ -40,8 +40,6 @@ class SpaceSolution(Generic[T]):
         Estimate of the relative error that is compared with the tolerance.
     indicators : ndarray, shape (panels,)
         Contribution of every panel to `error`.
-    rates : ndarray, shape (panels,)
-        Factor, below 1, by which one more degree lowers the indicator.
     unknowns : int
         Size of the linear system.
     """
@@ -49,7 +47,6 @@ class SpaceSolution(Generic[T]):
     value: T
     error: float
     indicators: Array
-    rates: Array
     unknowns: int
 
 
@@ -141,13 +138,16 @@ def within_budget(resolution: DiscreteSpace, max_unknowns: int) -> DiscreteSpace
 def _finer(
     resolution: DiscreteSpace, solution: SpaceSolution[T], tolerance: float, stalled: int
 ) -> DiscreteSpace:
-    """Return the next space: n degrees more on each panel, with ``indicator * rate**n <= target``.
+    """Return the next space, whose panels are expected to have errors below a target.
 
-    Where the last space did not lower the error every panel takes two more: errors of panels above
-    a thin layer change the field in the layer, and do not appear in their own indicators.
+    An error e on a panel of degree n is taken for that of a geometric series: every degree lowers
+    it by the factor ``e**(1/n)``. Where the last space did not lower the error every panel takes
+    two more: errors of panels above a thin layer change the field in the layer, and do not appear
+    in their own indicators.
     """
     target = REFINEMENT_MARGIN * tolerance
-    need = np.log(np.maximum(solution.indicators / target, 1.0)) / -np.log(solution.rates)
+    errors = np.clip(solution.indicators, target, 0.5)
+    need = np.array(resolution.degrees) * np.log(errors / target) / -np.log(errors)
     extra = np.clip(np.ceil(need), 2 * stalled, MAX_ADDED_DEGREES).astype(int)
     degrees = np.minimum(np.array(resolution.degrees) + extra, MAX_DEGREE)
     highest = int(degrees.max())

@@ -2,11 +2,8 @@
 
 A field is expanded on panels that are graded to an end: with d the distance to it in units of the
 extent, panels have equal widths in the depth ``x = -ln d``. A *space* (`DiscreteSpace`) is such a
-mesh with a degree on every panel. With the coefficients of a panel falling by a factor ``rate`` per
-degree, what its top two degrees contribute (the *change*) is about ``rate**-2`` times its error,
-so the estimate of the error is
-
-    error = POINTWISE_SAFETY * rate * change.
+mesh with a degree on every panel. The estimate of the error on a panel is what its top two degrees
+contribute, the *change*: two, because coefficients of one parity may vanish.
 """
 
 from __future__ import annotations
@@ -16,26 +13,20 @@ from dataclasses import dataclass, replace
 from math import ceil, inf, log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spectral_contact.contact.tuning import (
-    BEND_REACH,
-    BEND_TAPER,
-    DEFAULT_DECAY_RATE,
-    MAX_DECAY_RATE,
-    MIN_DECAY_RATE,
+    DEGREES_PER_DIGIT,
     MIN_SAMPLE_DEPTH,
-    NORMAL_BEND_DEGREES,
-    NORMAL_DEGREES,
     PANEL_WIDTH,
-    POINTWISE_SAFETY,
+    ROOT_TAIL_DEPTH,
     ROUNDING,
     SIGN_CHANGE_SAMPLES,
-    SLIP_DEGREES,
+    SPARE_DEGREES,
+    START_DEGREES,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import bounded_cache
-from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 #: The smallest normal double: added to, or put in place of, a divisor that may be zero.
 TINY = float(np.finfo(float).tiny)
@@ -68,8 +59,6 @@ class NormalContact:
         the form of a contact. Everything tangential is linear in the pressure, so that these show
         how its error propagates; where the signs of two degrees cancel, those of one do not. Empty
         if they are not wanted.
-    rate : float
-        Factor by which one more degree lowers the change, on the panel with the largest error.
     """
 
     compliance: float
@@ -80,55 +69,73 @@ class NormalContact:
     approach_error: float = 0.0
     pressure_error: float = 0.0
     changes: tuple[NormalContact, ...] = ()
-    rate: float = 0.0
 
 
-def starting_resolution(layer: float, tolerance: float, *, rate: float = 1.0) -> DiscreteSpace:
-    """Return the first space for a solution that settles like ``exp(-rate x)`` past a layer.
+def graded_space(
+    settling_depth: float,
+    tolerance: float,
+    rate: float = 1.0,
+    *,
+    power: float = 0.0,
+    starts_near_singularity: bool = False,
+) -> DiscreteSpace:
+    """Return the first space for fields that settle like ``exp(-rate (x - settling_depth))``.
+
+    Up to that depth all panels have the degree ``SPARE_DEGREES + DEGREES_PER_DIGIT digits``, with
+    ``digits = -ln tolerance``; beyond it degrees fall in proportion to the digits that have not
+    settled.
 
     Parameters
     ----------
-    layer : float
-        Depth of the thinnest layer, ``-ln`` of its width.
+    settling_depth : float
+        In ``x = -ln d``: the depth of the thinnest layer, for example.
     tolerance : float
         Relative accuracy that is wanted.
     rate : float
-        1 for terms ``y ln y`` at the boundary, 1/2 for square roots.
+        1 for terms ``y ln y`` at the end, 1/2 for square roots; with 0 the mesh ends in a tail of
+        powers of ``sqrt(d)``.
+    power : float
+        Of the endpoint weight.
+    starts_near_singularity : bool
+        Whether the fields are singular at the far end of the part, at a depth of ``-ln 2``, so that
+        the first panel takes START_DEGREES a digit more.
     """
     # rounded up, so that scenes that are much alike have the same space
-    return _first_space(PANEL_WIDTH, ceil(2.0 * layer) / 2.0, -log(tolerance), rate)
+    depth = ceil(2.0 * settling_depth) / 2.0
+    return _graded_space(PANEL_WIDTH, depth, -log(tolerance), rate, power, starts_near_singularity)
 
 
 @bounded_cache("first spaces")
-def _first_space(width: float, layer: float, digits: float, rate: float) -> DiscreteSpace:
-    # a multiple of four panels: few distinct meshes, whose operators are cached
-    panels = 4 * ceil((layer + (digits + 2.0) / rate) / width / 4)
-    top: Array = np.full(panels, LEAST_DEGREE + ceil(NORMAL_DEGREES * digits))
-    if layer > 1.0:
-        top = top + NORMAL_BEND_DEGREES * digits * bend_weight(panels, layer)
+def _graded_space(
+    width: float,
+    settling_depth: float,
+    digits: float,
+    rate: float,
+    power: float,
+    starts_near_singularity: bool,
+) -> DiscreteSpace:
+    # four more than are wanted: the top degrees of the last panel are hardly determined
+    mesh_digits = digits + 4.0
+    depth = settling_depth + (mesh_digits / rate if rate else ROOT_TAIL_DEPTH)
+    panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
-    # fraction of the digits that exp(-rate (x - layer)) has not settled to
-    unsettled = np.clip(1.0 - rate * (x - layer - 2.0) / digits, 0.0, 1.0)
-    # exp(-x) itself bends on a panel, which takes two degrees more
-    degrees = np.ceil(np.minimum(top * unsettled + 2.0, top)).astype(int)
-    degrees = np.maximum(degrees, LEAST_DEGREE)
-    capacity = 4 * ceil((int(degrees.max()) + 1) / 4)
-    return DiscreteSpace(LogPanels(panels, width, capacity), tuple(degrees.tolist()))
-
-
-def bend_weight(panels: int, bend: float) -> Array:
-    """Return the weight of a bend at some depth on every panel: 1 around it, 0 far from it."""
-    middles = PANEL_WIDTH * (np.arange(panels) + 0.5)
-    distance = np.abs(middles - bend) / (BEND_TAPER * PANEL_WIDTH)
-    return np.asarray(np.clip(BEND_REACH - distance, 0.0, 1.0))
+    unsettled = np.clip(1.0 - rate * (x - settling_depth) / mesh_digits, 0.0, 1.0)
+    degrees = np.ceil(SPARE_DEGREES + DEGREES_PER_DIGIT * digits * unsettled).astype(int)
+    if starts_near_singularity:
+        degrees[0] += ceil(START_DEGREES * digits)
+    # a few degrees more than there are, for refinement
+    capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
+    mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
+    return DiscreteSpace(mesh, tuple(degrees.tolist()))
 
 
 def slip_degree(tolerance: float) -> int:
     """Return the degree of all panels toward the ends of a slip zone, for a relative accuracy.
 
-    The far end of a part is a singularity ln 2 before the first panel.
+    It is that of a first panel next to a singularity, rounded up to a multiple of four.
     """
-    return 4 * ceil((4 - SLIP_DEGREES * log(tolerance)) / 4)
+    degrees_per_digit = DEGREES_PER_DIGIT + START_DEGREES
+    return 4 * ceil((SPARE_DEGREES - degrees_per_digit * log(tolerance)) / 4)
 
 
 def concatenate_spaces(spaces: Sequence[DiscreteSpace]) -> DiscreteSpace:
@@ -136,45 +143,6 @@ def concatenate_spaces(spaces: Sequence[DiscreteSpace]) -> DiscreteSpace:
     capacity = max(space.panels.degree for space in spaces)
     degrees = tuple(degree for space in spaces for degree in space.degrees)
     return DiscreteSpace(replace(spaces[0].panels, degree=capacity), degrees)
-
-
-def decay_rates(resolution: DiscreteSpace, coefficients: Array) -> Array:
-    """Return the factor by which coefficients fall with one degree, for every panel."""
-    return table_rates(resolution.degrees, resolution.panels.table(coefficients))
-
-
-def table_rates(degrees: tuple[int, ...], table: Array) -> Array:
-    """Return the factor by which the rows of a table of coefficients fall with one degree.
-
-    With ``c`` the moduli of a row and n its degree it is ``(m / k)**(1/2)``, where ``m`` is the
-    larger one of ``c[n], c[n-1]``, and ``k`` that of ``c[n-2], c[n-3]``, so that coefficients of
-    one parity may vanish. It lies between MIN_DECAY_RATE and MAX_DECAY_RATE.
-    """
-    terms = table.shape[1]
-    indices, least_rates = _last_indices(degrees, terms)
-    c0, c1, c2, c3 = np.abs(table.ravel()[indices])  # c[n], c[n-1], c[n-2], c[n-3]
-    last = np.maximum(c0, c1)
-    before = np.maximum(c2, c3)
-    ratio = np.divide(last, before, out=np.ones(len(last)), where=before > 0.0)
-    # the larger ones of both pairs may be c[n] and c[n-3], three degrees apart
-    over_three_degrees = (c0 >= c1) & (c3 >= c2)
-    rate = np.where(over_three_degrees, np.cbrt(ratio), np.sqrt(ratio))
-    rate[rate < least_rates] = DEFAULT_DECAY_RATE
-    return np.asarray(np.minimum(np.maximum(rate, MIN_DECAY_RATE), MAX_DECAY_RATE))
-
-
-@bounded_cache("last coefficients")
-def _last_indices(degrees: tuple[int, ...], terms: int) -> tuple[NDArray[np.int_], Array]:
-    """Return the flat indices of the last four coefficients of every row, and the least rates.
-
-    The coefficients of exp(-x), the smoothest function of a solution, fall by ``1/(2 n - 1)``. A
-    rate below half of that is taken for an accident of signs; below degree 4 every rate is.
-    """
-    highest = np.array(degrees)
-    top = terms * np.arange(len(degrees)) + highest
-    indices = np.maximum(top - np.arange(4)[:, None], 0)
-    smoothest = 0.5 / np.maximum(2.0 * highest - 1.0, 1.0)
-    return indices, np.where(highest < 4, np.inf, smoothest)
 
 
 def radius_errors(logit_error: float, radius: Radius) -> tuple[float, float]:
@@ -186,11 +154,6 @@ def radius_errors(logit_error: float, radius: Radius) -> tuple[float, float]:
     if logit_error > 0.5:
         return inf, inf
     return logit_error * radius.rest / 2.0 + ROUNDING, logit_error * radius.square + ROUNDING
-
-
-def expected_error(change: Array, rates: Array) -> Array:
-    """Return the estimate of the error on every panel, from the change of the top two degrees."""
-    return np.asarray(POINTWISE_SAFETY * change * rates)
 
 
 def sample_depths(depth: float, count: int) -> Array:

@@ -21,12 +21,11 @@ import numpy as np
 from spectral_contact.contact.pressure_loads import load_outside, mean_inside
 from spectral_contact.contact.resolution import (
     EPSILON_DEPTH,
-    starting_resolution,
+    graded_space,
 )
 from spectral_contact.contact.tuning import (
     DISPLACEMENT_SMOOTHING,
     FIELD_ROUNDING,
-    FUNCTIONAL_SAFETY,
 )
 from spectral_contact.fields.legendre import chebyshev_sums
 from spectral_contact.fields.series import (
@@ -160,7 +159,7 @@ def slip_displacement(
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(np.concatenate(zone_samples))
     largest = max(float(np.abs(values).max()) for values in samples)
-    return SlipFields(fields, samples, largest, 2.0 * FUNCTIONAL_SAFETY * unresolved)
+    return SlipFields(fields, samples, largest, 2.0 * unresolved)
 
 
 def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZone]:
@@ -224,7 +223,7 @@ def free_displacement(
     """
     rate = 0.5 if contact.compliance == 0.0 else 1.0
     depth = max(-np.log(contact.compliance or 1.0), 0.0)
-    panels = starting_resolution(depth, tolerance, rate=rate).panels
+    panels = graded_space(depth, tolerance, rate).panels
     y = panels.sampling_distances
     load_inside = 1.0 / (2.0 * pi) - load_outside(contact.pressure, y)
     # near the centre the difference cancels: there g/s is half the mean of p inside s

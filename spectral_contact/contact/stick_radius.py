@@ -7,22 +7,18 @@ edge are as easy as others.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import copysign, inf, log, log1p, pi
+from math import copysign, log, log1p, pi
 
 import numpy as np
 
 from spectral_contact.contact.tuning import (
     JACOBIAN_FIELD_TOL,
+    LOGIT_STEP,
     MAX_DIFFERENCE_STEP,
     MAX_LOGIT,
-    MAX_LOGIT_STEP,
-    MAX_SECANT_STEPS,
     MIN_LOGIT,
     MIN_SMOOTH_LOGIT,
-    RESIDUAL_NOISE,
     ROUNDING,
-    SHORT_LOGIT_STEP,
-    WIDE_LOGIT_STEP,
 )
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parameters import Parameters
@@ -43,67 +39,52 @@ class NoStickDiskError(ArithmeticError):
         self.at_centre = at_centre
 
 
-def secant_root(
+def enclosed_root(
     function: Callable[[float], float],
-    start: float,
-    slope: float,
+    guess: float,
     error: float = ROUNDING,
     *,
     least: float = MIN_LOGIT,
 ) -> tuple[float, float]:
-    """Return a root in the logit of c by secant steps, and the slope there.
+    """Return a root in the logit of c, and the slope there.
 
-    With three values the next step is to the root of the parabola of x, as a function of the value,
-    through them. The error after a step is estimated by its length times the distances of the last
-    points (`distances`). Where the steps do not converge the root is enclosed by signs.
+    From the guess on, steps that double enclose the root by a change of sign; a bracketing method
+    finds it.
 
     Parameters
     ----------
     function : callable
         Rises with c.
-    start, slope : float
-        A guess of the root, and of the slope; with a slope of 0 the root is enclosed by signs.
+    guess : float
     error : float
-        Error of the root, absolute up to a logit of 1, relative beyond.
+        Error of the root.
     least : float
         No root below this logit is looked for.
+
+    Raises
+    ------
+    NoStickDiskError
+        If there is no root; `at_centre` is true if it lies below the least logit.
     """
-    x = start
-    value = function(start)
-    if slope == 0.0:
-        return _enclosed_root(function, x, value, error, least)
-    before: tuple[float, float, float] | None = None  # x, value, inverse slope of the last secant
-    inverse_slope = 1.0 / slope
-    step = -value / slope
-    distances = inf
-    for _ in range(MAX_SECANT_STEPS):
-        step = max(min(step, MAX_LOGIT_STEP), -MAX_LOGIT_STEP)
-        if abs(step) * distances <= error * max(1.0, abs(x)):
-            return x + step, 1.0 / inverse_slope
-        if not least < x + step < MAX_LOGIT:
-            break
-        next_value = function(x + step)
-        difference = next_value - value
-        secant = inverse_slope
-        if abs(difference) > RESIDUAL_NOISE or abs(step) > SHORT_LOGIT_STEP:
-            if difference * step <= 0.0:
-                break
-            secant = step / difference
-        distances = abs(step)
-        inverse_slope = secant
-        next_step = -next_value * secant
-        if before is not None and next_value != before[1]:
-            curvature = (secant - before[2]) / (next_value - before[1])
-            tangent = secant - curvature * (next_value + value)
-            if tangent > 0.0:
-                next_step += curvature * next_value * value
-                inverse_slope = tangent
-                distances *= abs(x + step - before[0])
-        before = (x, value, secant)
-        x = x + step
-        value = next_value
-        step = next_step
-    return _enclosed_root(function, x, value, error, least)
+    from scipy.optimize import toms748
+
+    x = other = guess
+    value = other_value = function(guess)
+    step = 0.5
+    while other_value * value > 0.0:
+        x = other
+        value = other_value
+        step *= 2.0
+        # the root lies below x where the value is positive
+        other = min(max(x + copysign(step, -value), least), MAX_LOGIT)
+        if other == x:
+            raise NoStickDiskError(at_centre=value > 0.0)
+        other_value = function(other)
+    root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
+    difference = function(root + LOGIT_STEP) - function(root - LOGIT_STEP)
+    if difference <= 0.0:
+        raise NoStickDiskError(at_centre=root < 0.0)
+    return root, difference / (2.0 * LOGIT_STEP)
 
 
 def min_logit(parameters: Parameters) -> float:
@@ -133,18 +114,6 @@ def limiting_logit(parameters: Parameters) -> float:
     return min(max(logit, MIN_LOGIT), MAX_LOGIT)
 
 
-def central_slope(function: Callable[[float], float], x: float) -> float:
-    """Return the slope by a central difference, over a wider step where the short one is rounding.
-
-    As spaces depend on x, the function may have steps of the size of its error.
-    """
-    for half_step in (SHORT_LOGIT_STEP, WIDE_LOGIT_STEP):
-        difference = function(x + half_step) - function(x - half_step)
-        if abs(difference) > RESIDUAL_NOISE / SHORT_LOGIT_STEP:
-            break
-    return difference / (2.0 * half_step)
-
-
 def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
     """Return the derivatives of a residual by the logits, by central differences.
 
@@ -162,36 +131,3 @@ def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
         difference = residual_at(logits + step) - residual_at(logits - step)
         columns.append(difference / (2.0 * half_step))
     return np.array(columns).T
-
-
-def _enclosed_root(
-    function: Callable[[float], float],
-    x: float,
-    value: float,
-    error: float,
-    least: float,
-) -> tuple[float, float]:
-    """Return the root on the side of x where the sign of the value says it is, and the slope there.
-
-    Next to the onset of slip the function is exponential in the logit, and secant steps are far too
-    short. If the root lies below the least logit the stick disk is at the centre.
-    """
-    from scipy.optimize import toms748
-
-    step = 0.5
-    other = x
-    other_value = value
-    while other_value * value > 0.0:
-        x = other
-        value = other_value
-        step *= 2.0
-        # the function rises with c, so that the root lies below x where the value is positive
-        other = min(max(x + copysign(step, -value), least), MAX_LOGIT)
-        if other == x:
-            raise NoStickDiskError(at_centre=value > 0.0)
-        other_value = function(other)
-    root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
-    slope = central_slope(function, root)
-    if slope <= 0.0:
-        raise NoStickDiskError(at_centre=root < 0.0)
-    return root, slope

@@ -53,46 +53,17 @@ RESIDUAL_NOISE = 1e-13
 #: below it of the step. With 0.1 for corrections the estimates of shear and boundaries are 1.7 and
 #: 1.9 times as large in the mean of 50 random scenes: validation/honesty/sharpness.py.
 NEGLIGIBLE_FRACTION = 0.01
-#: Tolerance of the space and of the steps in which several boundaries are located first. Its cost:
+#: Tolerance of the space and of the steps in which boundaries are located first, and in which a
+#: field is evaluated to decide what to try. A space for the root of the tolerance, in which
+#: boundaries have nearly all of their digits, comes next if that root is below this. Its cost:
 #: validation/cost/bench_coupled.py.
 COARSE_TOL = 1e-3
-#: Boundaries superconverge: a space for the root of the tolerance has nearly all of their digits,
-#: so they are moved in it first, if that root is below this. Its cost:
-#: validation/cost/bench_solve.py.
-HALFWAY_TOL = 1e-4
-#: Tolerance of the space in which the boundary of one stick disk is located, and in which a field
-#: is evaluated to decide what to try. With 0.03 it takes 1 % fewer solutions:
-#: validation/cost/bench_solve.py.
-PROBE_TOL = 1e-2
 #: Error of the fields from which the Jacobian is taken by differences. With 1e-5 in place of 1e-8,
 #: 25 scenes take 214 corrections, not 212: validation/cost/bench_coupled.py.
 JACOBIAN_FIELD_TOL = 1e-8
 
 # Error estimates
 
-#: The error of a field on a panel is estimated by this times ``change * rate``, where the change is
-#: what the top two degrees contribute and the rate is the decay of the coefficients per degree: the
-#: change is about ``rate**-2`` times the error. Of 4400 random scenes the estimate is 1.1 times the
-#: error or more: validation/honesty/honesty.py.
-POINTWISE_SAFETY = 1.6
-#: The error of a functional, or of a linear map of a field, is estimated by this times its change
-#: and a power of the rate. Of 300 random scenes the largest errors of shear and boundaries are 0.57
-#: and 0.53 of their estimates: validation/honesty/honesty.py, validation/honesty/sharpness.py.
-FUNCTIONAL_SAFETY = 4.5
-#: Rate of decay that is taken for changes of boundary residuals, which may be small by
-#: cancellation, and the least one by which panels with slow decay are found:
-#: validation/honesty/honesty.py.
-BOUNDARY_DECAY_RATE = 0.25
-#: Bounds of the rate of decay per degree, and the rate that is taken where a rate from coefficients
-#: is below that of ``exp(-x)``, so that it must be an accident of signs. With these none of 10,000
-#: random scenes has an estimate below its error: validation/honesty/honesty.py.
-MIN_DECAY_RATE = 0.05
-MAX_DECAY_RATE = 0.6
-DEFAULT_DECAY_RATE = 0.3
-#: Least rate of decay on the last panel toward a sticking edge under a known pressure, where q has
-#: terms ``y ln y``, whose coefficients fall only like a power of the degree. Of 870 scenes and
-#: tolerances errors are 0.75 of estimates at most: validation/honesty/honesty.py.
-EDGE_DECAY_RATE = 0.5
 #: The error of a field at an edge where it has a square root is this times the change of its tail,
 #: of which it was 1.9 times at most: validation/honesty/honesty.py.
 ROOT_EDGE_SAFETY = 2.5
@@ -153,46 +124,18 @@ SMALL_COMPLIANCE = 1e-2
 # validation/cost/bench_solve.py and bench_coupled.py show both. An estimate decides whether a space
 # is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
-#: Slope of degrees on any panel and, in addition, at a bend of the pressure (normal contact). With
-#: 0.43 in place of 0.45 four of 46 random scenes of full stick need another space; with 0.15 in
-#: place of 0.2 the critical friction of one was 18 times as far off under the same estimate.
-NORMAL_DEGREES = 0.45
-NORMAL_BEND_DEGREES = 0.2
-#: A bend adds all its degrees to panels whose middles are nearer than BEND_REACH - 1 of BEND_TAPER
-#: panels, and none to those farther than BEND_REACH of them.
-BEND_REACH = 2.6
-BEND_TAPER = 1.2
-#: Slope of degrees toward the ends of a slip zone: with 0.5 estimates of the slip are 6 times as
-#: large: validation/honesty/honesty.py.
-SLIP_DEGREES = 0.7
-#: A known pressure is expanded in slip to this fraction of the tolerance, and to MAX_SLIP_TOL or
-#: closer. Without that bound the slip displacement of an annulus of 4e-9 has an error of 0.14 at
-#: rtol 2e-7, with it of 0.02: validation/honesty/honesty.py.
-SLIP_TOL_FACTOR = 0.01
+#: Degrees on every panel beyond those of the digits, degrees per digit, and degrees per digit in
+#: addition on the first panel of a part whose far end is a singularity. With 0.55 and none in
+#: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench_coupled.py.
+SPARE_DEGREES = 2.0
+DEGREES_PER_DIGIT = 0.55
+START_DEGREES = 0.4
+#: A known pressure is expanded in slip to this accuracy or better: without it the slip displacement
+#: of an annulus of 4e-9 has an error of 0.14 at rtol 2e-7, with it of 0.02:
+#: validation/honesty/honesty.py.
 MAX_SLIP_TOL = 1e-11
-#: Slopes of degrees of two fields on zones: on any panel; in addition at a bend; and at a weak
-#: bend, where a layer only changes the amplitude, or on the second panel.
-ZONE_DEGREES = 0.43
-BEND_DEGREES = 0.15
-WEAK_BEND_DEGREES = 0.08
-#: In addition on the first panel, whose far end is a singularity at a depth of ``-ln 2``: of the
-#: stick disk, which has none at the centre but above its rim; of other parts; and at the edge.
-DISK_START_DEGREES = 0.28
-ANNULUS_START_DEGREES = 0.54
-EDGE_START_DEGREES = 0.43
-#: Depth before a layer at which the fields bend: in full stick, or toward a boundary.
-BEND_LEAD = 3.0
-#: Depth by which a layer of the pressure reaches beyond its width, toward an edge with slip around
-#: it: it bends so much before, and settles so much after it.
-EDGE_LAYER_REACH = 4.0
-#: Degrees on every panel beyond those of the digits. In full stick with unknown pressure: with 1,
-#: and none of WEAK_BEND_DEGREES at the centre, 32 of 820 scenes and tolerances need a second space;
-#: with these, one.
-STICK_SPARE_DEGREES = 1.1
-#: In full stick under a known pressure, which decides on slip, and on a stick disk without
-#: tangential compliance, whose traction has a root at the rim: with 1 the friction at which slip
-#: begins is not accurate.
-KNOWN_PRESSURE_SPARE_DEGREES = 3.0
+#: Depth by which a layer of the pressure reaches beyond its width.
+LAYER_REACH = 3.0
 
 # Free boundaries. Logits are those of the boundaries, ``ln(b**2/(1 - b**2))``.
 
@@ -204,16 +147,8 @@ MAX_LOGIT = 100.0
 MIN_SMOOTH_LOGIT = -40.0
 #: Longest step of a boundary, as a logit: not measured again.
 MAX_LOGIT_STEP = 2.0
-#: Secant steps for one stick radius begin with this slope of the boundary residual in the logit.
-#: Not measured again.
-FIRST_SECANT_SLOPE = 0.5
-#: Most secant steps, of which 4 are enough but next to onsets: not measured again.
-MAX_SECANT_STEPS = 10
-#: Half the step of a central difference in a logit; a change below RESIDUAL_NOISE after a step so
-#: short shows a slope to one per cent or worse, and is not used.
-SHORT_LOGIT_STEP = 1e-3
-#: Half the step of the same where SHORT_LOGIT_STEP shows rounding: right to two digits.
-WIDE_LOGIT_STEP = 0.05
+#: Half the step of a central difference in a logit: the slope is right to two digits.
+LOGIT_STEP = 0.05
 #: Largest step of a difference for the Jacobian, over the width of the narrowest zone: with 0.03 or
 #: 0.5 no digit of 25 scenes changes.
 MAX_DIFFERENCE_STEP = 0.2

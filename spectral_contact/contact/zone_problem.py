@@ -26,14 +26,12 @@ from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
 from spectral_contact.contact.stick_radius import (
     NoStickDiskError,
+    enclosed_root,
     fd_jacobian,
     min_logit,
-    secant_root,
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    FIRST_SECANT_SLOPE,
-    HALFWAY_TOL,
     JACOBIAN_FIELD_TOL,
     JACOBIAN_RANGE,
     MAX_STARTS,
@@ -41,7 +39,6 @@ from spectral_contact.contact.tuning import (
     MIN_LOGIT,
     MIN_RESTART_TOL,
     NEGLIGIBLE_FRACTION,
-    PROBE_TOL,
     RESIDUAL_NOISE,
     RESTART_FACTOR,
     ROUNDING,
@@ -171,9 +168,9 @@ class FreeBoundaryProblem:
     # the first boundaries, in small spaces
 
     def coarse_solution(self, logit: float) -> FieldSolution:
-        """Return the fields with one given boundary in the smallest space, that of PROBE_TOL."""
+        """Return the fields with one given boundary in the smallest space, that of COARSE_TOL."""
         logits = np.array([logit])
-        system = self.system(self.spaces(PROBE_TOL, logits), logits)
+        system = self.system(self.spaces(COARSE_TOL, logits), logits)
         return corrected(FieldSolution.first(factored(system)), COARSE_TOL, relative_size).fields
 
     def initial_layout(self) -> Layout:
@@ -206,13 +203,13 @@ class FreeBoundaryProblem:
         return self._layout_of(iterate.logits, iterate.jacobian)
 
     def _initial_disk(self, guess: float) -> Layout:
-        """Return the boundary of one stick disk, by secants, and the slope of its residual."""
+        """Return the boundary of one stick disk, and the slope of its residual."""
         least = MIN_LOGIT if self._known else min_logit(self.parameters)
 
         def residual(logit: float) -> float:
             return float(self.coarse_solution(logit).boundary_residual[0])
 
-        logit, slope = secant_root(residual, guess, FIRST_SECANT_SLOPE, COARSE_TOL, least=least)
+        logit, slope = enclosed_root(residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def _jacobian(
@@ -240,7 +237,7 @@ class FreeBoundaryProblem:
         logits = np.array(self._layout.logits)
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway_tol = float(np.sqrt(self.field_tolerance))
-        if len(logits) and halfway_tol < HALFWAY_TOL and not (self._known and self.warm_start):
+        if len(logits) and halfway_tol < COARSE_TOL and not (self._known and self.warm_start):
             newton = self._newton(self.spaces(halfway_tol, logits))
             assert self._layout.jacobian is not None
             start = newton.start(logits, self._layout.jacobian)

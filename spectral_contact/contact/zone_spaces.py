@@ -1,27 +1,25 @@
 """First spaces of both fields on any zones.
 
 Every part of the disk has a mesh that is graded to one of its ends (depth ``x = -ln d``, with the
-distance d in units of the extent of the part). The first space of a part follows from the kind of
-that end. With ``l = -ln`` of the width of a layer in units of the extent, r the ratio of the extent
-to that of the part across the end, and both widths of layers alpha and beta (where it sticks):
+distance d in units of the extent of the part). The first space of a part, see `graded_space`,
+follows from the kind of that end. With l the depth of a layer, ``-ln`` of its width in units of the
+extent, and r the ratio of the extent to that of the part across the end:
 
-========================  ====================  ====  ============================  ==========
-kind of end               settles from depth    rate  bends at depths               power of d
-========================  ====================  ====  ============================  ==========
-edge, full stick          deepest l             1     every l - BEND_LEAD           0
-... with one compliance   l                     1/2   l - BEND_LEAD                 0 or -1/2
-edge, smooth, full stick  LEADING_TERM_DEPTH    1     none                          -1/2
-edge, alpha > 0           l + EDGE_LAYER_REACH  1     l - EDGE_LAYER_REACH          0
-edge, alpha = 0 < beta    l                     1/2   l                             -1/2
-edge, alpha = beta = 0    0 or the leading      1     none                          theta - 1/2
-                          term
-boundary                  l, l/2 + BEND_LEAD,   1 or  l - 1 where it sticks, ln r   0
-                          or ln r               1/2
-rim, beta = 0             ln r                  0     ln r, end of the layer of p   0
-========================  ====================  ====  ============================  ==========
+========================  ===========================  ===========  ===========
+kind of end               settles from depth           rate         power of d
+========================  ===========================  ===========  ===========
+edge, full stick          deepest l                    1            0
+... with one compliance   l                            1/2          0 or -1/2
+edge, smooth, full stick  LEADING_TERM_DEPTH           1            -1/2
+edge, alpha > 0           l + LAYER_REACH              1            0
+edge, alpha = 0 < beta    l                            1/2          -1/2
+edge, alpha = beta = 0    0 or LEADING_TERM_DEPTH      1            theta - 1/2
+boundary                  l, l/2 + LAYER_REACH, ln r   1 or 1/2     0
+rim, beta = 0             ln r                         0            0
+========================  ===========================  ===========  ===========
 
 A field settles like ``exp(-rate (x - depth))``. The rate 0 stands for square roots, which end in a
-tail of powers of ``sqrt(d)``. Measured costs of other choices are in `tuning` and docs/coupling.
+tail of powers of ``sqrt(d)``.
 """
 
 from __future__ import annotations
@@ -30,33 +28,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate, pairwise
 from math import atan, atanh, ceil, log, pi
-from typing import NamedTuple
 
 import numpy as np
 
-from spectral_contact.contact.resolution import bend_weight, slip_degree
+from spectral_contact.contact.resolution import graded_space, slip_degree
 from spectral_contact.contact.tuning import (
-    ANNULUS_START_DEGREES,
-    BEND_DEGREES,
-    BEND_LEAD,
     COARSE_TOL,
-    DISK_START_DEGREES,
-    EDGE_LAYER_REACH,
-    EDGE_START_DEGREES,
     EXTRA_BOUNDARY_DEPTH,
-    KNOWN_PRESSURE_SPARE_DEGREES,
+    LAYER_REACH,
     LEADING_TERM_DEPTH,
     MAX_SLIP_TOL,
-    PANEL_WIDTH,
-    ROOT_TAIL_DEPTH,
-    SLIP_TOL_FACTOR,
-    STICK_SPARE_DEGREES,
-    WEAK_BEND_DEGREES,
-    ZONE_DEGREES,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
-from spectral_contact.spectral.cache import bounded_cache
-from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace, LogPanels
+from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
@@ -193,9 +177,7 @@ def first_spaces(
     """
     if not radii:
         # with one compliance only its field has a square root at the edge
-        has_root = (alpha == 0.0) != (beta == 0.0)
-        end = _full_stick_edge(alpha, beta, has_root, STICK_SPARE_DEGREES, WEAK_BEND_DEGREES)
-        return [_space(end, tolerance)]
+        return [_full_stick_space(alpha, beta, (alpha == 0.0) != (beta == 0.0), tolerance)]
     bounds = CENTRE, *radii, EDGE
     extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
     extents[0] *= 2.0  # the disk is one part, other zones are two
@@ -205,15 +187,16 @@ def first_spaces(
         # the disk has a mesh toward its rim only
         for bound in (k, k + 1)[k == 0 :]:
             if bounds[bound].from_edge == 0.0:
-                spaces.append(_space(_edge(alpha, layer_of_shear, extent, power), tolerance))
+                spaces.append(_edge_space(alpha, layer_of_shear, extent, power, tolerance))
                 continue
             extent_across = extents[k - 1] if bound == k else extents[k + 1]
             rate = 1.0 if alpha > 0.0 and (state or beta > 0.0) else 0.5
             if alpha == 0.0 == beta:
                 rate = _smooth_boundary_rate(power, tolerance)
             layer = layer_depth(alpha, layer_of_shear, extent)
-            end = _boundary(layer, extent / extent_across, rate, k, state)
-            space = _space(end, tolerance)
+            # next to a boundary the fields settle at half the depth of the layer, or soon after it
+            depth = max(min(layer, 0.5 * layer + LAYER_REACH), log(extent / extent_across))
+            space = graded_space(depth, tolerance, rate, starts_near_singularity=True)
             if alpha > 0.0 or len(radii) > 1:
                 space = without_rounding(space, bounds[bound], extent)
             spaces.append(space)
@@ -228,16 +211,14 @@ def known_pressure_spaces(
     Parameters are those of `first_spaces`.
     """
     if not radii:
-        end = _full_stick_edge(alpha, beta, alpha == 0.0, KNOWN_PRESSURE_SPARE_DEGREES)
-        return [_space(end, tolerance)]
+        return [_full_stick_space(alpha, beta, alpha == 0.0, tolerance)]
     spaces = first_spaces(alpha, beta, radii, states, tolerance)
     if beta == 0.0 and states == (0, 1):
-        spaces[0] = _space(_rigid_rim(alpha, radii[0]), tolerance)
+        # the traction has a root at the rim, and bends where the annulus around it ends
+        annulus = -log(min(radii[0].rest / radii[0].square, 1.0))
+        spaces[0] = graded_space(annulus, tolerance, 0.0)
     # a coarse space, in which boundaries are located, has a coarse pressure, too
-    slip_tol = (
-        min(SLIP_TOL_FACTOR * tolerance, MAX_SLIP_TOL) if tolerance < COARSE_TOL else tolerance
-    )
-    degree = slip_degree(slip_tol)
+    degree = slip_degree(min(tolerance, MAX_SLIP_TOL) if tolerance < COARSE_TOL else tolerance)
     return [
         DiscreteSpace(replace(space.panels, degree=degree), (degree,) * space.panels.panels)
         if states[(part + 1) // 2]
@@ -256,139 +237,33 @@ def _smooth_boundary_rate(power: float, tolerance: float) -> float:
     return max(-power, min(0.5, (2.0 - log(tolerance)) / deepest))
 
 
-# the table: a row for every kind of end
-
-
-class _End(NamedTuple):
-    """An end of a part, as far as the first space toward it depends on it.
-
-    Attributes
-    ----------
-    settling_depth : float
-        Depth past which the fields settle.
-    rate : float
-        They settle like ``exp(-rate x)``; 0 for a tail of roots.
-    bends : list of (float, float)
-        Depths at which the fields bend, with the slopes of degrees that this takes.
-    start_degrees : float
-        Slope of degrees in addition on the first panel.
-    power : float
-        Of the endpoint weight.
-    spare_degrees : float
-        Degrees in addition on every panel.
-    """
-
-    settling_depth: float
-    rate: float
-    bends: list[tuple[float, float]]
-    start_degrees: float = 0.0
-    power: float = 0.0
-    spare_degrees: float = 0.0
-
-
-def _full_stick_edge(
-    alpha: float, beta: float, has_root: bool, spare_degrees: float, start_degrees: float = 0.0
-) -> _End:
-    """Return the edge of a disk that sticks: both layers bend both fields.
+def _full_stick_space(alpha: float, beta: float, has_root: bool, tolerance: float) -> DiscreteSpace:
+    """Return the first space toward the edge of a disk that sticks.
 
     With one compliance the field of the other one is singular, and its own has a square root.
     """
-    layers = [-log(min(c, 1.0)) for c in (alpha, beta) if c > 0.0]
-    return _End(
-        settling_depth=max(layers, default=LEADING_TERM_DEPTH),
-        rate=0.5 if has_root else 1.0,
-        bends=[(layer - BEND_LEAD, BEND_DEGREES) for layer in layers],
-        start_degrees=start_degrees,
-        power=-0.5 if alpha == 0.0 else 0.0,
-        spare_degrees=spare_degrees,
+    smooth = alpha == 0.0 == beta
+    depth = LEADING_TERM_DEPTH if smooth else layer_depth(alpha, beta, 1.0)
+    return graded_space(
+        depth, tolerance, 0.5 if has_root else 1.0, power=-0.5 if alpha == 0.0 else 0.0
     )
 
 
-def _edge(alpha: float, beta: float, extent: float, power: float) -> _End:
-    """Return the edge of a zone around the disk; beta is 0 where it slips."""
-    layer = layer_depth(alpha, beta, extent)
-    if alpha > 0.0:
-        bends = [(layer - EDGE_LAYER_REACH, BEND_DEGREES)]
-        return _End(layer + EDGE_LAYER_REACH, 1.0, bends, EDGE_START_DEGREES)
-    if beta == 0.0:
-        # with the power of slip the pressure settles to its endpoint weight at once
-        settling_depth = LEADING_TERM_DEPTH if power == -0.5 else 0.0
-        return _End(settling_depth, 1.0, [], EDGE_START_DEGREES, power)
-    return _End(layer, 0.5, [(layer, BEND_DEGREES)], EDGE_START_DEGREES, -0.5)
-
-
-def _boundary(layer: float, ratio: float, rate: float, zone: int, state: int) -> _End:
-    """Return a boundary between zones; the part is `ratio` times as large as the one across it."""
-    bends = [(layer - 1.0, WEAK_BEND_DEGREES)] if state == 0 and layer > 1.0 else []
-    # next to a boundary the fields settle at half the depth of the layer, or soon after it
-    settling_depth = min(layer, 0.5 * layer + BEND_LEAD)
-    if ratio > 1.0:
-        bends.append((log(ratio), WEAK_BEND_DEGREES if state else BEND_DEGREES))
-        settling_depth = max(settling_depth, log(ratio))
-    start_degrees = ANNULUS_START_DEGREES if zone else DISK_START_DEGREES
-    return _End(settling_depth, rate, bends, start_degrees)
-
-
-def _rigid_rim(alpha: float, rim: Radius) -> _End:
-    """Return the rim of a stick disk without tangential compliance under a known pressure.
-
-    The traction has a root at the rim. It bends where the annulus around it ends, and where the
-    pressure ceases to rise toward the edge.
-    """
-    annulus = -log(min(rim.rest / rim.square, 1.0))
-    pressure_layer = -log(min(max(alpha, rim.rest) / rim.square, 1.0))
-    bends = [(annulus, WEAK_BEND_DEGREES), (pressure_layer, WEAK_BEND_DEGREES)]
-    return _End(annulus, 0.0, bends, spare_degrees=KNOWN_PRESSURE_SPARE_DEGREES)
-
-
-# a space from a row of the table
-
-
-def _space(end: _End, tolerance: float) -> DiscreteSpace:
-    """Return the first space toward an end."""
-    # depths are rounded up, so that scenes that are much alike have the same space
-    settling_depth = ceil(2.0 * end.settling_depth) / 2.0
-    bends = tuple((ceil(2.0 * depth) / 2.0, slope) for depth, slope in end.bends)
-    return _graded_space(
-        PANEL_WIDTH,
-        -log(tolerance),
-        settling_depth,
-        end.rate,
-        bends,
-        end.start_degrees,
-        end.power,
-        end.spare_degrees,
-    )
-
-
-@bounded_cache("first spaces on zones")
-def _graded_space(
-    width: float,
-    digits: float,
-    settling_depth: float,
-    rate: float,
-    bends: tuple[tuple[float, float], ...],
-    start_degrees: float,
-    power: float,
-    spare_degrees: float,
+def _edge_space(
+    alpha: float, beta: float, extent: float, power: float, tolerance: float
 ) -> DiscreteSpace:
-    """Return a space whose degrees are ``1 + spare + digits * slope`` (cached).
-
-    The slope is ZONE_DEGREES times the share of the digits that have not settled at the depth of a
-    panel, and what bends and the start add.
-    """
-    depth = settling_depth + ((digits + 2.0) / rate if rate else ROOT_TAIL_DEPTH)
-    panels = 2 * ceil(depth / width / 2.0)
-    x = width * np.arange(panels)
-    unsettled = np.clip(1.0 - rate * (x - settling_depth) / (digits + 2.0), 0.0, 1.0)
-    added = np.zeros(panels)
-    for bend, slope in bends:
-        added = np.maximum(added, slope * bend_weight(panels, bend))
-    if start_degrees:
-        added[:2] = np.maximum(added[:2], (start_degrees, WEAK_BEND_DEGREES))
-    degrees_per_digit = ZONE_DEGREES * unsettled + added
-    degrees = np.ceil(1.0 + spare_degrees + digits * degrees_per_digit).astype(int)
-    degrees = np.maximum(degrees, LEAST_DEGREE)
-    capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
-    mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
-    return DiscreteSpace(mesh, tuple(degrees.tolist()))
+    """Return the first space toward the edge of a zone around the disk; beta is 0 in slip."""
+    layer = layer_depth(alpha, beta, extent)
+    depth = layer
+    rate = 0.5
+    weight = -0.5
+    if alpha > 0.0:
+        depth = layer + LAYER_REACH
+        rate = 1.0
+        weight = 0.0
+    elif beta == 0.0:
+        # with the power of slip the pressure settles to its endpoint weight at once
+        depth = LEADING_TERM_DEPTH if power == -0.5 else 0.0
+        rate = 1.0
+        weight = power
+    return graded_space(depth, tolerance, rate, power=weight, starts_near_singularity=True)

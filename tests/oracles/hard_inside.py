@@ -9,8 +9,7 @@ from unittest import mock
 
 import numpy as np
 
-from spectral_contact.contact import resolution as first_spaces
-from spectral_contact.contact import zone_problem
+from spectral_contact.contact import normal, zone_problem
 from spectral_contact.spectral import factored as factors
 from spectral_contact.spectral import regularised
 from spectral_contact.spectral.cache import clear_caches
@@ -21,7 +20,7 @@ from spectral_contact.spectral.regularised import Cholesky
 @contextmanager
 def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     """Make the solver start in spaces of this degree everywhere, with more panels."""
-    first_space, all_parts = first_spaces._first_space, zone_problem.first_spaces
+    normal_space, all_parts = normal.graded_space, zone_problem.first_spaces
     known_pressure_parts = zone_problem.known_pressure_spaces
 
     def enlarged(space):
@@ -29,8 +28,8 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
         panels = replace(space.panels, panels=count, degree=degree)
         return space._replace(panels=panels, degrees=(degree,) * count)
 
-    def larger(layer, tolerance, *options):
-        space = first_space(layer, tolerance, *options)
+    def larger(layer, tolerance):
+        space = normal_space(layer, tolerance)
         # where boundaries are only searched for
         return space if tolerance > 1e-7 else enlarged(space)
 
@@ -48,7 +47,7 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
 
     clear_caches()
     with (
-        mock.patch.object(first_spaces, "_first_space", larger),
+        mock.patch.object(normal, "graded_space", larger),
         mock.patch.object(zone_problem, "first_spaces", finer),
         mock.patch.object(zone_problem, "known_pressure_spaces", known_pressure),
     ):

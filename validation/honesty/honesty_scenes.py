@@ -6,7 +6,7 @@ import itertools
 import math
 import warnings
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 from unittest import mock
@@ -15,7 +15,7 @@ import numpy as np
 from honesty_errors import compare, unexplained, zones_alike
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, solve
-from spectral_contact.contact import resolution, zone_spaces
+from spectral_contact.contact import resolution
 from spectral_contact.precise import ReferenceSolution, reference
 from spectral_contact.records import Zone
 
@@ -106,9 +106,7 @@ def by_reference(seed: int, number: int) -> bool:
 @contextmanager
 def other_panels(width: float) -> Iterator[None]:
     """Solve on narrower panels than the library's, of which none shares an end but the first."""
-    with ExitStack() as stack:
-        for module in (resolution, zone_spaces):
-            stack.enter_context(mock.patch.object(module, "PANEL_WIDTH", width))
+    with mock.patch.object(resolution, "PANEL_WIDTH", width):
         yield
 
 

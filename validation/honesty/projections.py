@@ -37,7 +37,7 @@ from oracles.projection_cases import TAIL, Case, disk_case, interior_slip, lift_
 from oracles.projection_oracle import FINE, FINER, mp
 
 from spectral_contact import __version__
-from spectral_contact.contact.resolution import starting_resolution
+from spectral_contact.contact.resolution import graded_space
 from spectral_contact.spectral.panels import DiscreteSpace
 
 RESULTS = Path(__file__).parents[1] / "results"
@@ -46,7 +46,7 @@ TOLERANCE = 1e-12
 EPS = 2.0**-52
 SCHEMA, VERSION = "spectral_contact.validation.projections", 1
 
-SOFT, THIN = (starting_resolution(-math.log(layer), TOLERANCE) for layer in (0.5, 1e-6))
+SOFT, THIN = (graded_space(-math.log(layer), TOLERANCE) for layer in (0.5, 1e-6))
 MESHES = {
     "0.5, plain": SOFT,
     "1e-6, plain": THIN,

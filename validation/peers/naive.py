@@ -25,7 +25,7 @@ import numpy as np
 from scipy import special
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.resolution import starting_resolution
+from spectral_contact.contact.resolution import graded_space
 from spectral_contact.equations.kernels import normal_kernel, tangential_kernel
 from spectral_contact.fields.series import EdgeWeight
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
@@ -139,7 +139,7 @@ def edge_rows() -> list[dict[str, Any]]:
     """Return the errors of the edge pressure from normal equations."""
     rows = []
     for compliance in EDGES:
-        space_of = starting_resolution(-math.log(compliance), 1e-14)
+        space_of = graded_space(-math.log(compliance), 1e-14)
         space = unit_space(space_of.panels, space_of.degrees)
         factored = space.factor(compliance)
         weight = EdgeWeight(4.0 / np.pi, 4.0 / np.pi * compliance)

@@ -1,45 +1,9 @@
-"""By what factor coefficients fall, what the error estimates rest on; and where signs change."""
+"""Where signs change, what the free boundaries begin with."""
 
 import numpy as np
 import pytest
 
-from spectral_contact.contact.resolution import first_sign_change, table_rates
-
-
-def rate(*coefficients):
-    """The rate of one panel, whose last coefficient is that of its degree."""
-    table = np.zeros((1, 20))
-    table[0, : len(coefficients)] = coefficients
-    return table_rates((len(coefficients) - 1,), table)[0]
-
-
-def test_a_geometric_series_shows_its_factor():
-    assert rate(*0.2 ** np.arange(8.0)) == pytest.approx(0.2)
-
-
-def test_parity_does_not_deceive():
-    coefficients = 0.2 ** np.arange(8.0)
-    coefficients[1::2] = 0.0
-    assert rate(*coefficients) == pytest.approx(0.2)
-
-
-def test_a_longer_period_does_not_deceive():
-    coefficients = 0.2 ** np.arange(9.0)
-    coefficients[[6, 7]] = 0.0  # as if a sign changed: the larger ones are three degrees apart
-    assert rate(*coefficients[:9]) == pytest.approx(0.2)
-
-
-def test_too_fast_a_fall_is_an_accident():
-    assert rate(0.5, 0.4, 0.1, 1e-2, -3e-5, 2e-7) == 0.3
-    # exp(-x) does fall like that
-    assert rate(1.0, 1.0, 0.36, 0.07, 1e-2, 1.1e-3, 9.8e-5, 7.7e-6) == pytest.approx(
-        0.099, rel=0.01
-    )
-
-
-@pytest.mark.parametrize(("coefficients", "kept"), [((1.0, 0.5, 0.1), 0.3), ((1e-16,) * 9, 0.6)])
-def test_what_shows_nothing_has_a_default(coefficients, kept):
-    assert rate(*coefficients) == kept
+from spectral_contact.contact.resolution import first_sign_change
 
 
 @pytest.mark.parametrize("root", [1e-3, 0.7, 35.999])
