@@ -32,6 +32,7 @@ from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import benchmark as cli_benchmark
 from spectral_contact.view.cli import explore as cli_explore
+from spectral_contact.view.cli import fit as cli_fit
 from spectral_contact.view.cli import inside as cli_inside
 from spectral_contact.view.cli import scene as cli_scene
 from spectral_contact.view.cli import study as cli_study
@@ -57,6 +58,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
     ),
     "sweep": ("sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",),
+    "fit": (
+        'fit curve.txt --profile sphere --radius "2.5 um" --poisson-ratio 0.5',
+        'fit curve.csv --profile cone --half-angle "70.3 deg" --columns "depth=2 [nm],load=3 [uN]" '
+        "--free reduced-modulus,zero-point,load-offset,tilt",
+    ),
     "explore": ("explore --poisson-ratio 0.3 --friction 0.05",),
 }
 
@@ -149,6 +155,7 @@ def _parser() -> _Parser:
     _add_inside(commands)
     _add_studies(commands)
     _add_sweep(commands)
+    _add_fit(commands)
     _add_benchmarks(commands)
     _add_explore(commands)
     return parser
@@ -263,6 +270,21 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
     command.set_defaults(run=_sweep)
 
 
+def _add_fit(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "fit",
+        usage=_usage("fit"),
+        help="fit a measured force-indentation curve",
+        description="Find the modulus, the layer and what the instrument adds from the depths and "
+        "loads of a file (docs/indentation.md). The scene says what is known, in SI units; the "
+        "numbers of it that are free are where the search starts.",
+        epilog="Exit status: 0 done, 1 not converged, 2 bad input or file, 130 interrupted.",
+    )
+    add_any_scene(command)
+    cli_fit.add_options(command)
+    command.set_defaults(run=_fit)
+
+
 def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
     benchmark = commands.add_parser(
         "benchmark",
@@ -337,6 +359,12 @@ def _sweep(arguments: argparse.Namespace) -> None:
     finally:
         print(cli_sweep.summary(found))
     cli_sweep.check_some_solved(found)
+
+
+def _fit(arguments: argparse.Namespace) -> None:
+    cli_fit.choose_picture(arguments)
+    _check_paths(arguments, cli_fit.OUTPUTS)
+    print(cli_fit.run(arguments))
 
 
 def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:
