@@ -33,6 +33,7 @@ from spectral_contact.view import plotting
 from spectral_contact.view.cli import (
     benchmark_command,
     explore_command,
+    fit_command,
     inside_command,
     scene_options,
     study_command,
@@ -64,6 +65,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
     ),
     "sweep": ("sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",),
+    "fit": (
+        'fit curve.txt --profile sphere --radius "2.5 um" --poisson-ratio 0.5',
+        'fit curve.csv --profile cone --half-angle "70.3 deg" --columns "depth=2 [nm],load=3 [uN]" '
+        "--free reduced-modulus,zero-point,load-offset,tilt",
+    ),
     "explore": ("explore --poisson-ratio 0.3 --friction 0.05",),
 }
 
@@ -156,6 +162,7 @@ def _parser() -> _Parser:
     _add_inside(commands)
     _add_studies(commands)
     _add_sweep(commands)
+    _add_fit(commands)
     _add_benchmarks(commands)
     _add_explore(commands)
     return parser
@@ -270,6 +277,21 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
     command.set_defaults(run=_sweep)
 
 
+def _add_fit(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "fit",
+        usage=_usage("fit"),
+        help="fit a measured force-indentation curve",
+        description="Find the modulus, the layer and what the instrument adds from the depths and "
+        "loads of a file (docs/indentation.md). The scene says what is known, in SI units; the "
+        "numbers of it that are free are where the search starts.",
+        epilog="Exit status: 0 done, 1 not converged, 2 bad input or file, 130 interrupted.",
+    )
+    add_any_scene(command)
+    fit_command.add_options(command)
+    command.set_defaults(run=_fit)
+
+
 def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
     benchmark = commands.add_parser(
         "benchmark",
@@ -344,6 +366,12 @@ def _sweep(arguments: argparse.Namespace) -> None:
     finally:
         print(sweep_command.summary(found))
     sweep_command.check_some_solved(found)
+
+
+def _fit(arguments: argparse.Namespace) -> None:
+    fit_command.choose_picture(arguments)
+    _check_paths(arguments, fit_command.OUTPUTS)
+    print(fit_command.run(arguments))
 
 
 def _check_files(arguments: argparse.Namespace, todo: Plan) -> None:

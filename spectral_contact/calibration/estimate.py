@@ -12,12 +12,9 @@ from typing import Any, Final, overload
 
 import numpy as np
 
-from spectral_contact.calibration.indentation_curve import (
-    CurveProblem,
-    IndentationData,
-    IndentationFit,
-)
-from spectral_contact.calibration.layered_fits import LawProblem
+from spectral_contact.calibration.curve_fit import fit_curve
+from spectral_contact.calibration.indentation_curve import IndentationFit
+from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.calibration.measurements import Data
 from spectral_contact.calibration.outcome import FittedParameter, RoughnessFit, least_squares_fit
 from spectral_contact.calibration.setting import PARAMETERS, SLOPE_ERROR, Setting
@@ -32,8 +29,6 @@ from spectral_contact.view.progress import ProgressLine
 #: The range that is searched, within that of scenes.
 _COMPLIANCES = 1e-13, 1e13
 _FRICTIONS = 1e-6, 1e6
-#: What ends the search of a curve, of the tolerance of the solves.
-_SETTLED = 1e-2
 #: A parameter whose logarithm has a larger standard deviation is not determined.
 _LARGEST_ERROR = 10.0
 #: A law whose criterion is larger by more is ruled out: the other is twenty times as likely.
@@ -90,8 +85,8 @@ def fit(
     free : str or sequence of str
         The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
         ``"friction"``. The others keep the values of the scene. With `IndentationData` out of
-        ``"reduced_modulus"``, ``"normal_compliance"`` and ``"zero_point"``, where the numbers of a
-        nonlinear layer's law take the place of the compliance.
+        ``"reduced_modulus"``, ``"normal_compliance"``, ``"zero_point"``, ``"load_offset"`` and
+        ``"tilt"``, where the numbers of a nonlinear layer's law take the place of the compliance.
     rtol : float
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int
@@ -127,7 +122,7 @@ def fit(
     rtol = within("rtol", rtol, "in [1e-12, 1e-4]")
     most = whole("max_evaluations", max_evaluations, 1)
     if isinstance(data, IndentationData):
-        return _fit_indentation(scene, data, free, rtol, most, progress)
+        return fit_curve(scene, data, free, rtol, most, progress)
     problem = _FitProblem(scene, _measurements(data), _names(free), rtol)
     with ProgressLine(progress) as tell:
         return problem.outcome(most, tell)
@@ -285,35 +280,6 @@ def _names(free: str | Sequence[str]) -> tuple[str, ...]:
     if not listed or len(set(listed)) < len(listed):
         raise SceneError("free", free, f"one or more of {', '.join(PARAMETERS)}, each once")
     return listed
-
-
-def _fit_indentation(
-    scene: Scene,
-    data: IndentationData,
-    free: str | Sequence[str],
-    rtol: float,
-    most: int,
-    progress: bool | None,
-) -> IndentationFit:
-    """Return the fit of a force-indentation curve, through a linear layer or any other."""
-    kind = CurveProblem if scene.layer is None else LawProblem
-    free = names("free", [free] if isinstance(free, str) else free, kind.parameters(scene))
-    problem = kind(scene, data, tuple(free), rtol)
-    limits, end = problem.bounds(), max(1e-12, _SETTLED * rtol)
-    with ProgressLine(progress) as tell:
-        tell("the first curve")
-        problem.look()
-        found = least_squares_fit(
-            lambda x: np.asarray(problem.at(tuple(x.tolist()))[0]),
-            problem.start,
-            most,
-            tell,
-            jac=lambda x: problem.at(tuple(x.tolist()))[1],
-            bounds=limits,
-            x_scale=problem.scale,
-            **dict.fromkeys(("ftol", "xtol", "gtol"), end),
-        )
-    return problem.outcome(found)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,22 +15,28 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
+from spectral_contact.calibration.force_curves import baseline, touch_depth
+from spectral_contact.calibration.indentation_data import IndentationData
+from spectral_contact.calibration.load_curves import CurvePoint, LoadCurve
+from spectral_contact.contact.contact_radius import RadiusScale, find_radius, indenter, value_of
+from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
-from spectral_contact.io.checks import finite, reals
+from spectral_contact.fields.curves import LEAST
 from spectral_contact.io.choices import one_of
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
-#: What can be fitted: E* [Pa], alpha [m/Pa], and the depth at which the punch touches [m].
-INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", "zero_point")
+#: Of the instrument: the depth at which the punch touches [m], the load that is measured there
+#: without contact [N], and by how much it grows with depth [N/m].
+OF_INSTRUMENT: Final = ("zero_point", "load_offset", "tilt")
+#: What can be fitted through a linear layer: E* [Pa], alpha [m/Pa], and what is the instrument's.
+INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", *OF_INSTRUMENT)
 #: Units of all that can be fitted, the numbers of a layer's law included.
 _UNITS: Final = {
-    **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m"), strict=True)),
+    **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m", "N", "N/m"), strict=True)),
     "compliance": "m/Pa",
     "coefficient": "Pa/m^exponent",
     "exponent": "",
@@ -41,56 +47,23 @@ _UNITS: Final = {
     "height_deviation": "m",
 }
 _MOST_UNKNOWNS: Final = 20_000
+#: Tolerance of a curve that a fit starts from.
+_ROUGH: Final = 1e-4
 #: Singular values of the scaled derivatives below which data do not tell parameters apart.
 _APART: Final = 1e-7
 #: Standard deviations of a logarithm beyond which a parameter is not determined.
 _LARGEST_ERROR: Final = 10.0
 
 
-#: Loads of more standard deviations are no noise; the start is this share of all depths above.
+#: Loads of more standard deviations are no noise; the start is this fraction of all depths above.
 _NOISE: Final = 3.0
 _ABOVE: Final = 0.01
-
-
-@dataclass(frozen=True, slots=True)
-class IndentationData:
-    """A force-indentation curve of one punch under growing load.
-
-    Parameters
-    ----------
-    depth : array_like
-        As the instrument has them [m], from any zero; increasing is not needed.
-    load : array_like
-        P at each [N].
-    sigma : array_like
-        Standard deviations of the loads [N], > 0; one for all, or one each.
-
-    Raises
-    ------
-    SceneError
-        If they are not finite numbers, as many of each.
-    """
-
-    depth: tuple[float, ...]
-    load: tuple[float, ...]
-    sigma: tuple[float, ...]
-
-    def __init__(self, depth: ArrayLike, load: ArrayLike, sigma: ArrayLike) -> None:
-        depths = finite("depth", depth, unit="m")
-        loads = finite("load", load, unit="N")
-        if not depths.size:
-            raise SceneError("depth", depth, "at least one number")
-        if len(loads) != len(depths):
-            raise SceneError("load", load, f"{len(depths)} numbers, one for each depth")
-        sizes = np.ravel(reals("sigma", sigma, "finite and > 0", low=0.0, unit="N"))
-        if len(sizes) not in (1, len(depths)) or not ((sizes > 0) & np.isfinite(sizes)).all():
-            raise SceneError("sigma", sigma, f"finite and > 0, one number or {len(depths)}")
-        for name, values in (
-            ("depth", depths),
-            ("load", loads),
-            ("sigma", np.broadcast_to(sizes, depths.shape)),
-        ):
-            object.__setattr__(self, name, tuple(values.tolist()))  # into a frozen dataclass
+#: Chi square over its degrees of freedom beyond which a curve is not what was measured, if by
+#: chance it is as large or larger this rarely.
+_MISFIT: Final = 2.0
+_CHANCE: Final = 1e-6
+#: Standard deviations of its mean that a baseline without load may lie off zero.
+_OFFSET: Final = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,16 +79,20 @@ class IndentationFit:
     values : tuple of float
         ``reduced_modulus`` is E* [Pa], ``normal_compliance`` alpha [m/Pa], ``zero_point`` the depth
         of first touch [m], that of zero approach under a nonlinear layer; numbers of its law as in
-        SI units.
+        SI units. ``load_offset`` [N] and ``tilt`` [N/m] are a straight line that is added to the
+        loads: its value at the zero point and its slope.
     errors : tuple of float
         Their standard deviations, in the same units; to first order.
     covariance : tuple of tuple of float
-        ``(J^T J)^-1`` of the logarithms of all but the zero point, and of the zero point; it takes
+        ``(J^T J)^-1`` of zero point, offset and tilt, and of the logarithms of all others; it takes
         the standard deviations of the data for known.
     residuals : tuple of float
         Theory minus measurement over standard deviation.
     evaluations : int
         How often the curve was predicted.
+    data : IndentationData
+    remarks : tuple of str
+        Those on the data, and what speaks against the fit.
     """
 
     scene: Scene
@@ -125,6 +102,8 @@ class IndentationFit:
     covariance: tuple[tuple[float, ...], ...]
     residuals: tuple[float, ...]
     evaluations: int
+    data: IndentationData
+    remarks: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> float:
         if name not in self.names:
@@ -134,6 +113,12 @@ class IndentationFit:
     def error(self, name: str) -> float:
         """Return the standard deviation of a parameter; `SceneError` if it was not fitted."""
         return self.errors[self.names.index(one_of("name", name, self.names))]
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """The fitted loads at the depths of the data [N]."""
+        each = zip(self.data.load, self.residuals, self.data.sigma, strict=True)
+        return tuple(load + off * sigma for load, off, sigma in each)
 
     @property
     def chi_square(self) -> float:
@@ -151,7 +136,24 @@ class IndentationFit:
             lines.append(f"{name:<20} {value:12.5g}  {error:.2g} {_UNITS[name]}".rstrip())
         freedom = self.degrees_of_freedom
         lines.append(f"chi square {self.chi_square:.4g} at {freedom} degrees of freedom")
-        return "\n".join(lines)
+        least, largest = min(self.residuals), max(self.residuals)
+        lines.append(f"residuals from {least:.2f} to {largest:.2f} standard deviations")
+        return "\n".join([*lines, *self.remarks])
+
+
+def first_modulus(profile: Profile, data: IndentationData) -> float:
+    """Return E* [Pa] of a smooth half-space that carries the largest load at the largest depth.
+
+    A fit may start there.
+    """
+    depth, load, sigma = map(np.array, (data.depth, data.load, data.sigma))
+    line = baseline(depth, load)
+    above = load - (0.0 if line is None else line.at(depth))
+    deepest = int(np.argmax(depth))
+    approach = float(depth[deepest] - touch_depth(depth, above, _NOISE * sigma))
+    if not (approach > 0.0 and above[deepest] > 0.0):
+        raise SceneError("load", float(above[deepest]), "above 0 at the largest depth")
+    return 4.0 * float(above[deepest]) / curve_load(profile, approach, 0.0, _ROUGH).value
 
 
 class _CurveLoad(NamedTuple):
@@ -176,15 +178,24 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
     """
     if approach <= 0.0:
         return _CurveLoad(0.0, 0.0, 0.0)
-    solve = indenter(profile, layer, _MOST_UNKNOWNS)
-    solved, _ = find_radius(
-        profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
-    )
-    found = value_of(solved)
+    found = _of_approach(profile, approach, layer, rtol)
     error = max(found.load_error, found.stiffness_error)
     if error > 10.0 * rtol:
         told = f"load and stiffness of {profile.brief} at {approach:.6g} are known to {error:.1e}"
         raise ConvergenceError(told, "loosen rtol.")
+    return _derived(profile, found, layer)
+
+
+def _of_approach(profile: Profile, approach: float, layer: float, rtol: float) -> Indentation:
+    solve = indenter(profile, layer, _MOST_UNKNOWNS)
+    solved, _ = find_radius(
+        profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
+    )
+    return value_of(solved)
+
+
+def _derived(profile: Profile, found: Indentation, layer: float) -> _CurveLoad:
+    """Return the load of a contact with its derivatives."""
     if layer == 0.0:
         return _CurveLoad(found.load, found.stiffness, 0.0)
     pressure, flat, a = found.pressure, found.flat, found.radius
@@ -196,6 +207,64 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
 
     integral = half_load(product, breaks=cuts(profile, a, layer / a))
     return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
+
+
+def curve_loads(profile: Profile, approaches: Array, layer: float, rtol: float) -> Array:
+    """Return loads of many approaches with their derivatives, each as of `curve_load`.
+
+    Few contact radii are solved, and polynomials go through them.
+
+    Parameters
+    ----------
+    profile : Profile
+    approaches : ndarray, shape (approaches,)
+    layer, rtol : float
+        As of `curve_load`.
+
+    Returns
+    -------
+    ndarray, shape (approaches, 3)
+    """
+    result = np.zeros((len(approaches), 3))
+    pressed, places = np.unique(approaches[approaches > 0.0], return_inverse=True)
+    if len(pressed) < LEAST:
+        rows = [curve_load(profile, one, layer, rtol) for one in pressed.tolist()]
+    else:
+        rows = list(map(_CurveLoad._make, _interpolated(profile, pressed, layer, rtol).tolist()))
+    if rows:
+        result[approaches > 0.0] = np.array(rows)[places]
+    return result
+
+
+def _interpolated(profile: Profile, approaches: Array, layer: float, rtol: float) -> Array:
+    """Return the rows of rising approaches from those of few radii."""
+    scale = RadiusScale(profile)
+    solve = indenter(profile, layer, _MOST_UNKNOWNS)
+
+    def point(found: Indentation) -> CurvePoint:
+        load = _derived(profile, found, layer)
+        logarithms = np.log([found.approach, load.value, load.by_approach])
+        functions = np.array([*logarithms[1:], layer * load.by_layer / load.value])
+        error = found.load_error
+        errors = np.array([found.approach_error, error, found.stiffness_error, error])
+        return CurvePoint(float(logarithms[0]), functions, errors)
+
+    def at_place(place: float) -> CurvePoint:
+        return point(value_of(solve(scale.radius(place), rtol, layer > 0.0)))
+
+    def single(logarithm: float) -> CurvePoint:
+        return point(_of_approach(profile, math.exp(logarithm), layer, rtol))
+
+    ends = [_of_approach(profile, one, layer, rtol) for one in approaches[[0, -1]].tolist()]
+    first, last = (one.radius for one in ends)
+    breaks = [one for one in profile.breaks if first < one < last]
+    places = [scale.place(radius) for radius in (first, *breaks, last)]
+    load, stiffness, by_layer = (
+        LoadCurve(at_place, single, rtol).values(places, np.log(approaches)).T
+    )
+    value = np.exp(load)
+    # without a layer the derivative by it is 0
+    return np.stack([value, np.exp(stiffness), value * by_layer / (layer or 1.0)], axis=1)
 
 
 def cuts(profile: Profile, radius: float, finest: float) -> list[float]:
@@ -235,20 +304,27 @@ class CurveProblem:
             raise SceneError("free", free, told)
         self.known = {
             "reduced_modulus": 4.0 * physical.quarter_modulus(scene.poisson_ratio),
-            "zero_point": 0.0,
+            **dict.fromkeys(OF_INSTRUMENT, 0.0),
             **self._of_layer(scene),
         }
         if "normal_compliance" in free and not self.known["normal_compliance"] > 0.0:
             told = "> 0 where it is free: the fit starts there"
             raise SceneError("normal_compliance", physical.normal_compliance, told)
         self.scene, self.profile, self.free, self.rtol = scene, profile, free, rtol
+        self.data = data
         self.depth, self.load, self.sigma = map(np.array, (data.depth, data.load, data.sigma))
+        self.line = baseline(self.depth, self.load)
         extent = float(np.ptp(self.depth)) or 1.0
+        force = float(np.ptp(self.load)) or 1.0
+        start = {**dict.fromkeys(free, 0.0), **self._line_start()}
+        tilted = start.get("tilt", 0.0) * (self.depth - self.depth.min())
+        above = self.load - start.get("load_offset", 0.0) - tilted
         # a little above the first load that is no noise, so that every load that is one counts
-        loaded = self.depth[self.load > _NOISE * self.sigma]
-        touch = float((loaded if len(loaded) else self.depth).min()) - _ABOVE * extent
-        self.start = [0.0 if self._log(name) else touch for name in free]
-        self.scale = [1.0 if self._log(name) else extent for name in free]
+        touch = touch_depth(self.depth, above, _NOISE * self.sigma) - _ABOVE * extent
+        start["zero_point"] = touch
+        scale = {"zero_point": extent, "load_offset": force, "tilt": force / extent}
+        self.start = [start[name] for name in free]
+        self.scale = [scale.get(name, 1.0) for name in free]
         self.at = partial(self._at, {})
         self.evaluations = 0
 
@@ -257,13 +333,22 @@ class CurveProblem:
         assert scene.physical is not None
         return {"normal_compliance": scene.physical.normal_compliance}
 
+    def _line_start(self) -> dict[str, float]:
+        """Return where the search for offset and tilt starts, as far as they are free."""
+        if self.line is None:
+            return {}
+        first = float(self.line.at(self.depth.min()))
+        found = {"load_offset": first if "tilt" in self.free else self.line.level}
+        found["tilt"] = self.line.tilt
+        return {name: value for name, value in found.items() if name in self.free}
+
     def bounds(self) -> tuple[list[float], list[float]]:
         """Return between which values is searched."""
         return [-math.inf] * len(self.free), [math.inf] * len(self.free)
 
     @staticmethod
     def _log(name: str) -> bool:
-        return name != "zero_point"
+        return name not in OF_INSTRUMENT
 
     def values(self, x: Sequence[float]) -> dict[str, float]:
         """Return the parameters: logarithms are over their start."""
@@ -279,18 +364,23 @@ class CurveProblem:
             kept.clear()
             self.evaluations += 1
             values = self.values(x)
-            value, columns = self.curve(values, (self.depth - values["zero_point"]).tolist())
+            approach = self.depth - values["zero_point"]
+            value, columns = self.curve(values, approach)
+            value = value + values["load_offset"] + values["tilt"] * approach
+            columns["zero_point"] = columns["zero_point"] - values["tilt"]
+            columns["load_offset"] = np.ones(len(approach))
+            columns["tilt"] = approach
             jacobian = np.stack([columns[name] for name in self.free], axis=1)
             jacobian = self.turned(jacobian, x, 1.0)
             kept[x] = (value - self.load) / self.sigma, jacobian / self.sigma[:, None]
         return kept[x]
 
-    def curve(self, values: dict[str, float], depths: list[float]) -> tuple[Array, Any]:
-        """Return the loads of all depths, and their derivatives by name."""
+    def curve(self, values: dict[str, float], approach: Array) -> tuple[Array, Any]:
+        """Return the loads of all approaches, and their derivatives by name."""
         quarter = values["reduced_modulus"] / 4.0
         layer = values["normal_compliance"] * quarter
-        rows = [curve_load(self.profile, d, layer, self.rtol) for d in depths]
-        value, by_approach, by_layer = quarter * np.array(rows).T
+        rows = curve_loads(self.profile, approach, layer, self.rtol)
+        value, by_approach, by_layer = quarter * rows.T
         return value, {
             "reduced_modulus": value + layer * by_layer,
             "normal_compliance": layer * by_layer,
@@ -349,7 +439,29 @@ class CurveProblem:
             tuple(tuple(row) for row in covariance.tolist()),
             tuple(residuals.tolist()),
             self.evaluations,
+            self.data,
+            (*self.data.remarks, *self._doubts(residuals)),
         )
+
+    def _doubts(self, residuals: Array) -> list[str]:
+        """Return what speaks against the fit."""
+        from scipy.special import chdtrc  # takes long to import
+
+        found = []
+        chi_square, freedom = float(residuals @ residuals), len(residuals) - len(self.free)
+        by_chance = float(chdtrc(freedom, chi_square)) if freedom else 1.0
+        if by_chance < _CHANCE and chi_square > _MISFIT * freedom:
+            found.append(
+                f"chi square is {chi_square / freedom:.3g} a degree of freedom: the loads are not "
+                "those of elastic contact of this punch within their standard deviations, which "
+                "plastic flow, another shape of the tip, adhesion or an offset can cause; the "
+                "deviations of the parameters do not cover it"
+            )
+        if self.line is not None and "load_offset" not in self.free:
+            deviation = self.line.sigma / math.sqrt(self.line.points)
+            if abs(self.line.level) > _OFFSET * deviation:
+                found.append(f"the baseline is at {self.line.level:.3g} N: free load_offset")
+        return found
 
     @property
     def _alike(self) -> SceneError:

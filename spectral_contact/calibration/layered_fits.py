@@ -17,12 +17,14 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from spectral_contact.calibration.indentation_curve import CurveProblem, cuts
+from spectral_contact.calibration.indentation_curve import OF_INSTRUMENT, CurveProblem, cuts
+from spectral_contact.calibration.load_curves import CurvePoint, LoadCurve
 from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError
 from spectral_contact.fields import Array
+from spectral_contact.fields.curves import LEAST
 from spectral_contact.layers import GreenwoodWilliamson, Layer
 from spectral_contact.layers.scene_layer import in_own_units
 from spectral_contact.profiles import Profile
@@ -39,6 +41,14 @@ UNIT: Final = "unit"
 _LEAST, _POINTS, _LOOKS = 1e-12, 600, 400
 #: Where pressures are cut for quadrature, besides decades from the edge.
 _CUTS: Final = tuple(k / 16.0 for k in range(1, 16))
+
+
+class LayeredLoads(NamedTuple):
+    """``L = P/E'`` of many approaches, with derivatives as of `LayeredLoad`."""
+
+    value: Array
+    by_approach: Array
+    by: dict[str, Array]
 
 
 class LayeredLoad(NamedTuple):
@@ -66,19 +76,89 @@ def layered_load(
     near : float or None
         Where the radius of the contact may be.
     """
-    names = (UNIT, *layer._rates(np.zeros(1)))
     if approach <= layer.start:
-        return LayeredLoad(0.0, 0.0, dict.fromkeys(names, 0.0))
-    solved, _ = through_layer(
-        profile, layer, rtol, _MOST_UNKNOWNS, approach=approach, pointwise=True, near=near
-    )
-    found = value_of(solved)
+        return LayeredLoad(0.0, 0.0, dict.fromkeys(_rate_names(layer), 0.0))
+    found = _of_approach(profile, layer, approach, rtol, near)
     error = max(found.load_error, found.stiffness_error)
     if error > 10.0 * rtol:
         told = f"load and stiffness of {profile.brief} on {layer.brief} at {approach:.6g} are known"
         raise ConvergenceError(f"{told} to {error:.1e}", "loosen rtol.")
     by = _derivatives(profile, layer, found)
     return LayeredLoad(found.load, found.stiffness, by, found.radius)
+
+
+def _rate_names(layer: Layer) -> tuple[str, ...]:
+    return (UNIT, *layer._rates(np.zeros(1)))
+
+
+def _of_approach(
+    profile: Profile, layer: Layer, approach: float, rtol: float, near: float | None
+) -> Indentation:
+    solved, _ = through_layer(
+        profile, layer, rtol, _MOST_UNKNOWNS, approach=approach, pointwise=True, near=near
+    )
+    return value_of(solved)
+
+
+def layered_loads(profile: Profile, layer: Layer, approaches: Array, rtol: float) -> LayeredLoads:
+    """Return loads of many approaches with their derivatives, each as of `layered_load`.
+
+    Few approaches are solved, and polynomials go through them.
+
+    Parameters
+    ----------
+    profile : Profile
+    layer : Layer
+        In E'.
+    approaches : ndarray, shape (approaches,)
+    rtol : float
+    """
+    names = _rate_names(layer)
+    result = np.zeros((len(approaches), 2 + len(names)))
+    touches = approaches > layer.start
+    pressed, places = np.unique(approaches[touches], return_inverse=True)
+    if len(pressed) >= LEAST:
+        result[touches] = _interpolated(profile, layer, pressed, rtol, names)[places]
+    elif len(pressed):
+        near: float | None = None
+        rows = []
+        for approach in pressed.tolist():
+            one = layered_load(profile, layer, approach, rtol, near=near)
+            near = one.radius
+            rows.append([one.value, one.by_approach, *(one.by[name] for name in names)])
+        result[touches] = np.array(rows)[places]
+    by = {name: result[:, 2 + k] for k, name in enumerate(names)}
+    return LayeredLoads(result[:, 0], result[:, 1], by)
+
+
+def _interpolated(
+    profile: Profile, layer: Layer, approaches: Array, rtol: float, names: tuple[str, ...]
+) -> Array:
+    """Return the rows of rising approaches from those of few."""
+    start, width = layer.start, layer._size
+    near: float | None = None
+
+    def at_place(place: float) -> CurvePoint:
+        nonlocal near
+        # a law with a start has powers of the distance from it, one without exponentials
+        approach = start + math.exp(place) if math.isfinite(start) else width * math.sinh(place)
+        found = _of_approach(profile, layer, approach, rtol, near)
+        near = found.radius if math.isfinite(start) else None
+        by = _derivatives(profile, layer, found)
+        shares = [by[name] / found.load for name in names]
+        functions = np.array([math.log(found.load), math.log(found.stiffness), *shares])
+        error = found.load_error
+        errors = np.array([0.0, error, found.stiffness_error, *[error] * len(names)])
+        return CurvePoint(place, functions, errors)
+
+    if math.isfinite(start):
+        places = np.log(approaches - start)
+    else:
+        places = np.arcsinh(approaches / width)
+    ends = places[[0, -1]].tolist()
+    load, stiffness, *shares = LoadCurve(at_place, at_place, rtol).values(ends, places).T
+    value = np.exp(load)
+    return np.stack([value, np.exp(stiffness), *(value * one for one in shares)], axis=1)
 
 
 def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str, float]:
@@ -117,13 +197,11 @@ def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str
 class LawProblem(CurveProblem):
     """Residuals and derivatives by ln E*, the law's numbers, and the zero point."""
 
-    _radii: list[float | None] | None = None
-
     @staticmethod
     def parameters(scene: Scene) -> tuple[str, ...]:
         """Return what can be free."""
         law = tuple(_numbers_of(scene.layer))
-        return ("reduced_modulus", *law, "zero_point")
+        return ("reduced_modulus", *law, *OF_INSTRUMENT)
 
     @staticmethod
     def _of_layer(scene: Scene) -> dict[str, float]:
@@ -175,21 +253,14 @@ class LawProblem(CurveProblem):
         law = self.scene.physical.layer
         return replace(law, **{name: values[name] for name in _numbers_of(law)})
 
-    def curve(self, values: dict[str, float], depths: list[float]) -> tuple[Array, Any]:
-        """Return the loads of all depths, and their derivatives by name."""
+    def curve(self, values: dict[str, float], approach: Array) -> tuple[Array, Any]:
+        """Return the loads of all approaches, and their derivatives by name."""
         quarter = values["reduced_modulus"] / 4.0
         own = in_own_units(self._law(values), quarter)
-        near = self._radii or [None] * len(depths)
-        rows = [
-            layered_load(self.profile, own, d, self.rtol, near=radius)
-            for d, radius in zip(depths, near, strict=True)
-        ]
-        self._radii = [one.radius for one in rows]
-        value, by_approach = (
-            quarter * np.array([getattr(one, name) for one in rows])
-            for name in ("value", "by_approach")
-        )
-        by = {name: quarter * np.array([one.by[name] for one in rows]) for name in rows[0].by}
+        loads = layered_loads(self.profile, own, approach, self.rtol)
+        value = quarter * loads.value
+        by_approach = quarter * loads.by_approach
+        by = {name: quarter * one for name, one in loads.by.items()}
         # pressures in Pa are less of a larger E'; asperities have theirs in E'
         rigid = isinstance(own, GreenwoodWilliamson)
         by["reduced_modulus"] = value if rigid else value - by[UNIT]

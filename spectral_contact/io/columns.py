@@ -1,4 +1,4 @@
-"""NumberTable of numbers from text files as other programs write them: the one reader of them.
+"""Columns of numbers from text files as other programs write them: the one reader of them.
 
 A caller says which quantities it expects; which column holds each of them is found by the headings,
 or said by the user. Nothing is guessed where two readings make sense, and no row is left out
@@ -47,9 +47,21 @@ _ITEM: Final = re.compile(r",(?![^\[(]*[\])])")
 _LONGEST_CELL: Final = 48
 
 
+class _NoValue(Refused):
+    """A cell has no value where one is expected."""
+
+
+#: What rows are left out for, by the name of the choice.
+_LEFT_OUT: Final[dict[str, tuple[type[Refused], ...]]] = {
+    "raise": (),
+    "skip": (Refused,),
+    "missing": (_NoValue,),
+}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class NumberTable:
-    """NumberTable of numbers.
+    """Numbers in columns.
 
     Attributes
     ----------
@@ -113,7 +125,8 @@ def read_columns(
         ``"."`` or ``","``; by default the one that the numbers have.
     invalid : str
         ``"raise"``, or ``"skip"`` for rows that cannot be read, or have no value where one is
-        expected, to be left out and named in `NumberTable.unread`.
+        expected, to be left out and named in `NumberTable.unread`. With ``"missing"`` those
+        without a value are left out, and others raise.
     option : str
         What `columns` is called where the user gave it, for errors.
 
@@ -135,14 +148,14 @@ def read_columns(
         whole("header", header, 1)
     if decimal is not None:
         one_of("decimal", decimal, (".", ","))
-    one_of("invalid", invalid, ("raise", "skip"))
+    one_of("invalid", invalid, tuple(_LEFT_OUT))
     asked = None if columns is None else _items(columns)
     source, content = read_file(path)
     try:
         with reported(source, "cannot be read"):
             sheet = read_sheet(content, lambda cells: name_all(cells, expected), header)
             found = find_sources(sheet, expected, asked, header, option)
-            return _values(source, sheet, expected, found, decimal, skip=invalid == "skip")
+            return _values(source, sheet, expected, found, decimal, _LEFT_OUT[invalid])
     except SolutionFileError as error:
         if isinstance(error.__cause__, MissingDependencyError):
             raise error.__cause__ from None
@@ -163,8 +176,7 @@ def _values(
     expected: Sequence[Expected],
     sources: dict[str, Source],
     decimal: str | None,
-    *,
-    skip: bool,
+    left_out: tuple[type[Refused], ...],
 ) -> NumberTable:
     """Return the numbers of the columns, converted."""
     width = len(sheet.rows[0].cells)
@@ -183,9 +195,7 @@ def _values(
         try:
             _check_shape(row, width, spare)
             values = [_value(row, one, source, sign) for one, source in asked]
-        except Refused as error:
-            if not skip:
-                raise
+        except left_out as error:
             unread.append(str(error))
         else:
             kept.append(values)
@@ -226,7 +236,7 @@ def _value(row: TextRow, one: Expected, source: Source, decimal: str) -> float:
     cell = row.cells[source.index]
     where = f"line {row.line}, column {source.index + 1} ({one.name})"
     if is_missing(cell):
-        raise Refused(f"{where}: {f'{cell} is' if cell else 'there is'} no value")
+        raise _NoValue(f"{where}: {f'{cell} is' if cell else 'there is'} no value")
     try:
         value, text = number(cell, decimal)
         if value != 0.0 and source.factor != 1:

@@ -25,7 +25,15 @@ _HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "traction": ("q", "traction", "shear traction", "cshear1"),
     "slip": ("u", "slip"),
     "displacement": ("u", "h", "displacement", "indentation", "depth", "approach"),
-    "load": ("P", "F", "load", "force", "normal force"),
+    "load": ("P", "F", "load", "force", "normal force", "load on sample", "indentation force"),
+    "depth": (
+        *("h", "d", "z", "Z", "δ", "delta", "depth", "displacement", "indentation", "penetration"),
+        *("approach", "indentation depth", "penetration depth", "displacement into surface"),
+        *("separation", "tip sample separation"),
+    ),
+    "sigma": ("σ", "sigma", "standard deviation", "load error", "force error", "uncertainty"),
+    "stiffness": ("S", "stiffness", "harmonic contact stiffness", "contact stiffness"),
+    "area": ("A", "area", "contact area", "projected area"),
 }
 #: More of them where columns have no units: lengths over the contact radius.
 _RATIOS: Final[Mapping[str, tuple[str, ...]]] = {
@@ -37,9 +45,14 @@ _DIMENSIONLESS: Final = frozenset(("", "-", "1", "a", "L", "E'"))
 # As in "r [mm]", "r (mm)".
 _IN_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>.*)\]|\((?P<round>.*)\))\s*")
 # As in "r / mm", "r, mm", "r in mm", "r_mm".
-_APPENDED: Final = re.compile(r"(?P<name>.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|_|\s+)(?P<unit>\S+)")
+_APPENDED: Final = re.compile(r"(?P<name>.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|_|\s+)(?P<unit>[^\s_]+)")
 #: Units of lengths, pressures and forces, as they are appended to a name without brackets.
 _PLAIN_UNIT: Final = re.compile(r"[fpnuµμmcdkMG]?(?:m|Pa|N)|Å|psi|bar")
+#: Cells of a line of units below headings.
+_UNIT_CELL: Final = re.compile(
+    r"[\[(]?(?:[fpnuµμmcdkMG]?(?:m|Pa|N|s|V|A|g|J|W|Hz|K)(?:/[fpnuµμmck]?m)?[²2]?|min|h|Å|psi|bar|"
+    r"°C|°|deg|rad|%|-|1|)[\])]?"
+)
 #: Words of a comment that is a sentence and no row of headings.
 _PROSE: Final = frozenset(("and", "are", "for", "in", "is", "of", "the", "with"))
 _MOST_SHOWN: Final = 12
@@ -179,7 +192,11 @@ def _headings(
             return _with_commented_units(found, sheet, expected, texts[k].line)
     if texts:
         # Headings that name nothing expected are there for the user to choose from.
-        return _named(texts[-1], sheet.delimiter, expected, width)
+        last = _named(texts[-1], sheet.delimiter, expected, width)
+        if len(texts) == 1 or last is None or not _are_units(last):
+            return last
+        above = _named(texts[-2], sheet.delimiter, expected, width)
+        return last if above is None else _with_units(above, texts[-1:], sheet.delimiter)
     for comment in reversed(sheet.comments):
         found = _named(comment, sheet.delimiter, expected, width)
         if found is not None and _names_any(found, expected) and not _is_prose(found):
@@ -212,6 +229,12 @@ def name_all(cells: Sequence[str], expected: Sequence[Expected]) -> bool:
         for one in expected
         if one.required
     )
+
+
+def _are_units(headings: Iterable[_Heading]) -> bool:
+    """Whether a line below the headings has units alone."""
+    texts = [heading.text for heading in headings]
+    return any(texts) and all(map(_UNIT_CELL.fullmatch, texts))
 
 
 def _is_prose(headings: Iterable[_Heading]) -> bool:

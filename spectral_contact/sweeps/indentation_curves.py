@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from spectral_contact.contact.contact_radius import RadiusScale
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
+from spectral_contact.fields.curves import LEAST, WORTH, Curves, nodes_needed
 from spectral_contact.profiles import Profile
 from spectral_contact.solution import PROFILE_QUANTITIES, Solution
-from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, nodes_needed
 from spectral_contact.sweeps.request import Request, Served
 from spectral_contact.sweeps.sweep_parameters import PARAMETERS, Columns, Indices
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
+from spectral_contact.fields.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.solution import Solution
-from spectral_contact.sweeps.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.sweeps.request import SCALARS, Request, Served
 from spectral_contact.sweeps.sweep_parameters import Columns, Indices
 

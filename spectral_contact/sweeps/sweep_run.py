@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
+from spectral_contact.fields.curves import LEAST
 from spectral_contact.io import checks
 from spectral_contact.io.choices import suggesting
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
-from spectral_contact.sweeps.curves import LEAST
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
 from spectral_contact.sweeps.indentation_curves import pressed_alone
 from spectral_contact.sweeps.request import Request, requested

@@ -32,6 +32,7 @@ from spectral_contact.view.figures import (
     scene_title,
     style,
 )
+from spectral_contact.view.fits import plot_fit
 from spectral_contact.view.history_picture import plot_history
 from spectral_contact.view.inside_pictures import plot_inside
 from spectral_contact.view.law_picture import plot_law
@@ -54,6 +55,7 @@ __all__ = [
     "check",
     "graded_radii",
     "plot_coefficients",
+    "plot_fit",
     "plot_history",
     "plot_inside",
     "plot_law",

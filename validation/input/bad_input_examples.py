@@ -73,6 +73,11 @@ def solver(scene: Scene, resolution: float) -> Quarter:
 
 solver.__qualname__ = "examples.<locals>.solver"
 
+#: A fit, made up.
+CURVE_FIT = calibration.IndentationFit(
+    *(SCENE, ("zero_point",), (0.0,), (0.1,), ((0.01,),), (0.0,), 1),
+    calibration.IndentationData([1.0], [1.0], 1.0),
+)
 #: By name of a parameter.
 ARGUMENTS: dict[str, Any] = {
     "scene": SCENE,
@@ -95,7 +100,7 @@ ARGUMENTS: dict[str, Any] = {
     **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
     **{"zero_pressure": 1.0, "clearance": 0.1, "overclosures": [0.0, 0.1, 0.2, 0.4]},
     **{"pressures": [0.0, 0.1, 0.3, 0.9], "compliance": 0.5, "start": 0.0, "limit": 1.0},
-    "depth": [0.3],
+    **{"depth": [0.3], "stiffness": [1.0], "area": [1.0], "fitted": CURVE_FIT},
     **{"first": profiles.Cone(1.0), "second": profiles.Parabola(1.0), "material": None},
     **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
 }
@@ -103,6 +108,9 @@ ARGUMENTS: dict[str, Any] = {
 SPECIAL: dict[str, Any] = {
     "asperities.greenwood_williamson.pressure": 1e7,
     "calibration.IndentationData.load": [1.0],
+    "calibration.contact_depth.load": [1.0],
+    "calibration.oliver_pharr.depth": None,
+    "calibration.AreaFunction.table": ([1.0, 2.0], [1.0, 4.0]),
     "calibration.IndentationFit.error.name": "zero_point",
     "layers.Sampled.from_functions.pressure": lambda w: w,
     "layers.Sampled.from_functions.derivative": np.ones_like,
@@ -132,6 +140,8 @@ PUNCH = {f"punch_{name}": value for name, value in BODY.items()}
 #: What goes along with a parameter, so that it is looked at, or the work is short.
 INSIDE = "equations.interior.Inside"
 COMPANY: dict[str, dict[str, Any]] = {
+    "calibration.AreaFunction.coefficients": {"table": None},
+    "calibration.oliver_pharr.depth": {"area": calibration.AreaFunction([1.0])},
     "PhysicalData": {"load": 1.0, "radius": 1e-3},
     "PhysicalData.approach": {"radius": 1e-3},
     "PhysicalData.reduced_modulus": {"youngs_modulus": None, "load": 1.0, "radius": 1e-3},
@@ -187,9 +197,7 @@ class Examples:
             *(graded_radii(bench.solutions[0], 20), reference(Scene(0.1), 15)),
             *(data, calibration.PressureData([0.5], [0.3], sigma=0.1)),
             calibration.StickRadiusData([0.5], sigma=0.1),
-            calibration.IndentationFit(
-                SCENE, ("zero_point",), (0.0,), (0.1,), ((0.01,),), (0.0,), 1
-            ),
+            *(CURVE_FIT, calibration.AreaFunction([1.0])),
             greenwood_williamson(**LAYER),
             calibration.fit(NORMAL, data, "normal_compliance", rtol=1e-4),
         ]

@@ -9,11 +9,11 @@ import pytest
 from spectral_contact import Scene, solve
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import _GivenRadius, solve_given_radius
+from spectral_contact.fields.curves import Placed
 from spectral_contact.fields.series import Radius
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.sweeps import sweep
-from spectral_contact.sweeps.curves import Placed
 from spectral_contact.sweeps.lines import LEAST, _disks, between, lines
 from spectral_contact.sweeps.request import requested
 from spectral_contact.sweeps.sweep_parameters import listed

@@ -127,10 +127,11 @@ class Curves:
 
     def _spread(self, x: Array) -> Array:
         """Return by how much polynomials make more of the largest error at the nodes."""
-        apart = self.nodes[:, None] - self.nodes
+        width = float(np.ptp(self._places))  # products of differences of a narrow piece underflow
+        apart = (self.nodes[:, None] - self.nodes) / width
         np.fill_diagonal(apart, 1.0)
-        ahead = x[:, None] - self.nodes
-        ahead[ahead == 0.0] = np.finfo(float).tiny
+        ahead = (x[:, None] - self.nodes) / width
+        ahead[ahead == 0.0] = np.finfo(float).eps ** 2
         parts = ahead.prod(axis=1)[:, None] / (ahead * apart.prod(axis=1))
         return np.asarray(np.abs(parts).sum(axis=1))
 
