@@ -45,6 +45,10 @@ _CRITICAL, _ONSET = 1e-10, 1e-12
 _LACKING = 5.0
 
 
+class NoFlatPunchError(ArithmeticError):
+    """No zones of a flat punch of the history obey the friction law; the text says why."""
+
+
 class Stages:
     """The flat punches of a history, and the loads of normal contact.
 

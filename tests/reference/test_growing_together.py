@@ -226,14 +226,12 @@ def test_next_to_an_equator_a_contact_is_refused_where_the_flat_punch_pulls():
 
 def test_a_history_under_a_cone_does_not_begin_where_no_flat_punch_is_a_scene():
     """Its flat punch had a compliance of 3e18, and the error named that of the scene."""
-    given = {"alpha": 1e-8, "beta": 0.03, "friction": math.inf, "approach": 0.5}
-    found = solved(CONE, rtol=1e-2, **given)
-    layer = max(found.scene.normal_compliance, found.scene.tangential_compliance)
-    assert layer / found.history.radii[0] < 1e14
-    closer = solved(CONE, rtol=1e-3, **given)
+    scene = Scene(0.0, 1e-8, 0.03, math.inf, profile=CONE, approach=0.5, coupling=True)
+    found, closer = (solve(scene, rtol, strict=False) for rtol in (1e-2, 1e-3))
+    assert scene.tangential_compliance / found.history.radii[0] < 1e14
     for name in ("load", "total_shear"):
         error = abs(getattr(found, name) / getattr(closer, name) - 1.0)
-        assert error <= getattr(found.error, name) + getattr(closer.error, name)
+        assert error <= getattr(found.error, name) + getattr(closer.error, name) < 0.1
 
 
 def superposed(flat, name, load, power, r):
