@@ -408,13 +408,11 @@ class Grower:
             found[k] = self.stage(b)
             kinds = [zone.kind for zone in found[k].zones]
             if kinds not in (["stick"], ["stick", "slip"]):
-                told = f"at the contact radius {b:.6g} "
+                told = "slip does not reach the edge in one zone, and the load would have to be "
+                told += "followed in increments"
                 if kinds[0] == "slip":
-                    told += "the stick disk is too small to be followed"
-                else:
-                    told += "slip does not reach the edge in one zone, and the load would have to "
-                    told += "be followed in increments"
-                raise NotComputedError("traction", told)
+                    told = "the stick disk is too small to be followed"
+                raise NotComputedError("traction", f"at the contact radius {b:.6g} {told}")
         flats = tuple(found[k] for k in range(len(radii)))
         return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
 

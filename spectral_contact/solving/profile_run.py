@@ -111,14 +111,13 @@ class ProfileRun(Run):
         self._grow_together(self._history(self.scene.replace(friction=math.inf), tell))
         assert self.history is not None
         self.history = replace(self.history, errors=np.full_like(self.history.errors, math.inf))
-        given = [name for name in ALL_CONTROLS if getattr(self.scene, name) is not None]
-        self.errors = {name: math.inf for name in self.errors if name not in given} | {
-            name: 0.0 for name in given
-        }
-        self.errors["violation"] = math.inf
+        self.errors["violation"] = 0.0
+        for name in self.errors:
+            if name not in ALL_CONTROLS or getattr(self.scene, name) is None:
+                self.errors[name] = math.inf
         self.refusal = refusal
-        told = f"full stick at all times; {refusal}"
-        self.updated_steps[GROWTH] = PlannedStep(GROWTH, StepState.RUN, told)
+        reason = f"full stick at all times; {refusal}"
+        self.updated_steps[GROWTH] = PlannedStep(GROWTH, StepState.RUN, reason)
         self.endings.append(Ending.ZONES)
 
     def _grows(self, states: dict[str, StepState]) -> bool:
