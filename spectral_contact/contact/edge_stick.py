@@ -40,7 +40,6 @@ from spectral_contact.contact.tuning import (
     EDGE_ERROR_OUTSIDE,
     EDGE_SAMPLING_DEGREE,
     EDGE_SAMPLING_MARGIN,
-    EDGE_WIDTH_FACTOR,
     MAX_MATCHED_WIDTH,
     MIN_MATCHED_WIDTH,
     PANEL_WIDTH,
@@ -147,7 +146,7 @@ def expected_error(parameters: Parameters) -> float:
     It is 1, no digit, where the stick is too wide to be narrow.
     """
     theta = edge_exponent(parameters)
-    width = edge_stick_width(parameters, theta, factor=EDGE_WIDTH_FACTOR)
+    width = edge_stick_width(parameters, theta)
     if width >= exp(-1.0):
         return 1.0
     stick = EdgeStick(theta, 1.0, max(width, MIN_MATCHED_WIDTH))

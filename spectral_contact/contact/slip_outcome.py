@@ -194,12 +194,13 @@ def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
     pressure = outcome.pressure
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
     slip_zone, *edge_stick = outcome.zones[1:]
-    at_edge = outcome.traction.pieces[-len(edge_stick) :] if edge_stick else ()
-    slipping = pieces[: len(pieces) - len(edge_stick)]
+    traction = [replace(piece, factor=friction) for piece in pieces]
+    if edge_stick:
+        traction[-1] = outcome.traction.pieces[-1]
     return replace(
         outcome,
         zones=(replace(slip_zone, inner=0.0, inner_from_edge=1.0), *edge_stick),
-        traction=ZonalField((*(replace(one, factor=friction) for one in slipping), *at_edge)),
+        traction=ZonalField(tuple(traction)),
         total_shear=friction,
         shear_error=outcome.shear_error if edge_stick else 2.0 * ROUNDING,
         traction_error=outcome.pressure_error,

@@ -348,10 +348,6 @@ EDGE_ERROR_OUTSIDE = 2.5
 #: Relative error of the traction in the stick at the edge, over ``w ln(1/w)/beta``: at most 0.08
 #: against panels.
 EDGE_ERROR_INSIDE = 0.2
-#: The width of the stick at the edge is ``(C beta f/kappa)**(1/(1/2 - theta))``, where C is 1 under
-#: little friction and 1.1 to 18 with f/kappa from 0.3 to 4. This one decides only whether the
-#: closed form is tried. Not measured again.
-EDGE_WIDTH_FACTOR = 6.0
 #: Least width of the stick at the edge in ``y``: down to it a radius keeps its distance from the
 #: edge within the range of doubles. A narrower one is left out.
 MIN_MATCHED_WIDTH = 1e-290

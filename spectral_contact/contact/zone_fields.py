@@ -93,12 +93,13 @@ def min_stick_radius(parameters: Parameters) -> float:
     return 4.0 * exp(-2.0 * kappa / friction) + 2.0 * beta * friction
 
 
-def edge_stick_width(parameters: Parameters, theta: float, *, factor: float = 1.0) -> float:
-    """Return the width in y of the stick at a smooth edge under little friction.
+def edge_stick_width(parameters: Parameters, theta: float) -> float:
+    """Return about the width in y of the stick at the edge of a smooth surface.
 
-    There ``u = -kappa/(2 pi)`` at the edge and ``p = y**(theta - 1/2)/(2 pi)`` next to it, and the
-    layer makes up for u where ``beta f p`` does: ``w**(1/2 - theta) = beta f/kappa``
-    (docs/coupling.md).
+    Under little friction ``u = -kappa/(2 pi)`` at the edge and ``p = y**(theta - 1/2)/(2 pi)`` next
+    to it, and the layer makes up for u where ``beta f p`` does: ``w**(1/2 - theta) = beta
+    f/kappa`` (docs/coupling.md). With f/kappa from 0.3 to 4 the width is ``exp(f/kappa)`` times
+    that, to a factor of 6.
 
     Parameters
     ----------
@@ -106,12 +107,11 @@ def edge_stick_width(parameters: Parameters, theta: float, *, factor: float = 1.
         With tangential compliance. Without elastic coupling those for kappa = 1.
     theta : float
         `edge_exponent` with elastic coupling, else 0.
-    factor : float
-        Of ``beta f/kappa``: what more friction makes of it.
     """
     _, beta, kappa, friction = parameters
+    ratio = friction / kappa
     with np.errstate(all="ignore"):  # a width beyond the range of doubles is 0 or infinite
-        return float(np.power(factor * beta * friction / kappa, 1.0 / (0.5 - theta)))
+        return float(np.exp(ratio + np.log(beta * ratio) / (0.5 - theta)))
 
 
 def edge_exponent(parameters: Parameters) -> float:

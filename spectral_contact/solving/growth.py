@@ -406,11 +406,13 @@ class Grower:
         for k in sorted(range(len(radii)), key=lambda k: -(k & -k) if k else -len(radii)):
             b = radii[k]
             found[k] = self.stage(b)
-            if [zone.kind for zone in found[k].zones] not in (["stick"], ["stick", "slip"]):
-                told = f"at the contact radius {b:.6g} slip does not reach the edge in one zone"
-                raise NotComputedError(
-                    "traction", f"{told}, and the load would have to be followed in increments"
-                )
+            kinds = [zone.kind for zone in found[k].zones]
+            if kinds not in (["stick"], ["stick", "slip"]):
+                told = "slip does not reach the edge in one zone, and the load would have to be "
+                told += "followed in increments"
+                if kinds[0] == "slip":
+                    told = "the stick disk is too small to be followed"
+                raise NotComputedError("traction", f"at the contact radius {b:.6g} {told}")
         flats = tuple(found[k] for k in range(len(radii)))
         return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
 

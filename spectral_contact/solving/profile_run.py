@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -20,6 +22,7 @@ from spectral_contact.solution import (
     GROWTH,
     NORMAL,
     PROFILE_QUANTITIES,
+    Ending,
     Plan,
     PlannedStep,
     Solution,
@@ -82,15 +85,40 @@ class ProfileRun(Run):
         if states.get(FULL_STICK) is StepState.RUN:
             self._stick_on_layer()
         if self._grows(states):
-            from spectral_contact.solving.stages import Stages
+            from spectral_contact.solving.stages import NoFlatPunchError
 
             with ProgressLine(self.cache.progress) as tell:
-                own, superposed = (self.scene, self.rtol, self.max_unknowns), self._fields()
-                history = Stages(*own, tell, superposed, self._flat)
-                if self.scene.couples:
-                    self._grow_together(history)
-                else:
+                history = self._history(self.scene, tell)
+                if not self.scene.couples:
                     self._grow(history)
+                    return
+                try:
+                    self._grow_together(history)
+                except NoFlatPunchError as error:
+                    self._grow_stuck(str(error), tell)
+
+    def _history(self, scene: Scene, tell: Callable[[str], None]) -> Stages:
+        """Return the flat punches of the history of a scene; `tell` as of `Stages`."""
+        from spectral_contact.solving.stages import Stages
+
+        return Stages(scene, self.rtol, self.max_unknowns, tell, self._fields(), self._flat)
+
+    def _grow_stuck(self, refusal: str, tell: Callable[[str], None]) -> None:
+        """Store a history of full stick where no zones of a flat punch obey the friction law.
+
+        No digit of it is known, but of what is given.
+        """
+        self._grow_together(self._history(self.scene.replace(friction=math.inf), tell))
+        assert self.history is not None
+        self.history = replace(self.history, errors=np.full_like(self.history.errors, math.inf))
+        self.errors["violation"] = 0.0
+        for name in self.errors:
+            if name not in ALL_CONTROLS or getattr(self.scene, name) is None:
+                self.errors[name] = math.inf
+        self.refusal = refusal
+        reason = f"full stick at all times; {refusal}"
+        self.updated_steps[GROWTH] = PlannedStep(GROWTH, StepState.RUN, reason)
+        self.endings.append(Ending.ZONES)
 
     def _grows(self, states: dict[str, StepState]) -> bool:
         return states.get(GROWTH) is StepState.RUN

@@ -177,8 +177,8 @@ class StickPath:
         chosen: list[float] = []
         for other in sorted(self._layouts, key=lambda other: abs(other - coordinate)):
             # a polynomial through radii that differ by their errors alone leads anywhere
-            apart = min((abs(other - one) for one in chosen), default=math.inf)
-            if apart >= abs(other - coordinate) / 4.0:
+            distance = abs(other - coordinate)
+            if all(4.0 * abs(other - nearer) >= distance for nearer in chosen):
                 chosen.append(other)
         chosen = chosen[:PATH_POINTS]
         logits = [np.array(self._layouts[other].logits) for other in chosen]

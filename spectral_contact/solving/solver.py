@@ -118,7 +118,8 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
     closer_for_zones : bool
         Whether to try one closer tolerance because a zone may be missing.
     """
-    if solution.ending is Ending.UNKNOWNS:  # a closer tolerance takes even more
+    # a closer tolerance takes even more unknowns, or finds the same: flat punches were tried closer
+    if solution.ending is Ending.UNKNOWNS or (run.refusal and run.scene.profile is not None):
         return solution
     rtol = tolerance = solution.rtol
     least_unknown = _unknown(run)
@@ -225,12 +226,13 @@ def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: StepC
     """Return the run that the scene calls for."""
     if scene.profile is not None:
         from spectral_contact.solving.profile_run import ProfileRun
+        from spectral_contact.solving.stages import NoFlatPunchError
 
         def flat(one: Scene, asked: Iterable[str], tolerance: float, others: StepCache) -> Solution:
             stage = _run(one, plan(one, asked), tolerance, max_unknowns, others)
             solution = stage.solution()
-            if stage.refusal:  # nothing can be superposed
-                raise NotComputedError("coupled partial slip", stage.refusal)
+            if stage.refusal:
+                raise NoFlatPunchError(stage.refusal)
             return solution
 
         return ProfileRun(scene, todo, rtol, max_unknowns, shared, flat)

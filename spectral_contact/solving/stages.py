@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from spectral_contact.contact.contact_radius import indenter, value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError
+from spectral_contact.io.physical import LARGEST_COMPLIANCE
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution
@@ -42,6 +43,10 @@ _PULLED = 200.0
 _CRITICAL, _ONSET = 1e-10, 1e-12
 #: Friction that is lacking by more than this, in a logarithm, is lacking.
 _LACKING = 5.0
+
+
+class NoFlatPunchError(ArithmeticError):
+    """No zones of a flat punch of the history obey the friction law; the text says why."""
 
 
 class Stages:
@@ -163,8 +168,11 @@ class Stages:
             return self.profile.flat_part * (1.0 + _PAST)
         wanted = math.log(_NEGLIGIBLE * self.rtol)
         share, step, at = 0.0, -math.log(2.0), math.log(radius)
-        while share > wanted:
-            at += step
+        softest = max(self.scene.normal_compliance, self.scene.tangential_compliance)
+        # flat punches of smaller radii have compliances that no scene may have
+        deepest = math.log(2.0 * softest / LARGEST_COMPLIANCE) if softest else -math.inf
+        while share > wanted and at > deepest:
+            at = max(at + step, deepest)
             b = math.exp(at)
             before, share = share, math.log(self.contact(b).load / load * (radius / b) ** 2)
             if share + math.log(radius / b) > 0.0 and b < 1e-9 * radius:

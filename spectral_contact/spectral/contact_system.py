@@ -44,6 +44,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import ceil, log
 from typing import NamedTuple
 
 import numpy as np
@@ -63,6 +64,8 @@ Array = NDArray[np.float64]
 #: other end of its zone, at twice the extent of a half, ln 2 in ``x = -ln d`` before the first
 #: panel; so its series converges slowly there.
 _DISPLACEMENT_DEGREES = 8
+#: Depth at which the root of the distance to an edge is the rounding of doubles.
+_ROOT_DEPTH = -2.0 * log(np.finfo(float).eps)
 
 
 class PointwiseResidual(NamedTuple):
@@ -290,16 +293,18 @@ class ContactSystem(ContactFields):
     def slip_annulus(self, zone: int) -> Annulus:
         """Return the meshes of the displacement in a slip zone, the number `zone` from the centre.
 
-        They are those of p, without endpoint weight and with more degrees. The central disk is one
-        part, every zone around it is two.
+        They are those of p, without endpoint weight and with more degrees. Where p has the weight,
+        at a smooth edge, E goes like a root of the distance: panels reach down to where that root
+        is rounding. The central disk is one part, every zone around it is two.
         """
         toward_inner, toward_outer = (
             replace(
-                part.mesh.panels,
+                panels,
                 power=0.0,
-                degree=part.mesh.panels.degree + _DISPLACEMENT_DEGREES,
+                degree=panels.degree + _DISPLACEMENT_DEGREES,
+                panels=max(panels.panels, ceil(_ROOT_DEPTH / panels.width) if panels.power else 0),
             )
-            for part in self.parts[2 * zone - 1 : 2 * zone + 1]
+            for panels in (part.mesh.panels for part in self.parts[2 * zone - 1 : 2 * zone + 1])
         )
         inner, outer = self.bounds[zone : zone + 2]
         return Annulus(inner, outer, toward_inner, toward_outer)

@@ -45,9 +45,31 @@ def test_a_strict_solve_raises_with_what_there_is():
 
 
 @pytest.mark.usefixtures("no_zones")
-def test_contacts_that_grow_are_not_made_of_what_breaks_the_law():
-    scene = Scene(
-        0.3, 0.5, 0.5, 0.05, coupling=True, profile=profiles.Parabola(1.0), contact_radius=1.0
-    )
-    with pytest.raises(NotComputedError, match="no zones were found"):
+@pytest.mark.parametrize("given", [{"contact_radius": 1.0}, {"load": 2.0}])
+def test_a_contact_that_grows_is_that_of_full_stick_of_which_no_digit_is_known(given):
+    scene = Scene(0.3, 0.5, 0.5, 0.05, coupling=True, profile=profiles.Parabola(1.0), **given)
+    with pytest.raises(ConvergenceError, match=r"no zones were found .* \(nothing fits\)"):
         solve(scene, 1e-3)
+    found = solve(scene, 1e-3, strict=False)
+    stick = solve(scene.replace(friction=math.inf), 1e-3)
+    assert (found.converged, found.ending) == (False, Ending.ZONES)
+    [(name, value)] = given.items()
+    assert getattr(found, name) == value
+    assert getattr(found.error, name) == 0.0
+    for other in {"load", "approach", "total_shear", "stiffness"} - {name}:
+        assert getattr(found, other) == getattr(stick, other)
+        assert getattr(found.error, other) == math.inf, other
+    assert found.pressure(0.5) == stick.pressure(0.5)
+    assert found.error.pressure == found.error.stick_radius == found.error.violation == math.inf
+    assert found.history.error("load", 0.5 * found.contact_radius) == math.inf
+    assert "no digit is known" in found.summary()
+    assert "full stick at all times; no zones were found" in str(found.plan)
+
+
+def test_a_contact_that_grows_without_a_stick_disk_to_follow_is_refused_for_that():
+    """It was said that slip did not reach the edge."""
+    scene = Scene(
+        0.3, 0.0, 0.0, 1e-3, coupling=True, profile=profiles.Parabola(1.0), contact_radius=1.0
+    )
+    with pytest.raises(NotComputedError, match="the stick disk is too small to be followed"):
+        solve(scene, 1e-3, strict=False)

@@ -100,6 +100,18 @@ def test_next_to_the_edge_of_a_smooth_surface_the_pressure_is_a_power():
     assert solution.pressure(1.0) == math.inf
 
 
+def test_next_to_the_edge_of_a_smooth_surface_slip_is_a_root_of_the_distance():
+    """Within 1e-12 of the edge it was off by 3e-7 of the largest slip."""
+    solution = slipping(Scene(0.2, 0.0, 0.0, 0.3, coupling=True), 1e-8)
+    scene = solution.scene
+    theta = math.atan(2.0 * scene.kappa * scene.friction) / math.pi
+    distances = np.array([1e-10, 1e-12, 1e-14, 1e-16])
+    gained = solution.slip(from_edge=distances) - solution.slip(from_edge=1e-300)
+    roots = gained / distances ** (0.5 + theta)
+    assert roots == pytest.approx(roots[0], rel=1e-4)
+    assert solution.error.slip < 1e-7
+
+
 def test_external_work_is_stored_or_dissipated():
     """All fields grow with the load, so that every work is half of a force times its path."""
     scene = ROUGH[0]

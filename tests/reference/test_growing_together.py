@@ -224,6 +224,16 @@ def test_next_to_an_equator_a_contact_is_refused_where_the_flat_punch_pulls():
         assert error <= getattr(near.error, name) + getattr(better.error, name)
 
 
+def test_a_history_under_a_cone_does_not_begin_where_no_flat_punch_is_a_scene():
+    """Its flat punch had a compliance of 3e18, and the error named that of the scene."""
+    scene = Scene(0.0, 1e-8, 0.03, math.inf, profile=CONE, approach=0.5, coupling=True)
+    found, closer = (solve(scene, rtol, strict=False) for rtol in (1e-2, 1e-3))
+    assert scene.tangential_compliance / found.history.radii[0] < 1e14
+    for name in ("load", "total_shear"):
+        error = abs(getattr(found, name) / getattr(closer, name) - 1.0)
+        assert error <= getattr(found.error, name) + getattr(closer.error, name) < 0.1
+
+
 def superposed(flat, name, load, power, r):
     """Return a field of a self-similar history, by quadrature over the flat punch's radius."""
     points, weights = graded_rule(20, 50, 0.2)

@@ -73,7 +73,7 @@ def ratios(found: Sample, truth: Sample) -> dict[str, float]:
     Ends of zones are compared from the centre and from the edge.
     """
     # a stick disk that is too small to be felt has no radius
-    sizes = {n: truth.integrals[n] or np.inf for n in INTEGRALS}
+    sizes = {n: abs(truth.integrals[n]) or np.inf for n in INTEGRALS}
     errors = {n: abs(found.integrals[n] - truth.integrals[n]) / sizes[n] for n in INTEGRALS}
     first, second = ({n: np.array(f) for n, f in one.fields.items()} for one in (found, truth))
     for name in FIELDS:

@@ -26,6 +26,7 @@ STRATA = {
     "thresholds_precise": ("thresholds", "the same, nearer than doubles can judge"),
     "profiles": ("profiles", "frictionless contact under profiles"),
     "growing": ("growing", "friction under growing contacts"),
+    "growing_together": ("growing_together", "the same with elastic coupling"),
     "layers": ("layers", "nonlinear layers"),
     "bent_layers": ("bent_layers", "layers whose law bends"),
     "lines": ("sweeps", "sweeps over frictions"),

@@ -51,7 +51,7 @@ def accuracy(beta: float, ratio: float) -> Record:
 def matched(nu: float, beta: float, friction: float) -> Record:
     """Return the differences of a matched contact from the one of panels, over their laws."""
     scene = Scene(nu, 0.0, beta, friction, coupling=True)
-    panels = solve(scene, 1e-11)
+    panels = solve(scene, 1e-10)
     parameters = Parameters(0.0, beta, scene.kappa, friction)
     layout = FreeBoundaryProblem(parameters, Layout((2.0,), (0, 1)), 1e-11).initial_layout()
     found = solve_zones(parameters, layout, 1e-11, 20_000)
