@@ -1,4 +1,4 @@
-"""What every test shares: one thread for BLAS, no deadlines, and which tests only a release needs."""
+"""What every test shares: one thread for BLAS, no deadlines, and the list of extended tests."""
 
 import os
 import tomllib
@@ -17,39 +17,37 @@ EXTENDED = Path(__file__).parent / "extended.toml"
 def pytest_configure(config):
     """Draw fewer examples where extended tests are left out; machines differ: no deadlines."""
     short = config.option.markexpr == "not extended"
-    for name, count in (("short", 8), ("extended", 25)):
-        settings.register_profile(name, deadline=None, max_examples=count)
-    settings.load_profile("short" if short else "extended")
+    settings.register_profile("suite", deadline=None, max_examples=8 if short else 25)
+    settings.load_profile("suite")
 
 
 def stays(number, case, kept):
-    """Whether the short run has a case: every n-th one, or those of some names."""
+    """Whether the short run has a case: one of every `kept`, or one that a pattern names."""
     if isinstance(kept, int):
         return number % kept == 0
     return any(fnmatchcase(case, pattern) for pattern in kept)
 
 
-@pytest.hookimpl(tryfirst=True)  # before the marks select
+@pytest.hookimpl(tryfirst=True)  # before marks select
 def pytest_collection_modifyitems(config, items):
-    """Mark what `extended.toml` lists; a line that is of no test is an error."""
-    with EXTENDED.open("rb") as file:
-        table = tomllib.load(file)
+    """Mark what `extended.toml` lists; in a run of everything each line must be of a test."""
+    table = tomllib.loads(EXTENDED.read_text(encoding="utf-8"))
     cases = {}
+    files = set()
     for item in items:
         file = item.path.relative_to(config.rootpath).as_posix()
-        if file in table:
-            name, _, case = item.name.partition("[")
-            cases.setdefault(file, {}).setdefault(name, []).append((case[:-1], item))
-    for file, tests in cases.items():
-        for name, kept in table[file].items():
-            found = tests.get(name, [])
-            for number, (case, item) in enumerate(found):
-                if not stays(number, case, kept):
-                    item.add_marker(pytest.mark.extended)
-            missing = (
-                []
-                if isinstance(kept, int)
-                else [one for one in kept if not any(fnmatchcase(case, one) for case, _ in found)]
-            )
-            if (missing or not found) and not any("::" in one for one in config.args):
-                raise pytest.UsageError(f"{EXTENDED.name}: {file}: {name}: no test {missing}")
+        files.add(file)
+        name, _, case = item.name.partition("[")
+        if name in table.get(file, ()):
+            cases.setdefault((file, name), []).append((case[:-1], item))
+    for (file, name), found in cases.items():
+        for number, (case, item) in enumerate(found):
+            if not stays(number, case, table[file][name]):
+                item.add_marker(pytest.mark.extended)
+    if config.args == config.getini("testpaths") and not config.getoption("lf", False):
+        for file in files.intersection(table):  # a file is skipped where its packages lack
+            for name, kept in table[file].items():
+                ids = [case for case, _ in cases.get((file, name), ())]
+                patterns = [] if isinstance(kept, int) else kept
+                if not ids or not all(any(fnmatchcase(i, p) for i in ids) for p in patterns):
+                    raise pytest.UsageError(f"{EXTENDED.name}: {file}: {name}: no such test")
