@@ -1,0 +1,40 @@
+"""The table of output quantities: what it lists is there, and what reads it knows all of it."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spectral_contact import QUANTITIES, ErrorEstimates, PhysicalSolution, Scene, Solution
+from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS, PROFILE_QUANTITIES
+from spectral_contact.solving.planning import plan
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("quantity", OUTPUTS, ids=lambda one: one.name)
+def test_a_quantity_has_an_estimate_and_is_in_both_units(quantity):
+    assert quantity.name in {one.name for one in fields(ErrorEstimates)}
+    for owner in (Solution, PhysicalSolution):
+        assert getattr(owner, quantity.name).__doc__
+
+
+@pytest.mark.parametrize("quantity", OUTPUTS, ids=lambda one: one.name)
+def test_a_quantity_is_in_the_file_format_and_has_known_kinds(quantity):
+    assert f"`{quantity.name}`" in (DOCS / "file_format.md").read_text(encoding="utf-8")
+    assert quantity.si_factor in ("", "radius", "displacement", "stress", "force")
+    assert quantity.kind in ("number", "field", "zones")
+    assert quantity.contact in ("normal", "tangential")
+    assert quantity.scenes in ("all", "profile", "flat")
+    assert bool(quantity.si_unit) >= bool(quantity.si_factor)
+
+
+def test_names_are_in_the_order_of_a_report():
+    assert QUANTITIES[:3] == ("approach", *FIELDS[:2])
+    assert {*NUMBERS, *FIELDS, "zones"} == {*QUANTITIES, *PROFILE_QUANTITIES}
+
+
+def test_a_plan_lists_all_that_a_scene_may_have():
+    flat = plan(Scene(0.1, 0.5, 0.5, np.inf))
+    assert {*flat.quantities, *dict(flat.missing)} == set(QUANTITIES)
