@@ -56,18 +56,20 @@ class PhysicalSolution(choices.Suggesting):
         shaped = self.solution.scene.profile is not None
         return float(self._data.quarter_modulus(self._nu)) if shaped else None
 
-    def factor(self, name: str) -> float:
+    def _factor(self, name: str) -> float:
         """Return what a quantity of `OUTPUTS` is multiplied by to be in SI units."""
         [kind] = [one.si_factor for one in OUTPUTS if one.name == name]
         if kind == "force":
             return self._modulus or self.load
         if kind == "displacement":  # under a profile it is a length as the others are
             return self.units.displacement if self._modulus is None else 1.0
-        return {"radius": self.radius, "stress": self.units.stress, "": 1.0}[kind]
+        if kind == "stress":
+            return self.units.stress
+        return self.radius if kind == "radius" else 1.0
 
     def _in_si(self, name: str) -> Any:
         value = getattr(self.solution, name)
-        return None if value is None else value * self.factor(name)
+        return None if value is None else value * self._factor(name)
 
     @property
     def load(self) -> float:
@@ -159,7 +161,7 @@ class PhysicalSolution(choices.Suggesting):
     def _scaled(self, name: str, r: ArrayLike | None, from_edge: ArrayLike | None) -> Any:
         checks.exactly_one("r", r, "from_edge", from_edge)
         evaluate = getattr(self.solution, name)
-        factor = self.factor(name)
+        factor = self._factor(name)
         a = self.radius
         if from_edge is None:
             return evaluate(checks.lengths("r", r, a, "m") / a) * factor

@@ -6,7 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spectral_contact import QUANTITIES, ErrorEstimates, PhysicalSolution, Scene, Solution
+from spectral_contact import (
+    QUANTITIES,
+    ErrorEstimates,
+    PhysicalSolution,
+    Scene,
+    Solution,
+    solve,
+)
 from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS, PROFILE_QUANTITIES
 from spectral_contact.solving.planning import plan
 
@@ -38,3 +45,10 @@ def test_names_are_in_the_order_of_a_report():
 def test_a_plan_lists_all_that_a_scene_may_have():
     flat = plan(Scene(0.1, 0.5, 0.5, np.inf))
     assert {*flat.quantities, *dict(flat.missing)} == set(QUANTITIES)
+
+
+def test_a_radius_in_metres_takes_no_load():
+    steel = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "radius": 0.01, "approach": 1e-6}
+    scene = Scene.from_physical(**steel, tangential_compliance=1e-14, friction=0.1)
+    found = solve(scene, 1e-6, ["stick_radius"])
+    assert found.physical.stick_radius == found.stick_radius * 0.01
