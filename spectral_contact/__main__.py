@@ -25,6 +25,7 @@ from spectral_contact.errors import (
 )
 from spectral_contact.io.choices import suggestion
 from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
+from spectral_contact.quantities import FIELDS
 from spectral_contact.solution import GROWTH, QUANTITIES, Plan, Solution, StepState
 from spectral_contact.solving.planning import plan
 from spectral_contact.solving.solver import solve
@@ -46,7 +47,7 @@ from spectral_contact.view.cli.profile_options import (
     in_si_units,
     profile_given,
 )
-from spectral_contact.view.report import FIELDS, report, write_csv
+from spectral_contact.view.report import report, write_csv
 
 __all__ = ["main"]
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
+from spectral_contact.quantities import PROFILE_QUANTITIES, QUANTITIES
 from spectral_contact.view.output import notebook_table
 
 __all__ = [
@@ -32,22 +33,6 @@ __all__ = [
     "Work",
     "Zone",
 ]
-
-#: Everything that can be asked of `solve`, in the order of a report.
-QUANTITIES = (
-    "approach",
-    "pressure",
-    "traction",
-    "slip",
-    "zones",
-    "stick_radius",
-    "total_shear",
-    "edge_ratio",
-    "critical_friction",
-)
-
-#: What else there is of a punch that is not flat.
-PROFILE_QUANTITIES = ("contact_radius", "load", "stiffness", "indentation_work")
 
 #: Names of the steps, in plans and in records of work.
 COUPLING = "elastic coupling"

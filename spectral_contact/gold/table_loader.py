@@ -21,7 +21,7 @@ from spectral_contact.io.choices import instance, one_of
 from spectral_contact.io.documents import Refused, check_keys, check_schema, read_file, reported
 from spectral_contact.layers.scene_layer import layer_from
 from spectral_contact.profiles.control import CONTROLS, profile_from
-from spectral_contact.records import PROFILE_QUANTITIES, ErrorEstimates, Zone
+from spectral_contact.records import ErrorEstimates, Zone
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.view.output import notebook_gold, notebook_gold_table
 
@@ -30,6 +30,8 @@ _VERSION: Final = 1
 _TABLE_KEYS: Final = ("schema", "version", "table", "regime", "script", "scenes")
 _PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 _VALUES: Final = ("approach", "total_shear", "zones", "edge_ratio")
+#: What else a table has of a scene with a profile.
+_PRESSED: Final = ("contact_radius", "load", "stiffness", "indentation_work")
 _ENTRY_KEYS: Final = ("name", "scene", "library", "digits", *_VALUES, "points", "error")
 _SIDES: Final = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 _ERRORS: Final = (*_VALUES, "pressure", "traction")
@@ -258,8 +260,8 @@ def _table(document: Any) -> GoldTable:
     for i, entry in enumerate(_list("the table", document, "scenes")):
         where = f"scene {i + 1}"
         coupled = isinstance(entry, dict) and "opening" in entry
-        pressed = isinstance(entry, dict) and PROFILE_QUANTITIES[0] in entry
-        more = ("opening",) * coupled + PROFILE_QUANTITIES * pressed
+        pressed = isinstance(entry, dict) and _PRESSED[0] in entry
+        more = ("opening",) * coupled + _PRESSED * pressed
         check_keys(where, entry, (*_ENTRY_KEYS, *more))
         digits = entry["digits"]
         if type(digits) is not int or not _FEWEST_DIGITS <= digits <= _MOST_DIGITS:
@@ -282,7 +284,7 @@ class _GoldEntry:
     def __init__(self, where: str, body: dict[str, Any], mp: Any) -> None:
         self.where, self.body, self.mp = where, body, mp
         self.digits: int = body["digits"]
-        self.pressed = PROFILE_QUANTITIES[0] in body
+        self.pressed = _PRESSED[0] in body
 
     def solution(self, table: str) -> GoldSolution:
         """Return the record."""
@@ -305,7 +307,7 @@ class _GoldEntry:
             self._points(),
             error,
             table,
-            **{name: self._number(where, body, name) for name in PROFILE_QUANTITIES * self.pressed},
+            **{name: self._number(where, body, name) for name in _PRESSED * self.pressed},
         )
 
     def _scene(self) -> Scene:
@@ -364,7 +366,7 @@ class _GoldEntry:
 
     def _error(self) -> ErrorEstimates:
         where, body = f"{self.where}, error", self.body["error"]
-        check_keys(where, body, (*_ERRORS, *PROFILE_QUANTITIES * self.pressed))
+        check_keys(where, body, (*_ERRORS, *_PRESSED * self.pressed))
         for name, error in body.items():
             if name == "edge_ratio" and self.body[name] is None:
                 if error is not None:

@@ -23,10 +23,13 @@ from spectral_contact.io.codecs import (
     Several,
     Values,
 )
+from spectral_contact.quantities import NUMBERS
 from spectral_contact.records import Ending, StepState
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 
+#: Numbers of the first solutions that were stored.
+_FIRST = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")
 _FLAG, _INT, _TEXT = Plain(bool, "true or false"), Plain(int, "an int"), Plain(str, "a text")
 _FLOAT, _ROW, _TABLE = Float(), Array(1), Array(2)
 _ROWS = Several(Several(_FLOAT))
@@ -123,12 +126,15 @@ _ZONE = Record(
     kind=Plain(str, '"stick" or "slip"', "stick", "slip"),
     **_floats("inner outer inner_from_edge outer_from_edge"),
 )
+#: Numbers that came after version 1 was published.
+_YOUNGER = tuple(name for name in NUMBERS if name not in _FIRST)
 _ERRORS = Record(
     "ErrorEstimates",
     records.ErrorEstimates,
-    dict.fromkeys(records.PROFILE_QUANTITIES),
+    dict.fromkeys(_YOUNGER),
     **_maybe_floats("approach pressure traction slip zones stick_radius total_shear edge_ratio"),
-    **_maybe_floats("critical_friction violation contact_radius load stiffness indentation_work"),
+    **_maybe_floats("critical_friction violation"),
+    **dict.fromkeys(_YOUNGER, Maybe(_FLOAT)),
 )
 _REFINEMENT = Record(
     "RefinementStep",
@@ -214,7 +220,8 @@ SOLUTION: Final = Record(
         **_floats("approach total_shear edge_ratio critical_friction"),
         zones=Several(_ZONE),
         **_maybe_floats("stick_radius opening"),
-        **_floats("contact_radius load stiffness indentation_work domain_radius"),
+        **dict.fromkeys(_YOUNGER, _FLOAT),
+        domain_radius=_FLOAT,
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles import Flat
+from spectral_contact.quantities import FLAT_QUANTITIES, TANGENTIAL_QUANTITIES
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     COUPLING,
@@ -26,7 +27,6 @@ from spectral_contact.solution import (
 from spectral_contact.solving.asked import asked_quantities
 from spectral_contact.spectral.cache import BoundedCache
 
-_TANGENTIAL = frozenset(QUANTITIES) - {"approach", "pressure"}
 _STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
 _PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
@@ -79,7 +79,7 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
         flat = isinstance(scene.profile, Flat)
         kind = "under profiles" if flat else "of growing contacts"
         lacking = ("slip",) if flat or scene.friction == 0.0 else ()
-        for name in (*lacking, *sorted(_STICK_ONLY)):
+        for name in (*lacking, *sorted(FLAT_QUANTITIES)):
             missing[name] = f"it is not computed {kind}"
     if endless(scene):
         missing["contact_radius"] = "the layer law has no contact edge"
@@ -107,7 +107,7 @@ def _undriven(scene: Scene) -> str:
 
 def _affected(scene: Scene) -> frozenset[str]:
     """Return the quantities that depend on the traction."""
-    return frozenset((*QUANTITIES, *PROFILE_QUANTITIES)) if scene.couples else _TANGENTIAL
+    return frozenset((*QUANTITIES, *PROFILE_QUANTITIES)) if scene.couples else TANGENTIAL_QUANTITIES
 
 
 def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:

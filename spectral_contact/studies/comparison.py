@@ -15,6 +15,7 @@ from spectral_contact.fields import Array
 from spectral_contact.io import checks
 from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.layers.scene_layer import endless
+from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
 from spectral_contact.solution import Solution
@@ -28,7 +29,6 @@ from spectral_contact.view.report import table
 Numbers = Callable[..., Any] | ArrayLike
 
 _RTOL: Final = 1e-12
-_FIELDS: Final = ("pressure", "traction", "slip")
 _OF_MEAN: Final = ("load", "contact_radius")
 #: So far outside, over the contact radius, a rim may lie by rounding of radii and their units.
 _RIM: Final = 8.0 * float(np.finfo(np.float64).eps)
@@ -249,7 +249,7 @@ class _ComparedScene:
         self.scene, self.truth = scene, truth
         self.rounded = 0
         self.length = 1.0
-        self.scale = dict.fromkeys((*_FIELDS, *_NUMBERS), 1.0)
+        self.scale = dict.fromkeys((*FIELDS, *_NUMBERS), 1.0)
         data = scene.physical
         if data is not None:
             nu = scene.poisson_ratio
@@ -265,13 +265,9 @@ class _ComparedScene:
                 else:
                     load = data.load
                 stress, moved = data.pressure_scale(load), data.displacement_scale(load, nu)
-            of_profile = dict.fromkeys(PROFILE_QUANTITIES[1:], load)
-            self.scale = {
-                **of_profile,
-                "contact_radius": 1.0,
-                **{"pressure": stress, "traction": stress, "slip": moved, "approach": moved},
-                **{"stick_radius": self.length, "total_shear": load},
-            }
+            factors = {"radius": self.length, "displacement": moved, "stress": stress}
+            factors |= {"force": load, "": 1.0}
+            self.scale = {one.name: factors[one.si_factor] for one in OUTPUTS}
 
     def number(self, name: str, value: Any) -> Agreement:
         """Compare a number."""
@@ -394,7 +390,7 @@ class _ComparedScene:
             sizes = np.maximum(sizes, self._mean_pressure())
         if self.scene.couples:
             s = 1.0 - places
-            p, q = (field_of(self.truth, one, "truth")(places) for one in _FIELDS[:2])
+            p, q = (field_of(self.truth, one, "truth")(places) for one in FIELDS[:2])
             u = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
             kappa = self.scene.kappa
             sizes = np.hypot(p, u) if name == "pressure" else s * np.hypot(u, kappa * p)

@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from spectral_contact.errors import optional
 from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
+from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.solution import Solution
-from spectral_contact.sweeps.request import ENDINGS, FIELDS, Outcome, Request, Rows, requested
+from spectral_contact.sweeps.request import ENDINGS, Outcome, Request, Rows, requested
 from spectral_contact.sweeps.sweep_parameters import Indices, SweepParameters, alone
 from spectral_contact.view.radii import graded_radii
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
+    **{one.name: (one.meaning, one.unit) for one in OUTPUTS},
     "poisson_ratio": ("Poisson's ratio ν", "1"),
     "kappa": ("coupling constant κ of two bodies", "1"),
     "normal_compliance": ("normal compliance α* = αE/(4(1−ν²)a)", "1"),
@@ -28,22 +30,10 @@ _MEANINGS: Final = {
     "friction": ("coefficient of friction f", "1"),
     "s": ("radius s = r/a", "1"),
     "from_edge": ("distance from the edge 1 − r/a", "1"),
-    "contact_radius": ("contact radius a", "L"),
-    "load": ("load P", "E'L²"),
     "separation": ("separation at the deformed centre", "L"),
-    "stiffness": ("stiffness dP/dδ", "E'L"),
-    "indentation_work": ("work of the load", "E'L³"),
     "profile": ("shape of the punch", ""),
     "layer": ("law of the layer", ""),
     "coupling": ("whether the traction acts back on the pressure", ""),
-    "approach": ("approach δ*", "4(1−ν²)P/(aE)"),
-    "pressure": ("pressure p*", "P/a²"),
-    "traction": ("traction q*", "P/a²"),
-    "slip": ("slip u_r*", "4(1−ν²)P/(aE)"),
-    "stick_radius": ("stick radius c*", "a"),
-    "total_shear": ("total shear Q*", "P"),
-    "edge_ratio": ("q/p of full stick at the edge", "1"),
-    "critical_friction": ("critical friction, the largest q/p of full stick", "1"),
     "zone_kind": ("kind of a zone, from the centre: 1 stick, 2 slip, 0 none", "1"),
     "zone_outer": ("outer radius of a zone", "a"),
     "zone_outer_from_edge": ("distance of it from the edge", "a"),
@@ -52,14 +42,9 @@ _MEANINGS: Final = {
 }
 #: What is otherwise with a profile, E' = E/(4(1−ν²)).
 _WITH_PROFILE: Final = {
+    **{one.name: one.under_profile for one in OUTPUTS if one.under_profile},
     "normal_compliance": ("normal compliance αE'/L", "1"),
     "tangential_compliance": ("tangential compliance βE'/L", "1"),
-    "approach": ("approach δ", "L"),
-    "pressure": ("pressure p", "E'"),
-    "traction": ("traction q", "E'"),
-    "slip": ("slip since first contact u_r", "L"),
-    "stick_radius": ("stick radius c/a", "a"),
-    "total_shear": ("total shear Q", "E'L²"),
 }
 
 
@@ -195,7 +180,7 @@ def _about(name: str, shaped: bool = False) -> dict[str, str]:
     meanings = {**_MEANINGS, **_WITH_PROFILE} if shaped else _MEANINGS
     quantity = name.removesuffix("_error")
     if quantity != name:
-        known = meanings.get(quantity, ("boundaries of the zones", ""))[0]
+        known = meanings[quantity][0]
         return {"long_name": f"estimate of the relative error: {known}", "units": "1"}
     if name.startswith("layer_"):
         words = name.removeprefix("layer_").replace("_", " ")

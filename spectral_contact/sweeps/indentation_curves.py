@@ -19,7 +19,7 @@ from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST, WORTH, Curves, nodes_needed
 from spectral_contact.profiles import Profile
-from spectral_contact.solution import PROFILE_QUANTITIES, Solution
+from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import Request, Served
 from spectral_contact.sweeps.sweep_parameters import PARAMETERS, Columns, Indices
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 #: The functions of the radius that are interpolated.
 CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
 #: What goes with them; the last two are the same in every scene without friction.
-_NORMAL: Final = frozenset({*PROFILE_QUANTITIES, "approach"})
+_NORMAL: Final = frozenset({*CURVED, "contact_radius"})
 _FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
 _GIVEN: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
 

@@ -20,7 +20,7 @@ from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST, WORTH, Curves, Placed, nodes_needed
 from spectral_contact.solution import Solution
-from spectral_contact.sweeps.request import SCALARS, Request, Served
+from spectral_contact.sweeps.request import Request, Served
 from spectral_contact.sweeps.sweep_parameters import Columns, Indices
 
 if TYPE_CHECKING:
@@ -28,11 +28,13 @@ if TYPE_CHECKING:
 
 #: What is proportional to kappa at the same ``f/kappa``.
 _AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
+#: What is known between solved frictions.
+_KNOWN: Final = _AS_KAPPA | {"approach", "stick_radius", "total_shear"}
 
 
 def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
     """Yield scenes, of those to do, that differ in ``f/kappa`` alone, as it rises; none coupled."""
-    if not frozenset(request.quantities) <= frozenset(SCALARS):
+    if not frozenset(request.quantities) <= _KNOWN:
         return
     friction = columns.values[3, todo]
     slips = (friction > 0.0) & (friction < np.inf) & (columns.kappa[todo] != 0.0)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
+from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS
 from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 
@@ -19,11 +20,11 @@ if TYPE_CHECKING:
     from spectral_contact.sweeps.sweep_parameters import Indices
 
 #: Quantities that are a number for each scene: what a sweep asks for by default.
-SCALARS: Final = ("approach", "stick_radius", "total_shear", "edge_ratio", "critical_friction")
+SCALARS: Final = tuple(name for name in NUMBERS if name in QUANTITIES)
 #: The same with a profile.
-_PROFILE_SCALARS: Final = (*PROFILE_QUANTITIES, *SCALARS[:3])
-#: Quantities that are a function of the radius.
-FIELDS: Final = ("pressure", "traction", "slip")
+_PROFILE_SCALARS: Final = tuple(
+    one.name for one in OUTPUTS if one.kind == "number" and one.scenes != "flat"
+)
 #: How a scene can end, by code: the endings of `solve` in small letters, and failure.
 ENDINGS: Final = ("converged", "unknowns", "rounding", "zones", "failed")
 _CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")

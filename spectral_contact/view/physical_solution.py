@@ -12,6 +12,7 @@ from spectral_contact.equations.interior.grids import Units, si_units
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields.evaluation import over_r
 from spectral_contact.io import checks, choices
+from spectral_contact.quantities import OUTPUTS
 from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 from spectral_contact.view.html import table_html
@@ -54,6 +55,21 @@ class PhysicalSolution(choices.Suggesting):
         """What tractions under a profile are in [Pa]; None for a flat punch."""
         shaped = self.solution.scene.profile is not None
         return float(self._data.quarter_modulus(self._nu)) if shaped else None
+
+    def _factor(self, name: str) -> float:
+        """Return what a quantity of `OUTPUTS` is multiplied by to be in SI units."""
+        [kind] = [one.si_factor for one in OUTPUTS if one.name == name]
+        if kind == "force":
+            return self._modulus or self.load
+        if kind == "displacement":  # under a profile it is a length as the others are
+            return self.units.displacement if self._modulus is None else 1.0
+        if kind == "stress":
+            return self.units.stress
+        return self.radius if kind == "radius" else 1.0
+
+    def _in_si(self, name: str) -> Any:
+        value = getattr(self.solution, name)
+        return None if value is None else value * self._factor(name)
 
     @property
     def load(self) -> float:
@@ -99,23 +115,23 @@ class PhysicalSolution(choices.Suggesting):
     @property
     def stiffness(self) -> float:
         """Contact stiffness dP/dδ under a profile [N/m]."""
-        return self.solution.stiffness * (self._modulus or 1.0)
+        return float(self._in_si("stiffness"))
 
     @property
     def indentation_work(self) -> float:
         """Work ∫P dδ of pressing a profile in [J]."""
-        return self.solution.indentation_work * (self._modulus or 1.0)
+        return float(self._in_si("indentation_work"))
 
     @property
     def stick_radius(self) -> float | None:
         """Outer radius of the central stick zone [m]; None without friction."""
-        value = self.solution.stick_radius
-        return None if value is None else value * self.radius
+        value: float | None = self._in_si("stick_radius")
+        return value
 
     @property
     def total_shear(self) -> float:
         """Measure of shear Q [N]."""
-        return self.solution.total_shear * (self._modulus or self.load)
+        return float(self._in_si("total_shear"))
 
     @property
     def opening(self) -> float | None:
@@ -142,11 +158,11 @@ class PhysicalSolution(choices.Suggesting):
             for z in self.solution.zones
         )
 
-    def _scaled(
-        self, name: str, factor: float, r: ArrayLike | None, from_edge: ArrayLike | None
-    ) -> Any:
+    def _scaled(self, name: str, r: ArrayLike | None, from_edge: ArrayLike | None) -> Any:
         checks.exactly_one("r", r, "from_edge", from_edge)
-        evaluate, a = getattr(self.solution, name), self.radius
+        evaluate = getattr(self.solution, name)
+        factor = self._factor(name)
+        a = self.radius
         if from_edge is None:
             return evaluate(checks.lengths("r", r, a, "m") / a) * factor
         return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
@@ -197,16 +213,14 @@ class PhysicalSolution(choices.Suggesting):
     @over_r
     def pressure(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the pressure [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("pressure", self.units.stress, r, from_edge)
+        return self._scaled("pressure", r, from_edge)
 
     @over_r
     def traction(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the traction [Pa] at radii `r` [m], or at distances `from_edge` [m]."""
-        return self._scaled("traction", self.units.stress, r, from_edge)
+        return self._scaled("traction", r, from_edge)
 
     @over_r
     def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
         """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
-        # under a profile it is a length as the others are
-        unit = self.units.displacement if self._modulus is None else 1.0
-        return self._scaled("slip", unit, r, from_edge)
+        return self._scaled("slip", r, from_edge)

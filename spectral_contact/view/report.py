@@ -14,6 +14,7 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
+from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.radii import graded_radii
@@ -21,8 +22,6 @@ from spectral_contact.view.radii import graded_radii
 if TYPE_CHECKING:
     from spectral_contact.view.physical_solution import PhysicalSolution
 
-#: Quantities that are functions of the radius: the columns of a table.
-FIELDS = ("pressure", "traction", "slip")
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
 _PROFILE_UNITS = "s = r/a, lengths in L, p in E' = E / (4 (1 - nu^2)), loads in E' L^2"
 
@@ -125,9 +124,7 @@ def _si_rows(solution: Solution) -> list[_Row]:
     if data is None:
         return []
     physical = solution.physical
-    units = {"pressure": "Pa", "traction": "Pa", "slip": "m", "approach": "m"}
-    units |= {"stick_radius": "m", "total_shear": "N", "contact_radius": "m", "load": "N"}
-    units |= {"stiffness": "N/m", "indentation_work": "J"}
+    units = {one.name: one.si_unit for one in OUTPUTS}
     if solution.scene.profile is not None:
         return [row for row in _scalars(physical, solution, units) if row.unit]
     approach_error = solution.error.approach or 0.0

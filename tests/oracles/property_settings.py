@@ -1,12 +1,11 @@
-"""How many examples the property tests draw: always the same ones, without deadlines."""
+"""How the property tests draw examples: always the same ones; how many says tests/conftest.py."""
 
 from hypothesis import HealthCheck, settings
 
 bounded = settings(
-    max_examples=25,
     derandomize=True,
     deadline=None,
     database=None,
     suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
 )
-few = settings(bounded, max_examples=10)
+few = settings(bounded, max_examples=bounded.max_examples * 2 // 5)

@@ -1,9 +1,9 @@
 """Time contact under profiles against one dense solve.
 
-Run as ``python validation/cost/bench_profiles.py``; writes validation/results/bench_profiles.md. U
-is the time of one ``numpy.linalg.solve`` of a dense 1000 x 1000 system, measured in the same
-rounds, one BLAS thread. Warm: another compliance and radius, or load, of the same kind, with
-operator caches filled; solutions are never cached. Figures are medians, of processor time.
+Run as ``python validation/cost/bench_profiles.py``; prints tables. U is the time of one
+``numpy.linalg.solve`` of a dense 1000 x 1000 system, measured in the same rounds, one BLAS thread.
+Warm: another compliance and radius, or load, of the same kind, with operator caches filled;
+solutions are never cached. Figures are medians, of processor time.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import math
 from collections.abc import Iterator
-from pathlib import Path
 from statistics import median
 from time import process_time
 
@@ -23,7 +22,6 @@ import numpy as np
 
 from spectral_contact import Scene, profiles, solve, sweep
 
-RESULTS = Path(__file__).parents[1] / "results"
 ROUNDS, FEW = 9, 3
 SHAPES: list[tuple[str, profiles.Profile]] = [
     ("parabola", profiles.Parabola(1.0)),
@@ -103,15 +101,10 @@ def unit() -> float:
 
 
 def main() -> None:
-    """Measure, and write the table."""
-    lines = [
-        "# Contact under a profile, in dense solves",
-        "",
-        f"rtol 1e-10, one BLAS thread, medians of {ROUNDS}; by validation/cost/bench_profiles.py.",
-        "",
-        "| profile | alpha* | given | unknowns | warm [ms] | warm [U] | goal |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    """Measure, and print each line when it is known."""
+    print(f"# Contact under a profile, in dense solves\n\nrtol 1e-10, medians of {ROUNDS}.\n")
+    print("| profile | alpha* | given | unknowns | warm [ms] | warm [U] | goal |")
+    print("|---|---|---|---|---|---|---|")
     for name, profile in SHAPES:
         for alpha in (0.5, 1e-3, 0.0):
             for control, goal in GIVEN:
@@ -128,23 +121,18 @@ def main() -> None:
                 pairs = [(timed(scene), unit()) for scene in scenes]
                 seconds = median(one for one, _ in pairs)
                 ratio = median(one / other for one, other in pairs)
-                lines.append(
+                print(
                     f"| {name} | {alpha:g} | {control} | {unknowns} | {1e3 * seconds:.2f} | "
-                    f"{ratio:.3f} | {goal:g} |"
+                    f"{ratio:.3f} | {goal:g} |",
+                    flush=True,
                 )
-                print(lines[-1], flush=True)
-    lines += [
-        "",
-        "Friction under a growing contact, alpha* = beta* = 0.2, radius 1, with fields, "
-        f"and curves of loads; medians of {FEW}.",
-        "",
-        "| what | rtol | warm [ms] | warm [U] | goal |",
-        "|---|---|---|---|---|",
-    ]
+    print(
+        "\nFriction under a growing contact, alpha* = beta* = 0.2, radius 1, with fields, "
+        f"and curves of loads; medians of {FEW}.\n"
+    )
+    print("| what | rtol | warm [ms] | warm [U] | goal |\n|---|---|---|---|---|")
     for line in growing():
-        lines.append(line)
         print(line, flush=True)
-    (RESULTS / "bench_profiles.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

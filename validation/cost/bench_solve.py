@@ -1,7 +1,7 @@
 """Time the solver against one dense solve, and show what each step costs.
 
-Run as ``python validation/cost/bench_solve.py``; writes validation/results/bench_solve.json and
-.md. U is the time of one ``numpy.linalg.solve`` of a dense 1000 x 1000 system in the same process,
+Run as ``python validation/cost/bench_solve.py``; writes validation/results/bench_solve.md.
+U is the time of one ``numpy.linalg.solve`` of a dense 1000 x 1000 system in the same process,
 one BLAS thread. Cold: first solve in a fresh process after import. Anew: the same scene once more
 with emptied caches, when the code has run before. Warm: another alpha, beta, nu, f with operator
 caches filled; solutions are never cached. Figures are medians, those of warm solves of rounds that
@@ -15,7 +15,6 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import json
 import platform
 import subprocess
 import sys
@@ -193,8 +192,6 @@ def run(name: str, cases: list[tuple]) -> None:
     """Measure cases, print and store under a name."""
     import scipy
 
-    import spectral_contact
-
     numpy_import, own_import = import_time()
     rows = []
     for case in cases:
@@ -216,20 +213,14 @@ def run(name: str, cases: list[tuple]) -> None:
             }
         )
     record = {
-        "schema": f"spectral_contact.validation.{name}",
-        "version": 1,
-        "library": spectral_contact.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
-        "processor": platform.machine(),
-        "blas_threads": 1,
         "import_numpy_s": numpy_import,
         "import_over_numpy_s": own_import,
         "rows": rows,
     }
     RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
     text = table(record)
     (RESULTS / f"{name}.md").write_text(text)
     print(text)

@@ -1,7 +1,7 @@
 """Zones on graded rings against those of `solve`: their number, kind and boundaries, and the time.
 
-Run as ``python validation/honesty/ring_zones.py [scenes of each group]``; writes
-validation/results/ring_zones.md. Random scenes are compared where `solve` converges.
+Run as ``python validation/honesty/ring_zones.py [scenes of each group]``; prints tables. Random
+scenes are compared where `solve` converges.
 Gaps are relative distances of the friction from where slip begins; there, a second zone of slip or
 stick is narrow, and the question is which are seen with how many rings. The times are medians of
 rounds that measure U, too.
@@ -33,7 +33,6 @@ from spectral_contact.contact.active_set import RingLaw, RingLayout, ring_layout
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, COUNT = 18, 6
 RINGS, SPLITS = (60, 120, 300), (0, 1, 2, 3)
 GAPS = tuple(10.0**-k for k in range(2, 9))
@@ -281,7 +280,7 @@ def table(record: Row) -> str:
 
 
 def main(count: int) -> None:
-    """Measure and store."""
+    """Measure, and print."""
     rows = random_scenes(count)
     record = {
         "scenes": sum("found" in row for row in rows),
@@ -290,7 +289,6 @@ def main(count: int) -> None:
         "thresholds": thresholds(),
         "times": times(),
     }
-    (RESULTS / "ring_zones.md").write_text(table(record), encoding="utf-8")
     print(table(record))
 
 

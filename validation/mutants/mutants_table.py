@@ -420,8 +420,8 @@ MUTANTS = (
     Mutant(
         "slip in metres is a share of the radius",
         f"{_PACKAGE}/view/physical_solution.py",
-        "unit = self.units.displacement if",
-        "unit = self.radius if",
+        "return self.units.displacement if",
+        "return self.radius if",
         f"{_SOLVER} -k physical_fields",
     ),
     Mutant(

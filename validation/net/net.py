@@ -3,8 +3,7 @@
 In one run, some minutes on one core (with --quick, a part of it in a minute): the gold scenes at
 four tolerances, the hard cases, 300 random scenes and 58 at thresholds, whose truths are kept in
 validation/net, and the ratios of the times of solves and sweeps to those of one earlier commit,
-side by side. Prints one table and writes validation/results/net.json and .md (with --quick it
-writes nothing). Exits with 1 unless all gates on numbers hold:
+side by side. Prints one table. Exits with 1 unless all gates on numbers hold:
 
 - no true error above its estimate, and nothing raised but an honest refusal;
 - every scene at a threshold is right: no zone is missing beyond the estimates, none is refused; at
@@ -29,7 +28,6 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import argparse
-import json
 import sys
 from collections import Counter
 from dataclasses import dataclass
@@ -46,9 +44,6 @@ from net_checks import Finding, sections, worse
 from net_commit import COMMIT
 from net_speed import Row, speed
 
-import spectral_contact
-
-RESULTS = Path(__file__).parents[1] / "results"
 #: Of how many kept scenes one is taken, with --quick.
 PART = 3
 #: What became of a scene that the commit does not know, as one with a profile.
@@ -144,7 +139,7 @@ def progress(text: str) -> None:
 
 
 def main() -> int:
-    """Run everything, write and print it, and return how the process ends."""
+    """Run everything, print it, and return how the process ends."""
     parser = argparse.ArgumentParser(description="Does a change of the solver keep everything?")
     parser.add_argument("--quick", action="store_true", help="a part of it, in a minute")
     parser.add_argument("--scenes-only", action="store_true", help="no benchmarks")
@@ -166,8 +161,6 @@ def main() -> int:
         progress(f"{perf_counter() - begin:4.0f} s  {row.case}, {row.mode}: {row.ratio:.2f}")
     failures = [f"{one.name}: {text}" for one in found for text in one.failures]
     text = table(found, rows, failures, perf_counter() - begin)
-    if not options.quick and not options.scenes_only:
-        store(found, rows, failures, text)
     print(text)
     for row in rows:
         if not row.passed:
@@ -176,33 +169,6 @@ def main() -> int:
                 f"{row.ratio:.2f}, the limit is {row.limit:g}"
             )
     return 1 if failures else 0
-
-
-def store(found: list[Section], rows: list[Row], failures: list[str], text: str) -> None:
-    """Write the results."""
-    record = {
-        "schema": "spectral_contact.validation.net",
-        "version": 2,
-        "library": spectral_contact.__version__,
-        "commit": COMMIT,
-        "count": sum(len(one.findings) for one in found),
-        "scenes": {
-            one.name: {
-                "count": len(one.findings),
-                "remarkable": [
-                    finding.to_row()
-                    for finding in one.findings
-                    if finding.violations or not finding.converged
-                ],
-            }
-            for one in found
-        },
-        "rows": [row.to_row() for row in rows],
-        "failures": failures,
-        "slow": [f"{row.benchmark}: {row.case}, {row.mode}" for row in rows if not row.passed],
-    }
-    (RESULTS / "net.json").write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    (RESULTS / "net.md").write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -120,10 +120,6 @@ class Row:
     def passed(self) -> bool:
         """Whether the ratio is within its limit."""
         return self.ratio <= self.limit
-
-    def to_row(self) -> dict[str, Any]:
-        """Return the row as a dictionary."""
-        return asdict(self) | {"limit": self.limit}
 
 
 Timing = Callable[[], float]

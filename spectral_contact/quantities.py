@@ -1,0 +1,168 @@
+"""What can be asked of `solve`: one table that reports, SI units, sweeps, files and plans read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = [
+    "FIELDS",
+    "FLAT_QUANTITIES",
+    "NUMBERS",
+    "OUTPUTS",
+    "PROFILE_QUANTITIES",
+    "QUANTITIES",
+    "TANGENTIAL_QUANTITIES",
+    "OutputQuantity",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class OutputQuantity:
+    """A quantity that can be asked of `solve`, as reports, SI units, sweeps and files need it.
+
+    Attributes
+    ----------
+    name : str
+        That of the property or method of `Solution`, and of the field of `ErrorEstimates`.
+    meaning, unit : str
+        In words, and the dimensionless unit, of a flat punch.
+    under_profile : tuple of (str, str) or None
+        Meaning and unit under a profile, where they are others.
+    si_unit : str
+        Empty for a quantity without a unit.
+    si_factor : str
+        What makes it one in SI units: ``"radius"``, ``"displacement"``, ``"stress"``, ``"force"``,
+        which is the load of a flat punch and E' under a profile, or ``""`` for 1.
+    kind : str
+        ``"number"``, ``"field"`` of the radius, or ``"zones"``.
+    contact : str
+        ``"normal"`` if it takes no traction where nothing couples it to the pressure, or
+        ``"tangential"``.
+    scenes : str
+        Which scenes have it: ``"all"``, with a ``"profile"`` alone, or ``"flat"`` punches alone.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    under_profile: tuple[str, str] | None = None
+    si_unit: str = ""
+    si_factor: str = ""
+    kind: str = "number"
+    contact: str = "tangential"
+    scenes: str = "all"
+
+
+#: Everything that can be asked of `solve`, in the order of a report.
+OUTPUTS = (
+    OutputQuantity(
+        "contact_radius",
+        "contact radius a",
+        "L",
+        si_unit="m",
+        contact="normal",
+        scenes="profile",
+    ),
+    OutputQuantity(
+        "load",
+        "load P",
+        "E'L²",
+        si_unit="N",
+        si_factor="force",
+        contact="normal",
+        scenes="profile",
+    ),
+    OutputQuantity(
+        "stiffness",
+        "stiffness dP/dδ",
+        "E'L",
+        si_unit="N/m",
+        si_factor="force",
+        contact="normal",
+        scenes="profile",
+    ),
+    OutputQuantity(
+        "indentation_work",
+        "work of the load",
+        "E'L³",
+        si_unit="J",
+        si_factor="force",
+        contact="normal",
+        scenes="profile",
+    ),
+    OutputQuantity(
+        "approach",
+        "approach δ*",
+        "4(1−ν²)P/(aE)",
+        under_profile=("approach δ", "L"),
+        si_unit="m",
+        si_factor="displacement",
+        contact="normal",
+    ),
+    OutputQuantity(
+        "pressure",
+        "pressure p*",
+        "P/a²",
+        under_profile=("pressure p", "E'"),
+        si_unit="Pa",
+        si_factor="stress",
+        kind="field",
+        contact="normal",
+    ),
+    OutputQuantity(
+        "traction",
+        "traction q*",
+        "P/a²",
+        under_profile=("traction q", "E'"),
+        si_unit="Pa",
+        si_factor="stress",
+        kind="field",
+    ),
+    OutputQuantity(
+        "slip",
+        "slip u_r*",
+        "4(1−ν²)P/(aE)",
+        under_profile=("slip since first contact u_r", "L"),
+        si_unit="m",
+        si_factor="displacement",
+        kind="field",
+    ),
+    OutputQuantity("zones", "boundaries of the zones", "a", kind="zones"),
+    OutputQuantity(
+        "stick_radius",
+        "stick radius c*",
+        "a",
+        under_profile=("stick radius c/a", "a"),
+        si_unit="m",
+        si_factor="radius",
+    ),
+    OutputQuantity(
+        "total_shear",
+        "total shear Q*",
+        "P",
+        under_profile=("total shear Q", "E'L²"),
+        si_unit="N",
+        si_factor="force",
+    ),
+    OutputQuantity("edge_ratio", "q/p of full stick at the edge", "1", scenes="flat"),
+    OutputQuantity(
+        "critical_friction",
+        "critical friction, the largest q/p of full stick",
+        "1",
+        scenes="flat",
+    ),
+)
+
+#: Names of what can be asked of any scene, in the order of a report.
+QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes != "profile")
+
+#: What else there is of a punch that is not flat.
+PROFILE_QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes == "profile")
+
+#: Those that are functions of the radius, and those that are a number.
+FIELDS = tuple(one.name for one in OUTPUTS if one.kind == "field")
+NUMBERS = tuple(one.name for one in OUTPUTS if one.kind == "number")
+
+#: Those that a flat punch alone has, and those that take the traction.
+FLAT_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.scenes == "flat")
+TANGENTIAL_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.contact == "tangential")

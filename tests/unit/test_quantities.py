@@ -1,0 +1,54 @@
+"""The table of output quantities: what it lists is there, and what reads it knows all of it."""
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spectral_contact import (
+    QUANTITIES,
+    ErrorEstimates,
+    PhysicalSolution,
+    Scene,
+    Solution,
+    solve,
+)
+from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS, PROFILE_QUANTITIES
+from spectral_contact.solving.planning import plan
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.mark.parametrize("quantity", OUTPUTS, ids=lambda one: one.name)
+def test_a_quantity_has_an_estimate_and_is_in_both_units(quantity):
+    assert quantity.name in {one.name for one in fields(ErrorEstimates)}
+    for owner in (Solution, PhysicalSolution):
+        assert getattr(owner, quantity.name).__doc__
+
+
+@pytest.mark.parametrize("quantity", OUTPUTS, ids=lambda one: one.name)
+def test_a_quantity_is_in_the_file_format_and_has_known_kinds(quantity):
+    assert f"`{quantity.name}`" in (DOCS / "file_format.md").read_text(encoding="utf-8")
+    assert quantity.si_factor in ("", "radius", "displacement", "stress", "force")
+    assert quantity.kind in ("number", "field", "zones")
+    assert quantity.contact in ("normal", "tangential")
+    assert quantity.scenes in ("all", "profile", "flat")
+    assert bool(quantity.si_unit) >= bool(quantity.si_factor)
+
+
+def test_names_are_in_the_order_of_a_report():
+    assert QUANTITIES[:3] == ("approach", *FIELDS[:2])
+    assert {*NUMBERS, *FIELDS, "zones"} == {*QUANTITIES, *PROFILE_QUANTITIES}
+
+
+def test_a_plan_lists_all_that_a_scene_may_have():
+    flat = plan(Scene(0.1, 0.5, 0.5, np.inf))
+    assert {*flat.quantities, *dict(flat.missing)} == set(QUANTITIES)
+
+
+def test_a_radius_in_metres_takes_no_load():
+    steel = {"youngs_modulus": 2e11, "poisson_ratio": 0.3, "radius": 0.01, "approach": 1e-6}
+    scene = Scene.from_physical(**steel, tangential_compliance=1e-14, friction=0.1)
+    found = solve(scene, 1e-6, ["stick_radius"])
+    assert found.physical.stick_radius == found.stick_radius * 0.01
