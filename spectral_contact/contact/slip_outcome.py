@@ -199,7 +199,7 @@ def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
     return replace(
         outcome,
         zones=(replace(slip_zone, inner=0.0, inner_from_edge=1.0), *edge_stick),
-        traction=ZonalField((*(replace(one, factor=friction) for one in slipping), *at_edge)),
+        traction=ZonalField((*(replace(field, factor=friction) for field in slipping), *at_edge)),
         total_shear=friction,
         shear_error=outcome.shear_error if edge_stick else 2.0 * ROUNDING,
         traction_error=outcome.pressure_error,
