@@ -41,6 +41,7 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
+    INTEGRAL_ROUNDING,
     JACOBIAN_CURVATURE,
     MIN_CONTRACTION,
     RIGID_TRACTION_ROUNDING,
@@ -275,8 +276,10 @@ class ZoneEstimate:
         self.values = solution.values * solution.approach
         self.changes = [solution.approach * effect.change for effect in self.effects]
         self.field_errors = _field_errors(spaces, self.system, self.values, self.changes[0])
-        rounding = FIELD_ROUNDING if self.system.radii else ROUNDING
-        self.noise = 2.0 * rounding + MIN_CONTRACTION * self.remaining
+        rounding = 2.0 * ROUNDING
+        if self.system.radii:
+            rounding = INTEGRAL_ROUNDING if self.system.pressure_known else 2.0 * FIELD_ROUNDING
+        self.noise = rounding + MIN_CONTRACTION * self.remaining
 
     @cached_property
     def end_perturbation(self) -> Perturbation:
