@@ -353,8 +353,8 @@ class ZoneEstimate:
         if not system.pressure_known:
             integral_floor += self.boundary_error
         field_floor = self.remaining + self.boundary_error
-        pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
-        traction_error = fields.traction + field_floor + self._traction_rounding
+        pressure_error = max(fields.pressure, FIELD_ROUNDING) + field_floor
+        traction_error = max(fields.traction, self._traction_rounding) + field_floor
         boundary_errors = tuple(
             radius_errors(float(error), radius)
             for error, radius in zip(self.logit_errors, system.radii, strict=True)

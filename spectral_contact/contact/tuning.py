@@ -119,8 +119,8 @@ SMALL_COMPLIANCE = 1e-2
 #: Degrees on every panel beyond those of the digits, degrees per digit, and degrees per digit in
 #: addition on the first panel of a part whose far end is a singularity. With 0.55 and none in
 #: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench_coupled.py.
-SPARE_DEGREES = 2.0
-DEGREES_PER_DIGIT = 0.55
+SPARE_DEGREES = 3.0
+DEGREES_PER_DIGIT = 0.5
 START_DEGREES = 0.4
 #: A known pressure is expanded in slip to this accuracy or better: without it the slip displacement
 #: of an annulus of 4e-9 has an error of 0.14 at rtol 2e-7, with it of 0.02:
