@@ -40,16 +40,13 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
-    CENTRE_ROUNDING_FACTOR,
-    COUPLED_INTEGRAL_ROUNDING,
     FIELD_ROUNDING,
+    INTEGRAL_ROUNDING,
     JACOBIAN_CURVATURE,
-    KNOWN_PRESSURE_INTEGRAL_ROUNDING,
     MIN_CONTRACTION,
-    RIGID_ROUNDING_FACTOR,
+    RIGID_TRACTION_ROUNDING,
     ROOT_EDGE_SAFETY,
     ROUNDING,
-    STICK_INTEGRAL_ROUNDING,
     TRACTION_ROUNDING,
 )
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
@@ -279,12 +276,9 @@ class ZoneEstimate:
         self.values = solution.values * solution.approach
         self.changes = [solution.approach * effect.change for effect in self.effects]
         self.field_errors = _field_errors(spaces, self.system, self.values, self.changes[0])
-        if not self.system.radii:
-            rounding = STICK_INTEGRAL_ROUNDING
-        elif self.system.pressure_known:
-            rounding = KNOWN_PRESSURE_INTEGRAL_ROUNDING
-        else:
-            rounding = COUPLED_INTEGRAL_ROUNDING
+        rounding = 2.0 * ROUNDING
+        if self.system.radii:
+            rounding = INTEGRAL_ROUNDING if self.system.pressure_known else 2.0 * FIELD_ROUNDING
         self.noise = rounding + MIN_CONTRACTION * self.remaining
 
     @cached_property
@@ -359,9 +353,8 @@ class ZoneEstimate:
         if not system.pressure_known:
             integral_floor += self.boundary_error
         field_floor = self.remaining + self.boundary_error
-        pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
-        traction_rounding = TRACTION_ROUNDING * self._traction_rounding_factor
-        traction_error = fields.traction + field_floor + traction_rounding
+        pressure_error = max(fields.pressure, FIELD_ROUNDING) + field_floor
+        traction_error = max(fields.traction, self._traction_rounding) + field_floor
         boundary_errors = tuple(
             radius_errors(float(error), radius)
             for error, radius in zip(self.logit_errors, system.radii, strict=True)
@@ -396,31 +389,19 @@ class ZoneEstimate:
         return solution
 
     @property
-    def _traction_rounding_factor(self) -> float:
-        """The factor by which q/s at the centre rounds more than TRACTION_ROUNDING.
+    def _traction_rounding(self) -> float:
+        """The rounding of q/s at the centre, where it is largest.
 
-        It rounds most at the centre, and where a small compliance hardly regularises it. With
-        C = UNCORRECTED_COMPLIANCE and the stick radius c the cases are
-
-        =====================================================  ======================
-        coupled full stick, beta < C                           RIGID_ROUNDING_FACTOR
-        one disk, pressure known, C**4 < beta/c < C            RIGID_ROUNDING_FACTOR
-        one disk, pressure known, beta/c <= C**4               CENTRE_ROUNDING_FACTOR
-        other full stick, coupled or on a smooth surface       CENTRE_ROUNDING_FACTOR
-        others                                                 1
-        =====================================================  ======================
+        It is larger where a small compliance hardly regularises the traction of a disk: in full
+        stick, or under a known pressure on the one stick disk.
         """
-        alpha, beta, _, _ = self.system.parameters
         radii = self.system.radii
-        relative_beta = beta / radii[0].value if radii else beta
-        boundaries = 1 if self.system.pressure_known else 0
-        if len(radii) == boundaries and relative_beta < UNCORRECTED_COMPLIANCE:
-            if radii and relative_beta <= UNCORRECTED_COMPLIANCE**4:
-                return CENTRE_ROUNDING_FACTOR
-            return RIGID_ROUNDING_FACTOR
-        if radii or (self.system.pressure_known and alpha > 0.0):
-            return 1.0
-        return CENTRE_ROUNDING_FACTOR
+        compliance = self.system.parameters.beta
+        if radii:
+            compliance /= radii[0].value
+        disk = len(radii) <= (1 if self.system.pressure_known else 0)
+        rigid = disk and compliance < UNCORRECTED_COMPLIANCE
+        return RIGID_TRACTION_ROUNDING if rigid else TRACTION_ROUNDING
 
     def _shear_change(self) -> float:
         """Return the relative error of the shear by the changes and by the boundaries.
@@ -466,7 +447,7 @@ class ZoneEstimate:
             float(panels.sum()) + self.noise for panels in (of_approach, of_shear)
         )
         # the shear is that for unit load, and has the error of the approach, too
-        shear_error = approach_error + field_shear_error + STICK_INTEGRAL_ROUNDING
+        shear_error = approach_error + field_shear_error + 2.0 * ROUNDING
         value = replace(solution.value, approach_error=approach_error, shear_error=shear_error)
         solution = replace(solution, value=value)
         if self.pointwise:

@@ -26,16 +26,14 @@ from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
     MAX_CONTRACTION,
-    MAX_CORRECTIONS,
     MAX_LOGIT_STEP,
-    MAX_NEWTON_STEPS,
     MAX_STALLED_STEPS,
+    MAX_STEPS,
     MIN_CONTRACTION,
     MIN_STEP_ANGLE,
     NEGLIGIBLE_FRACTION,
     RESIDUAL_NOISE,
     ROUNDING,
-    STALLED_RESIDUAL_RATIO,
 )
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.factored import Factored, factored
@@ -197,7 +195,7 @@ def corrected(
     """
     length_before = inf
     remaining = inf
-    for _ in range(MAX_CORRECTIONS):
+    for _ in range(MAX_STEPS):
         exact_factors = fields.factors.system is fields.system
         next_fields, change = fields.corrected()
         length = size(next_fields, change)
@@ -307,7 +305,7 @@ class FreeBoundary:
         size_before = inf
         stalled = 0
         secants: list[tuple[Array, Array]] = []  # the last steps, with the changes of the residual
-        for _ in range(MAX_NEWTON_STEPS):
+        for _ in range(MAX_STEPS):
             iterate = self._corrected_for_step(iterate, boundary_tol)
             residual = iterate.fields.boundary_residual
             step = iterate.newton_step
@@ -315,7 +313,7 @@ class FreeBoundary:
             if not np.isfinite(length):
                 break
             size = float(np.abs(residual).max())
-            stalled = stalled + 1 if size > STALLED_RESIDUAL_RATIO * size_before else 0
+            stalled = stalled + 1 if size > 0.5 * size_before else 0
             size_before = size
             if size < least_residual:
                 best = iterate

@@ -21,7 +21,7 @@ from spectral_contact.contact.tuning import (
     LEADING_TERM_DEPTH,
     NARROW_SLIP,
     ONSET_SAMPLES,
-    PEAK_SAMPLES,
+    SAMPLES,
     SLIP_WIDENING,
     UNRESOLVED_SLIP,
 )
@@ -81,7 +81,7 @@ def slip_where_exceeded(
 
     # the set may be tiny: the grid is fine around the radius where it begins
     peak = -log(stick.critical_y) if stick.critical_y > 0.0 else depth
-    offsets = np.exp(-sample_depths(EPSILON_DEPTH, PEAK_SAMPLES))
+    offsets = np.exp(-sample_depths(EPSILON_DEPTH, SAMPLES))
     around_peak = peak + np.concatenate([-offsets, [0.0], offsets])
     around_peak = around_peak[(around_peak > 0.0) & (around_peak < depth)]
     x = np.unique(np.concatenate([sample_depths(depth, ONSET_SAMPLES), around_peak]))

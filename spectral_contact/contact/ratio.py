@@ -19,20 +19,20 @@ from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
     LEADING_TERM_DEPTH,
     RATIO_BOUND_FACTOR,
-    RATIO_NODES,
-    RATIO_SAMPLES,
-    RATIO_TAIL_SAMPLES,
+    SAMPLES,
     TRACTION_ROUNDING,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.tuning import SAMPLES as PANEL_SAMPLES
 
 #: Depths of the samples in the tail beyond the panels of q, from the end of the panels.
-_TAIL_DEPTHS = np.linspace(0.0, LEADING_TERM_DEPTH, RATIO_TAIL_SAMPLES + 1)[1:]
-_NODES, _ = gauss_rule(RATIO_NODES)
+_TAIL_DEPTHS = np.linspace(0.0, LEADING_TERM_DEPTH, SAMPLES)[1:]
+#: q/p between two of the samples is analytic up to an imaginary part of about pi in x.
+_NODES, _ = gauss_rule(PANEL_SAMPLES)
 #: From values at the nodes to the Legendre coefficients of the derivative.
-_DERIVATIVE = legder(legendre_expansion_matrix(RATIO_NODES, RATIO_NODES - 1))
+_DERIVATIVE = legder(legendre_expansion_matrix(PANEL_SAMPLES, PANEL_SAMPLES - 1))
 
 
 class FullStick(NamedTuple):
@@ -158,10 +158,10 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     edge = 0.0 if edge_pressure == inf else series.limit / edge_pressure
     if edge == inf:
         return LargestRatio(inf, inf, 0.0)
-    x = np.concatenate([sample_depths(depth, RATIO_SAMPLES), depth + _TAIL_DEPTHS])
+    x = np.concatenate([sample_depths(depth, SAMPLES), depth + _TAIL_DEPTHS])
     values = ratio(x)
     # in the tail the ratio exceeds that at the edge only if by more than rounding
-    values[RATIO_SAMPLES:] *= 1.0 - TRACTION_ROUNDING
+    values[SAMPLES:] *= 1.0 - TRACTION_ROUNDING
     i = int(np.argmax(values))
     if values[i] <= abs(edge) * (1.0 + CLOSED_FORM_ROUNDING):
         return LargestRatio(edge, abs(edge), 0.0)

@@ -20,7 +20,7 @@ from spectral_contact.contact.tuning import (
     PANEL_WIDTH,
     ROOT_TAIL_DEPTH,
     ROUNDING,
-    SIGN_CHANGE_SAMPLES,
+    SAMPLES,
     SPARE_DEGREES,
     START_DEGREES,
 )
@@ -164,13 +164,13 @@ def sample_depths(depth: float, count: int) -> Array:
 def first_sign_change(function: Callable[[Array], Array], low: float, high: float) -> float:
     """Return the first place between two at which a function changes sign, to rounding.
 
-    Each step evaluates it at SIGN_CHANGE_SAMPLES points and continues between the first two with
+    Each step evaluates it at SAMPLES points and continues between the first two with
     different signs. If all signs are equal the result is `high`.
     """
     while high - low > np.spacing(high):
-        x = np.linspace(low, high, SIGN_CHANGE_SAMPLES)
+        x = np.linspace(low, high, SAMPLES)
         positive = function(x) > 0.0
-        first = int(np.argmax(positive != positive[0])) or SIGN_CHANGE_SAMPLES - 1
+        first = int(np.argmax(positive != positive[0])) or SAMPLES - 1
         if (low, high) == (x[first - 1], x[first]):
             break
         low = float(x[first - 1])

@@ -13,8 +13,7 @@ import numpy as np
 
 from spectral_contact.contact.tuning import (
     JACOBIAN_FIELD_TOL,
-    LOGIT_STEP,
-    MAX_DIFFERENCE_STEP,
+    JACOBIAN_RANGE,
     MAX_LOGIT,
     MIN_LOGIT,
     MIN_SMOOTH_LOGIT,
@@ -81,10 +80,10 @@ def enclosed_root(
             raise NoStickDiskError(at_centre=value > 0.0)
         other_value = function(other)
     root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
-    difference = function(root + LOGIT_STEP) - function(root - LOGIT_STEP)
+    difference = function(root + JACOBIAN_RANGE) - function(root - JACOBIAN_RANGE)
     if difference <= 0.0:
         raise NoStickDiskError(at_centre=root < 0.0)
-    return root, difference / (2.0 * LOGIT_STEP)
+    return root, difference / (2.0 * JACOBIAN_RANGE)
 
 
 def min_logit(parameters: Parameters) -> float:
@@ -119,14 +118,14 @@ def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
 
     With w the width of the narrower zone at the boundary, over which the residual varies, the half
     step h balances the noise of the residual and its third derivative:
-    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most MAX_DIFFERENCE_STEP.
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE.
     """
     columns = []
     widths = np.diff(logits)
     for i in range(len(logits)):
         width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
         relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
-        half_step = min(relative_step, MAX_DIFFERENCE_STEP) * width
+        half_step = min(relative_step, JACOBIAN_RANGE) * width
         step = half_step * np.eye(len(logits))[i]
         difference = residual_at(logits + step) - residual_at(logits - step)
         columns.append(difference / (2.0 * half_step))

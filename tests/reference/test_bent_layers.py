@@ -74,8 +74,9 @@ def assert_honest(solution, truth, *, pressure=True):
         known = truth.error[name.removeprefix("indentation_")] + ROUNDING
         assert abs(getattr(solution, name) / value - 1.0) <= getattr(solution.error, name) + known
     if pressure:
-        off = np.abs(solution.pressure(np.minimum(truth.r / truth.r.max(), 1.0)) - truth.pressure)
-        mean = truth.load / (math.pi * truth.r.max() ** 2)
+        radius = solution.contact_radius
+        off = np.abs(solution.pressure(np.minimum(truth.r / radius, 1.0)) - truth.pressure)
+        mean = truth.load / (math.pi * radius**2)
         size = np.maximum(truth.pressure, mean)
         known = (truth.error["pressure"] + 1e-12) * truth.pressure.max()
         assert (off <= solution.error.pressure * size + known).all()

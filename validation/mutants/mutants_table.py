@@ -186,7 +186,7 @@ MUTANTS = (
     Mutant(
         "the coupled shear has the error of the approach",
         f"{_CONTACT}/error_estimate.py",
-        "shear_error = approach_error + field_shear_error + STICK_INTEGRAL_ROUNDING",
+        "shear_error = approach_error + field_shear_error + 2.0 * ROUNDING",
         "shear_error = approach_error",
         _COUPLED,
     ),

