@@ -31,6 +31,7 @@ from spectral_contact.solving.solver import solve
 from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import benchmark as cli_benchmark
+from spectral_contact.view.cli import compare as cli_compare
 from spectral_contact.view.cli import explore as cli_explore
 from spectral_contact.view.cli import fit as cli_fit
 from spectral_contact.view.cli import inside as cli_inside
@@ -62,6 +63,12 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         'fit curve.txt --profile sphere --radius "2.5 um" --poisson-ratio 0.5',
         'fit curve.csv --profile cone --half-angle "70.3 deg" --columns "depth=2 [nm],load=3 [uN]" '
         "--free reduced-modulus,zero-point,load-offset,tilt",
+    ),
+    "compare": (
+        "compare nodes.csv --poisson-ratio 0.3 --normal-compliance 0.05 --friction none "
+        "--columns r,pressure",
+        'compare contact.rpt --youngs-modulus "210 GPa" --poisson-ratio 0.3 --radius "5 mm" '
+        '--load 1000 --friction 0.05 --columns "r=2 [mm],pressure=4 [MPa]" --at-most 0.01',
     ),
     "explore": ("explore --poisson-ratio 0.3 --friction 0.05",),
 }
@@ -95,6 +102,9 @@ def _run(argv: Sequence[str]) -> int:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
         return failed(f"{error}{hint}", 1)
     except NothingSolved as error:
+        return failed(str(error), 1)
+    except cli_compare.TooLarge as error:
+        print(error.report)
         return failed(str(error), 1)
     except SceneError as error:
         return failed(cli_scene.in_options(error, in_si_units(arguments)), 2)
@@ -156,6 +166,7 @@ def _parser() -> _Parser:
     _add_studies(commands)
     _add_sweep(commands)
     _add_fit(commands)
+    _add_compare(commands)
     _add_benchmarks(commands)
     _add_explore(commands)
     return parser
@@ -283,6 +294,22 @@ def _add_fit(commands: argparse._SubParsersAction[_Parser]) -> None:
     add_any_scene(command)
     cli_fit.add_options(command)
     command.set_defaults(run=_fit)
+
+
+def _add_compare(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "compare",
+        usage=_usage("compare"),
+        help="compare the nodes of another code with the solution",
+        description="Print the errors of fields at the nodes of a finite or boundary element code, "
+        "and of numbers, in the units of the scene (docs/start/check.md). Displacements are those "
+        "of the half-space below the layer.",
+        epilog="Exit status: 0 done, 1 an error is larger than --at-most, 2 bad input or file, "
+        "130 interrupted.",
+    )
+    add_any_scene(command)
+    cli_compare.add_options(command)
+    command.set_defaults(run=lambda arguments: print(cli_compare.run(arguments)))
 
 
 def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
