@@ -38,7 +38,7 @@ from spectral_contact.view.cli import inside as cli_inside
 from spectral_contact.view.cli import scene as cli_scene
 from spectral_contact.view.cli import study as cli_study
 from spectral_contact.view.cli import sweep as cli_sweep
-from spectral_contact.view.cli.options import NothingSolved, UsageError, joined, number, whole
+from spectral_contact.view.cli.options import NotSolved, UsageError, joined, number, whole
 from spectral_contact.view.cli.profile import add_any_scene, any_scene, in_si_units, profile_given
 from spectral_contact.view.report import FIELDS, report, write_csv
 
@@ -58,7 +58,11 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "inside": (
         "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
     ),
-    "sweep": ("sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",),
+    "sweep": (
+        "sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",
+        "sweep --youngs-modulus '70 GPa' --poisson-ratio 0.2 --profile parabola --radius '10 um' "
+        "--load '0.1:10:50:log mN' --output curve.csv",
+    ),
     "fit": (
         'fit curve.txt --profile sphere --radius "2.5 um" --poisson-ratio 0.5',
         'fit curve.csv --profile cone --half-angle "70.3 deg" --columns "depth=2 [nm],load=3 [uN]" '
@@ -101,7 +105,7 @@ def _run(argv: Sequence[str]) -> int:
     except ConvergenceError as error:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
         return failed(f"{error}{hint}", 1)
-    except NothingSolved as error:
+    except NotSolved as error:
         return failed(str(error), 1)
     except cli_compare.TooLarge as error:
         print(error.report)
@@ -274,8 +278,8 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Solve every combination of the parameters. VALUES are one number, several "
         "(0.1,0.2), or a range LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios. A run "
         "that was stopped resumes from its --store.",
-        epilog="Exit status: 0 done, 1 no scene solved, 2 bad input or file, 130 interrupted. "
-        "Scenes that could not be solved are counted; the output files name them with the reason.",
+        epilog="Exit status: 0 all solved, 1 a scene did not converge, 2 bad input or file, 130 "
+        "interrupted. The first reason is printed; the output files name every one.",
     )
     cli_sweep.add_options(command)
     command.set_defaults(run=_sweep)
@@ -385,7 +389,7 @@ def _sweep(arguments: argparse.Namespace) -> None:
         cli_sweep.write(found, arguments)
     finally:
         print(cli_sweep.summary(found))
-    cli_sweep.check_some_solved(found)
+    cli_sweep.check_all_solved(found)
 
 
 def _fit(arguments: argparse.Namespace) -> None:

@@ -166,6 +166,7 @@ COMPANY: dict[str, dict[str, Any]] = {
     **{f"{INSIDE}.{name}.rtol": {"r": [0.5], "z": [0.5]} for name in ("to_table", "to_xarray")},
     "testing.check_solution": {"strict": False},
     "sweeps.sweep": {"quantities": ["approach"]},
+    "sweeps.sweep.table": {"quantities": ["approach"]},
     "sweeps.sweep.s": {"quantities": ["pressure"]},
     "sweeps.sweep.from_edge": {"quantities": ["pressure"]},
     "sweeps.sweep.quantities": {},

@@ -28,8 +28,8 @@ class UsageError(SpectralContactError):
     """The options do not make a request."""
 
 
-class NothingSolved(SpectralContactError):
-    """The request was done, and not one scene of it was solved."""
+class NotSolved(SpectralContactError):
+    """The request was done, and not everything of it was solved."""
 
 
 def add_option(
@@ -109,6 +109,14 @@ def values(text: str) -> list[float]:
     if min(start, high) <= 0.0:
         raise argparse.ArgumentTypeError(f"{text!r}: equal ratios need positive ends")
     return list(map(float, np.geomspace(start, high, count)))
+
+
+def si_values(text: str) -> list[float | str]:
+    """Return the numbers that a text stands for, with the unit behind them, if there is one."""
+    numbers, blank, unit = text.strip().rpartition(" ")
+    if (blank and unit[:1].isalpha()) or unit[:1] in "µμÅ%°":
+        return [f"{value!r} {unit}" for value in values(numbers)]
+    return [*values(text)]
 
 
 def friction(text: str) -> float | None:
