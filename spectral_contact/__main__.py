@@ -364,7 +364,9 @@ def _solve(arguments: argparse.Namespace) -> None:
     try:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
-        print(report(solution, [] if shaped else cli_scene.defaults(arguments)))
+        of_file = vars(arguments).get("profile_remark")
+        remarks = [of_file] if of_file else []
+        print(report(solution, remarks if shaped else cli_scene.defaults(arguments)))
 
 
 def _inside(arguments: argparse.Namespace) -> None:

@@ -6,6 +6,7 @@ form, and `Sampled` makes one of functions or of points.
 """
 
 from spectral_contact.profiles.base import Profile
+from spectral_contact.profiles.hull import PointHull, hull_of_points
 from spectral_contact.profiles.sampled import Sampled
 from spectral_contact.profiles.shapes import (
     Cone,
@@ -22,6 +23,7 @@ __all__ = [
     "Cone",
     "Flat",
     "Parabola",
+    "PointHull",
     "PowerLaw",
     "Profile",
     "RoundedFlat",
@@ -29,4 +31,5 @@ __all__ = [
     "Sphere",
     "Sum",
     "TruncatedCone",
+    "hull_of_points",
 ]

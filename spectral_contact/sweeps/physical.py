@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,6 +83,14 @@ _SI: Final = "_si"
 _MOST: Final = 10**6
 
 
+class DifferentScenes(NamedTuple):
+    """All scenes, those that differ without units, and which of these each is."""
+
+    every: SweepParameters
+    different: SweepParameters
+    which: Indices
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PhysicalScenes:
     """Scenes in SI units, or of a table.
@@ -123,8 +131,8 @@ class PhysicalScenes:
         alike = name in ("poisson_ratio", "friction") or name in OF_SI_ALONE
         return name if alike or not self.physical else f"{name}{_SI}"
 
-    def different(self) -> tuple[SweepParameters, SweepParameters, Indices]:
-        """Return all scenes, those that differ without units, and which of these each is."""
+    def different(self) -> DifferentScenes:
+        """Return all scenes, and those that differ without units."""
         every = listed(self.scenes)
         assert every.table is not None
         forms = every.forms if len(every.forms) > 1 else every.forms * len(self.scenes)
@@ -136,7 +144,7 @@ class PhysicalScenes:
             which[i] = places.setdefault(key, len(places))
             if len(first) < len(places):
                 first.append(scene)
-        return every, listed(first), which
+        return DifferentScenes(every, listed(first), which)
 
     def shaped(self, dataset: xarray.Dataset) -> xarray.Dataset:
         """Return a dataset of a list of these scenes with their dimensions and coordinates."""

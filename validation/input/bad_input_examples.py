@@ -73,6 +73,8 @@ def solver(scene: Scene, resolution: float) -> Quarter:
 
 solver.__qualname__ = "examples.<locals>.solver"
 
+#: A measured surface, of 20 by 20 points.
+HEIGHTS = np.add.outer(np.sin(np.arange(20.0)), np.cos(np.arange(20.0)))
 #: A fit, made up.
 CURVE_FIT = calibration.IndentationFit(
     *(SCENE, ("zero_point",), (0.0,), (0.1,), ((0.01,),), (0.0,), 1),
@@ -100,6 +102,7 @@ ARGUMENTS: dict[str, Any] = {
     **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
     **{"zero_pressure": 1.0, "clearance": 0.1, "overclosures": [0.0, 0.1, 0.2, 0.4]},
     **{"pressures": [0.0, 0.1, 0.3, 0.9], "compliance": 0.5, "start": 0.0, "limit": 1.0},
+    **{"spacing": 0.1, "cutoff": 0.4},
     **{"depth": [0.3], "stiffness": [1.0], "area": [1.0], "fitted": CURVE_FIT},
     **{"first": profiles.Cone(1.0), "second": profiles.Parabola(1.0), "material": None},
     **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
@@ -109,6 +112,8 @@ SPECIAL: dict[str, Any] = {
     "asperities.greenwood_williamson.pressure": 1e7,
     "calibration.IndentationData.load": [1.0],
     "calibration.contact_depth.load": [1.0],
+    "asperities.from_height_map.heights": HEIGHTS,
+    "asperities.from_profile.heights": HEIGHTS[0],
     "calibration.oliver_pharr.depth": None,
     "calibration.AreaFunction.table": ([1.0, 2.0], [1.0, 4.0]),
     "calibration.IndentationFit.error.name": "zero_point",

@@ -130,9 +130,15 @@ def friction(text: str) -> float | None:
 
 
 def joined(argv: Sequence[str]) -> list[str]:
-    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options."""
+    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options.
+
+    And ``--profile points FILE`` as two options.
+    """
     found: list[str] = []
     for text in argv:
+        if found[-2:] == ["--profile", "points"] and not text.startswith("--"):
+            found.append(f"--profile-file={text}")
+            continue
         if found and found[-1].startswith("--") and "=" not in found[-1] and _negative(text):
             found[-1] = f"{found[-1]}={text}"
         else:
