@@ -107,7 +107,7 @@ class SurfaceStatistics:
         return tuple(found)
 
 
-class _Moments(NamedTuple):
+class _SpectralMoments(NamedTuple):
     """Mean squares of height, slope and curvature."""
 
     height: float
@@ -259,7 +259,7 @@ def _filtered(heights: Array, steps: list[float], cutoff: float) -> Array:
     return np.where(there, values / np.where(weights > 0.0, weights, 1.0), np.nan)
 
 
-def _moments(heights: Array, steps: list[float]) -> _Moments:
+def _moments(heights: Array, steps: list[float]) -> _SpectralMoments:
     """Return the mean squares, those of slope and curvature over all directions measured."""
     slopes = []
     curvatures = []
@@ -269,7 +269,7 @@ def _moments(heights: Array, steps: list[float]) -> _Moments:
         bend = (line[..., 2:] - 2.0 * line[..., 1:-1] + line[..., :-2]) / step**2
         curvatures.append(np.nanmean(np.square(bend)))
     height = float(np.nanmean(np.square(heights)))
-    return _Moments(height, float(np.mean(slopes)), float(np.mean(curvatures)))
+    return _SpectralMoments(height, float(np.mean(slopes)), float(np.mean(curvatures)))
 
 
 def _scatter(heights: Array, steps: list[float], numbers: dict[str, float]) -> dict[str, float]:

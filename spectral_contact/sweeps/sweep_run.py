@@ -18,6 +18,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.io import checks
 from spectral_contact.io.choices import suggesting
+from spectral_contact.layers.control import is_user_law
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
@@ -206,6 +207,9 @@ def sweep(
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     kept = None
     if store is not None:
+        if any(is_user_law(form.layer) for form in parameters.forms):
+            told = "None with a layer that is none of the library's: a store does not know its law"
+            raise SceneError("store", store, told)
         made = {"library": VERSION, "scenes": parameters.fingerprint()}
         kept = Store(store, {**made, **request.describe(), "chunk": size})
     with one_thread(), tell:

@@ -27,6 +27,7 @@ STRATA = {
     "profiles": ("profiles", "frictionless contact under profiles"),
     "growing": ("growing", "friction under growing contacts"),
     "layers": ("layers", "nonlinear layers"),
+    "user_layers": ("layers", "layers whose law a user wrote"),
     "bent_layers": ("bent_layers", "layers whose law bends"),
     "lines": ("sweeps", "sweeps over frictions"),
     "curves": ("sweeps", "sweeps over loads or approaches of profiles"),
