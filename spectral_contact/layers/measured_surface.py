@@ -64,7 +64,7 @@ class SurfaceStatistics:
         measurement; what the cut-off does is not in it.
     sensitivity : dict of str to float
         Derivatives of their logarithms by that of the cut-off; 0 would be no dependence.
-    points, missing : int
+    point_count, missing : int
         How many points there are, and how many of them have no height.
     """
 
@@ -77,7 +77,7 @@ class SurfaceStatistics:
     bandwidth: float
     error: dict[str, float]
     sensitivity: dict[str, float]
-    points: int
+    point_count: int
     missing: int
 
     @property
@@ -90,8 +90,8 @@ class SurfaceStatistics:
         """What is doubtful about the numbers, one sentence each."""
         found = []
         if self.missing:
-            told = f"{self.missing} of {self.points} points are missing and left out"
-            dense = self.missing > _MISSING * self.points
+            told = f"{self.missing} of {self.point_count} points are missing and left out"
+            dense = self.missing > _MISSING * self.point_count
             found.append(f"{told}: the rest may not be the same surface." if dense else f"{told}.")
         if self.bandwidth < _NARROW:
             found.append(
@@ -226,7 +226,7 @@ def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStati
         bandwidth=moments.height * moments.curvature / moments.slope**2,
         error=_scatter(filtered, steps, numbers),
         sensitivity=sensitivity,
-        points=level.size,
+        point_count=level.size,
         missing=int(np.isnan(heights).sum()),
     )
 

@@ -124,7 +124,7 @@ def sweep(
         The values of these for a scene in SI units.
     punch_youngs_modulus, punch_poisson_ratio : array_like, optional
         The same.
-    table : DataFrame, mapping or path, optional
+    table : pandas.DataFrame, mapping or path, optional
         A scene for each row: a table of pandas or a text file (docs/files) with the names of
         parameters, and their units, as headings; or a mapping of names to arrays. The scene has
         the other parameters.
