@@ -33,6 +33,7 @@ from spectral_contact.threads import one_thread
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import (
     benchmark_command,
+    compare_command,
     explore_command,
     fit_command,
     inside_command,
@@ -40,7 +41,7 @@ from spectral_contact.view.cli import (
     study_command,
     sweep_command,
 )
-from spectral_contact.view.cli.options import NothingSolved, UsageError, joined, number, whole
+from spectral_contact.view.cli.options import NotSolved, UsageError, joined, number, whole
 from spectral_contact.view.cli.profile_options import (
     add_any_scene,
     any_scene,
@@ -65,11 +66,21 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "inside": (
         "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
     ),
-    "sweep": ("sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",),
+    "sweep": (
+        "sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",
+        "sweep --youngs-modulus '70 GPa' --poisson-ratio 0.2 --profile parabola --radius '10 um' "
+        "--load '0.1:10:50:log mN' --output curve.csv",
+    ),
     "fit": (
         'fit curve.txt --profile sphere --radius "2.5 um" --poisson-ratio 0.5',
         'fit curve.csv --profile cone --half-angle "70.3 deg" --columns "depth=2 [nm],load=3 [uN]" '
         "--free reduced-modulus,zero-point,load-offset,tilt",
+    ),
+    "compare": (
+        "compare nodes.csv --poisson-ratio 0.3 --normal-compliance 0.05 --friction none "
+        "--columns r,pressure",
+        'compare contact.rpt --youngs-modulus "210 GPa" --poisson-ratio 0.3 --radius "5 mm" '
+        '--load 1000 --friction 0.05 --columns "r=2 [mm],pressure=4 [MPa]" --at-most 0.01',
     ),
     "explore": ("explore --poisson-ratio 0.3 --friction 0.05",),
 }
@@ -102,7 +113,10 @@ def _run(argv: Sequence[str]) -> int:
     except ConvergenceError as error:
         hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
         return failed(f"{error}{hint}", 1)
-    except NothingSolved as error:
+    except NotSolved as error:
+        return failed(str(error), 1)
+    except compare_command.TooLarge as error:
+        print(error.report)
         return failed(str(error), 1)
     except SceneError as error:
         return failed(scene_options.in_options(error, in_si_units(arguments)), 2)
@@ -164,6 +178,7 @@ def _parser() -> _Parser:
     _add_studies(commands)
     _add_sweep(commands)
     _add_fit(commands)
+    _add_compare(commands)
     _add_benchmarks(commands)
     _add_explore(commands)
     return parser
@@ -271,8 +286,8 @@ def _add_sweep(commands: argparse._SubParsersAction[_Parser]) -> None:
         description="Solve every combination of the parameters. VALUES are one number, several "
         "(0.1,0.2), or a range LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios. A run "
         "that was stopped resumes from its --store.",
-        epilog="Exit status: 0 done, 1 no scene solved, 2 bad input or file, 130 interrupted. "
-        "Scenes that could not be solved are counted; the output files name them with the reason.",
+        epilog="Exit status: 0 all solved, 1 a scene did not converge, 2 bad input or file, 130 "
+        "interrupted. The first reason is printed; the output files name every one.",
     )
     sweep_command.add_options(command)
     command.set_defaults(run=_sweep)
@@ -291,6 +306,22 @@ def _add_fit(commands: argparse._SubParsersAction[_Parser]) -> None:
     add_any_scene(command)
     fit_command.add_options(command)
     command.set_defaults(run=_fit)
+
+
+def _add_compare(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "compare",
+        usage=_usage("compare"),
+        help="compare the nodes of another code with the solution",
+        description="Print the errors of fields at the nodes of a finite or boundary element code, "
+        "and of numbers, in the units of the scene (docs/start/check.md). Displacements are those "
+        "of the half-space below the layer.",
+        epilog="Exit status: 0 done, 1 an error is larger than --at-most, 2 bad input or file, "
+        "130 interrupted.",
+    )
+    add_any_scene(command)
+    compare_command.add_options(command)
+    command.set_defaults(run=lambda arguments: print(compare_command.run(arguments)))
 
 
 def _add_benchmarks(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -341,7 +372,9 @@ def _solve(arguments: argparse.Namespace) -> None:
     try:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
-        print(report(solution, [] if shaped else scene_options.defaults(arguments)))
+        of_file = vars(arguments).get("profile_remark")
+        remarks = [of_file] if of_file else []
+        print(report(solution, remarks if shaped else scene_options.defaults(arguments)))
 
 
 def _inside(arguments: argparse.Namespace) -> None:
@@ -366,7 +399,7 @@ def _sweep(arguments: argparse.Namespace) -> None:
         sweep_command.write(found, arguments)
     finally:
         print(sweep_command.summary(found))
-    sweep_command.check_some_solved(found)
+    sweep_command.check_all_solved(found)
 
 
 def _fit(arguments: argparse.Namespace) -> None:

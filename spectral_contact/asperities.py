@@ -25,8 +25,19 @@ from spectral_contact.io.checks import positive, within
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.physical_data import checked_poisson_ratio
 from spectral_contact.layers import CalculixExponential, GreenwoodWilliamson, Layer, PowerLaw
+from spectral_contact.layers.measured_surface import (
+    SurfaceStatistics,
+    from_height_map,
+    from_profile,
+)
 
-__all__ = ["AsperityLayer", "greenwood_williamson"]
+__all__ = [
+    "AsperityLayer",
+    "SurfaceStatistics",
+    "from_height_map",
+    "from_profile",
+    "greenwood_williamson",
+]
 
 #: Laws that `AsperityLayer.law` makes.
 _LAWS = "gaussian", "exponential heights", "uniform heights", "tangent exponential"

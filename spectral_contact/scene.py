@@ -25,7 +25,12 @@ from spectral_contact.io.physical_data import (
 )
 from spectral_contact.io.units import Measured, in_si
 from spectral_contact.layers import Layer
-from spectral_contact.layers.scene_layer import check_layer, in_own_units, layer_from
+from spectral_contact.layers.scene_layer import (
+    check_layer,
+    in_own_units,
+    layer_from,
+    refuse_user_law,
+)
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.profiles.control import (
     ALL_CONTROLS,
@@ -451,7 +456,14 @@ class Scene(Suggesting):
         return () if self.physical is None else self.physical.remarks(self.poisson_ratio)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``."""
+        """Return the scene as a dictionary that strict JSON can hold, infinity being ``"inf"``.
+
+        Raises
+        ------
+        SceneError
+            If a user wrote the law of its layer.
+        """
+        refuse_user_law("layer", self.layer, "in a file")
         friction = "inf" if self.friction == math.inf else self.friction
         kinds = {"profile": self.profile, "layer": self.layer}
         trees = {name: None if one is None else kind_tree(one) for name, one in kinds.items()}

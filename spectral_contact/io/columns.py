@@ -39,7 +39,7 @@ from spectral_contact.io.headings import (
     name_all,
 )
 
-__all__ = ["Expected", "NumberTable", "Source", "read_columns"]
+__all__ = ["Expected", "NumberTable", "Source", "parse_columns", "read_columns"]
 
 # A comma, but for one in brackets.
 _ITEM: Final = re.compile(r",(?![^\[(]*[\])])")
@@ -151,6 +151,32 @@ def read_columns(
     one_of("invalid", invalid, tuple(_LEFT_OUT))
     asked = None if columns is None else _items(columns)
     source, content = read_file(path)
+    return _parsed(source, content, expected, asked, header, decimal, invalid, option)
+
+
+def parse_columns(source: str, content: bytes, expected: Sequence[Expected]) -> NumberTable:
+    """Return columns of numbers from the content of a text file, as `read_columns` does.
+
+    Parameters
+    ----------
+    source : str
+        What the content is called in errors.
+    content : bytes
+    expected : sequence of Expected
+    """
+    return _parsed(source, content, expected, None, None, None, "raise", "columns")
+
+
+def _parsed(
+    source: str,
+    content: bytes,
+    expected: Sequence[Expected],
+    asked: list[str] | None,
+    header: int | None,
+    decimal: str | None,
+    invalid: str,
+    option: str,
+) -> NumberTable:
     try:
         with reported(source, "cannot be read"):
             sheet = read_sheet(content, lambda cells: name_all(cells, expected), header)

@@ -9,6 +9,7 @@ import codecs
 import csv
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -294,9 +295,14 @@ def _first_row(
     header: int | None,
 ) -> int:
     """Return the place of the first row of numbers."""
+    widths = Counter(len(row.cells) for row in every if any(map(_is_number, row.cells)))
+    usual = max(widths, key=widths.__getitem__, default=0)
 
     def has_number(place: int) -> bool:
-        return any(map(_is_number, every[place].cells))
+        cells = every[place].cells
+        # a line of text with a number in it, as a date, has not as many cells as rows have
+        is_row = len(cells) == usual or all(map(_is_number, cells))
+        return is_row and any(map(_is_number, cells))
 
     above = -1
     for place, row in enumerate(every):

@@ -23,7 +23,7 @@ _HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "overclosure": ("w", "overclosure", "interference", "penetration"),
     "pressure": ("p", "pressure", "contact pressure", "cpress"),
     "traction": ("q", "traction", "shear traction", "cshear1"),
-    "slip": ("u", "slip"),
+    "slip": ("u", "slip", "cslip1"),
     "displacement": ("u", "h", "displacement", "indentation", "depth", "approach"),
     "load": ("P", "F", "load", "force", "normal force", "load on sample", "indentation force"),
     "depth": (
@@ -248,7 +248,8 @@ def _with_units(
     cells = split_headings(below[0].text, delimiter, len(headings))
     if len(below) > 1 or cells is None:
         raise Refused(f"{_lines(below)}: text between the headings and the numbers")
-    units = [cell.strip("[]()").strip() for cell in cells]
+    # a place of evaluation, "@Loc 1", is no unit
+    units = ["" if cell.startswith("@") else cell.strip("[]()").strip() for cell in cells]
     return [
         heading
         if not unit and heading.unit is not None

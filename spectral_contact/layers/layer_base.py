@@ -87,12 +87,8 @@ class Layer(ABC):
             If it is another.
         """
         most = float(self._pressure(np.array(self.limit))) if self.limit < inf else inf
-        given = np.asarray(reals("pressure", pressure, "finite and > 0"), dtype=float)
-        if given.size != 1:
-            raise SceneError("pressure", pressure, "one number")
-        value = float(given.item())
-        if not (0.0 < value < inf and value <= most):
-            raise SceneError("pressure", pressure, f"finite, and in (0, {most:.6g}]")
+        allowed = f"finite, and in (0, {most:.6g}]"
+        value = real("pressure", pressure, allowed=allowed, low=0.0, high=most, low_open=True)
         return self._overclosure(value)
 
     def _evaluated(self, law: Any, overclosure: ArrayLike) -> Any:

@@ -13,6 +13,7 @@ from spectral_contact.layers.asperity_law import GreenwoodWilliamson
 from spectral_contact.layers.laws import CalculixExponential, Exponential, Linear, PowerLaw
 from spectral_contact.layers.layer_base import Layer
 from spectral_contact.layers.sampled_law import Sampled, Table
+from spectral_contact.layers.user_laws import checked_user_law
 from spectral_contact.profiles.shapes import Flat
 
 #: Layers by the name that they have in files.
@@ -35,8 +36,10 @@ def check_layer(scene: Mapping[str, Any]) -> None:
     layer = scene["layer"]
     if layer is None:
         return
-    if type(layer) not in KINDS.values():
-        raise SceneError("layer", layer, f"None or one of layers: {', '.join(KINDS)}")
+    checked_law(layer)
+    if is_user_law(layer) and scene["friction"]:
+        told = "None or 0 with a layer that is none of the library's"
+        raise SceneError("friction", scene["friction"], told)
     if isinstance(layer, Linear):
         low, high = SMALLEST_COMPLIANCE, LARGEST_COMPLIANCE
         if not low <= layer.compliance <= high:
@@ -49,10 +52,29 @@ def check_layer(scene: Mapping[str, Any]) -> None:
         raise SceneError("profile", None, "given with a layer: profiles.Flat is a flat punch")
 
 
+def is_user_law(layer: Any) -> bool:
+    """Return whether a user wrote the class of a layer."""
+    return isinstance(layer, Layer) and type(layer) not in KINDS.values()
+
+
+def refuse_user_law(parameter: str, layer: Any, where: str) -> None:
+    """Refuse a law that a user wrote, where only the library's are known."""
+    if is_user_law(layer):
+        raise SceneError(parameter, layer, f"one of layers: {', '.join(KINDS)}, {where}")
+
+
+def checked_law(layer: Any) -> None:
+    """Refuse what is no law, or a user's law that is not what it declares."""
+    if is_user_law(layer):
+        checked_user_law(layer)
+    elif type(layer) not in KINDS.values():
+        told = f"None, one of layers: {', '.join(KINDS)}, or of a subclass of layers.Layer"
+        raise SceneError("layer", layer, told)
+
+
 def in_own_units(law: Any, modulus: float) -> Layer:
     """Return a law in Pa and m as one in E' and m, where E' is the modulus [Pa]."""
-    if type(law) not in KINDS.values():
-        raise SceneError("layer", law, f"None or one of layers: {', '.join(KINDS)}")
+    checked_law(law)
     try:
         scaled: Layer = law._over(modulus)
     except SceneError as error:

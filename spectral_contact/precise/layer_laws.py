@@ -12,6 +12,7 @@ from typing import Any
 from spectral_contact import layers
 from spectral_contact.errors import NotComputedError
 from spectral_contact.layers import Layer
+from spectral_contact.layers.scene_layer import is_user_law
 
 
 class Law:
@@ -176,8 +177,11 @@ def law_of(mp: Any, layer: Layer) -> Law:
     Raises
     ------
     NotComputedError
-        If it has bends.
+        If it has bends, or a user wrote it.
     """
+    if is_user_law(layer):
+        told = "laws that users write are not solved to so many digits"
+        raise NotComputedError("the reference", told)
     if isinstance(layer, layers.Linear):
         return _Power(mp, layer, 1 / mp.mpf(layer.compliance), 1)
     if isinstance(layer, layers.PowerLaw):

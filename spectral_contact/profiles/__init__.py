@@ -5,6 +5,7 @@ centre first. What the solver asks of one is in `Profile`; shapes of everyday us
 form, and `Sampled` makes one of functions or of points.
 """
 
+from spectral_contact.profiles.hull import PointHull, hull_of_points
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.profiles.sampled_profile import Sampled
 from spectral_contact.profiles.shapes import (
@@ -22,6 +23,7 @@ __all__ = [
     "Cone",
     "Flat",
     "Parabola",
+    "PointHull",
     "PowerLaw",
     "Profile",
     "RoundedFlat",
@@ -29,4 +31,5 @@ __all__ = [
     "Sphere",
     "Sum",
     "TruncatedCone",
+    "hull_of_points",
 ]

@@ -95,7 +95,8 @@ def _checked_secants(r: Array, heights: Array) -> tuple[Array, Array]:
         worst = int(np.argmax(np.where(gaps < -slack, above, -np.inf))) + 1
         told = (
             f"convex: the point {worst}, counted from 0, at the radius {r[worst]:.6g} lies "
-            f"{above[worst - 1]:.3g} above the line through its neighbours"
+            f"{above[worst - 1]:.3g} above the line through its neighbours; of noisy points "
+            "convex_hull=True takes the hull"
         )
         raise SceneError("heights", float(heights[worst]), told)
     on_a_line = gaps <= slack

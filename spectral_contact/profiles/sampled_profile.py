@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -17,6 +17,7 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, flag, positive, values_at
 from spectral_contact.io.choices import function, listed
 from spectral_contact.profiles.convex import convex_pieces
+from spectral_contact.profiles.hull import checked_points, hull_of_points, increasing
 from spectral_contact.profiles.profile_base import Profile
 
 Rows = tuple[tuple[float, ...], ...]
@@ -58,7 +59,7 @@ class Sampled(Profile):
     rounded: bool = False
 
     def __post_init__(self) -> None:
-        edges = _increasing("edges", self.edges)
+        edges = increasing("edges", self.edges)
         if len(edges) < 2 or edges[0] != 0.0:
             raise SceneError("edges", self.edges, "two or more radii that begin with 0")
         allowed = f"{len(edges) - 1} lists of numbers, one for each piece"
@@ -103,7 +104,7 @@ class Sampled(Profile):
         function("height", height, "radii")
         function("slope", slope, "radii")
         reach = positive("reach", reach)
-        edges = _increasing(
+        edges = increasing(
             "breaks", (0.0, *finite("breaks", listed("breaks", breaks, "radii")).tolist(), reach)
         )
         ends = np.array([edges[0], edges[-1]])
@@ -122,7 +123,9 @@ class Sampled(Profile):
         return profile
 
     @classmethod
-    def from_points(cls, radii: ArrayLike, heights: ArrayLike) -> Self:
+    def from_points(
+        cls, radii: ArrayLike, heights: ArrayLike, *, convex_hull: bool = False
+    ) -> Self:
         """Make a convex profile through points that are convex.
 
         Between them are cubics, or two parabolas where a cubic would not be convex; the slope is
@@ -135,18 +138,19 @@ class Sampled(Profile):
         ----------
         radii, heights : array_like, shape (n,)
             At least three of each; both begin with 0, and the radii increase.
+        convex_hull : bool
+            For measured points, which noise has made not convex: take their convex hull from
+            below, with negative heights as 0. `hull_of_points` says how far it lies from them.
 
         Raises
         ------
         SceneError
             If they do not, or a point lies above the line through its neighbours.
         """
-        edges, values = _increasing("radii", radii), finite("heights", heights)
-        if len(edges) < 3 or edges[0] != 0.0:
-            raise SceneError("radii", radii, "three or more that begin with 0")
-        if len(values) != len(edges) or values[0] != 0.0:
-            raise SceneError("heights", heights, f"{len(edges)} numbers that begin with 0")
-        return cls(*convex_pieces(edges, values))
+        if flag("convex_hull", convex_hull):
+            hull = hull_of_points(radii, heights)
+            return cls(*convex_pieces(hull.radii, np.array(hull.heights)))
+        return cls(*convex_pieces(*checked_points(radii, heights)))
 
     @property
     def flat_part(self) -> float:
@@ -278,13 +282,6 @@ class Sampled(Profile):
 def _gauss(points: int) -> tuple[Array, Array]:
     """Return a Gauss-Legendre rule on [-1, 1]."""
     return np.polynomial.legendre.leggauss(points)
-
-
-def _increasing(name: str, values: Any) -> tuple[float, ...]:
-    radii = finite(name, list(values) if isinstance(values, tuple) else values)
-    if not (np.diff(radii) > 0.0).all():
-        raise SceneError(name, values, "radii that increase")
-    return tuple(radii.tolist())
 
 
 def _fitted(

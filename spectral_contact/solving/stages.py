@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from spectral_contact.contact.contact_radius import indenter, value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError
-from spectral_contact.io.physical import LARGEST_COMPLIANCE
+from spectral_contact.io.physical_data import LARGEST_COMPLIANCE
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution

@@ -34,6 +34,17 @@ _OF_MEAN: Final = ("load", "contact_radius")
 _RIM: Final = 8.0 * float(np.finfo(np.float64).eps)
 #: Rings of one area on which the mean size of a field is taken.
 _RINGS: Final = 64
+#: The displacement of the surface, and the tolerance to which it is evaluated.
+_SURFACE: Final = "displacement"
+_SURFACE_RTOL: Final = 1e-9
+#: Values are off by one factor if most of those that are no small part of the largest have the
+#: same ratio to the truth, and it is not nearly 1.
+_LARGE: Final = 1e-3
+_MOST: Final = 0.9
+_ALIKE: Final = 0.02
+_NOTED: Final = 0.1
+#: Fraction of an error below which another meaning of the numbers is the right one.
+_SAME: Final = 0.1
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
 
 
@@ -146,6 +157,8 @@ def compare(
     s: ArrayLike | None = None,
     from_edge: ArrayLike | None = None,
     truth: Any = None,
+    displacement: ArrayLike | None = None,
+    r: ArrayLike | None = None,
 ) -> Comparison:
     """Compare your numbers with a reference solution, quantity by quantity.
 
@@ -169,12 +182,19 @@ def compare(
         is the edge.
     truth : Solution or ReferenceSolution, optional
         The reference solution; by default `solve` with ``rtol=1e-12``, which takes a second.
+    displacement : array_like, optional
+        Displacement of the surface into the body, at `r`, `s` or `from_edge`, inside and outside
+        the contact. It is that of the half-space, below the rough layer.
+    r : array_like, optional
+        In place of `s`: radii in the unit of length of the scene, which under a profile is not the
+        contact radius but L.
 
     Returns
     -------
     Comparison
         Errors of pressure and traction are relative to the value at each radius (with elastic
         coupling to the two together, see docs/coupling), those of the slip to its largest value.
+        Errors of the displacement are relative to its largest value, too.
         With a profile pressures are relative to the mean where they are smaller, and tractions to
         the largest.
         Outside the contact they are relative to the mean over the contact, and slip is not
@@ -209,24 +229,29 @@ def compare(
         "stiffness": stiffness,
         "indentation_work": indentation_work,
     }
-    fields = {"pressure": pressure, "traction": traction, "slip": slip}
+    fields = {"pressure": pressure, "traction": traction, "slip": slip, _SURFACE: displacement}
     given = {name: one for name, one in {**numbers, **fields}.items() if one is not None}
     if not given:
         raise SceneError("approach, pressure, …", None, "given: at least one quantity")
+    if r is not None and s is not None:
+        raise SceneError("r, s", (r, s), "one of them, the other None")
     source = "given" if truth is not None else f"solve, rtol = {_RTOL:g}"
     problem = _ComparedScene(scene, _truth(scene, given) if truth is None else truth)
-    places = problem.places(s, from_edge)
-    unplaced = s is None and from_edge is None
+    places = problem.places(s, from_edge, r)
+    unplaced = s is None and from_edge is None and r is None
     agreements = []
     for name, one in given.items():
         if name in numbers:
             agreements.append(problem.number(name, one))
         elif not callable(one) and unplaced:
-            raise SceneError(name, one, "a function, or an array with its radii (s= or from_edge=)")
+            told = "an array with its radii (r=, s= or from_edge=)"
+            raise SceneError(name, one, told if name == _SURFACE else f"a function, or {told}")
+        elif name == _SURFACE:
+            agreements.append(problem.surface(one, places))
         else:
             agreements.append(problem.field(name, one, places))
     remarks = problem.remarks(places, [name for name in given if name in fields])
-    return Comparison(scene, source, tuple(agreements), remarks)
+    return Comparison(scene, source, tuple(agreements), (*remarks, *problem.factors))
 
 
 __test__: Final = {"compare": compare}  # doctest passes over functions that are wrapped
@@ -235,6 +260,8 @@ __test__: Final = {"compare": compare}  # doctest passes over functions that are
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     """Solve for what is given, and for what its units and the sizes of its errors take."""
     needed = {*given, "approach"} | ({"pressure", "traction"} if scene.couples else set())
+    if _SURFACE in needed:
+        needed = needed - {_SURFACE} | {"pressure", "traction"}
     needed |= {*_OF_MEAN} if scene.profile is not None else set()
     return solve(scene, _RTOL, tuple(needed), strict=False)
 
@@ -248,6 +275,7 @@ class _ComparedScene:
             raise SceneError("truth", own, f"that of {scene}")
         self.scene, self.truth = scene, truth
         self.rounded = 0
+        self.factors: list[str] = []
         self.length = 1.0
         self.scale = dict.fromkeys((*FIELDS, *_NUMBERS), 1.0)
         data = scene.physical
@@ -277,31 +305,45 @@ class _ComparedScene:
         given = checks.real(name, value, allowed="finite")
         true = checks.scalar(f"truth.{name}", found) * self.scale[name]
         error = abs(given - true) / (abs(true) or 1.0)
+        self._note_factor(name, given / true if true else 1.0, every=False)
         return Agreement(name, error, estimate_of(self.truth, name), given, true)
 
-    def places(self, s: ArrayLike | None, from_edge: ArrayLike | None) -> Array:
+    def places(
+        self, s: ArrayLike | None, from_edge: ArrayLike | None, r: ArrayLike | None
+    ) -> Array:
         """Return the distances from the edge at which fields are compared, dimensionless.
 
         Those outside the contact are negative, those outside by rounding are 0.
         """
-        if s is None and from_edge is None:
+        if s is None and from_edge is None and r is None:
             own = isinstance(self.truth, Solution)
             return graded_radii(self.truth).from_edge if own else PLACES
-        checks.exactly_one("s", s, "from_edge", from_edge)
-        name, given = ("s", s) if from_edge is None else ("from_edge", from_edge)
-        unit = " [m]" if self.scene.physical is not None else ""
-        high = f"{self.length:.16g}".removesuffix(".0")
-        allowed = f"finite and >= 0{unit}" if name == "s" else f"finite and <= {high}{unit}"
-        lengths = np.ravel(checks.reals(name, given, allowed))
+        radii = ("s", s) if r is None else ("r", r)
+        checks.exactly_one(*radii, "from_edge", from_edge)
+        name, given = radii if from_edge is None else ("from_edge", from_edge)
+        si = "m" if self.scene.physical is not None else ""
+        unit = f" [{si}]" if si else ""
+        length = self._length_of_r if name == "r" else self.length
+        high = f"{length:.16g}".removesuffix(".0")
+        allowed = f"finite and <= {high}{unit}" if name == "from_edge" else f"finite and >= 0{unit}"
+        lengths = np.ravel(checks.reals(name, given, allowed, unit=si))
         if not lengths.size:
             raise SceneError(name, given, "at least one radius")
-        shares = lengths / self.length
-        distances = np.asarray(1.0 - shares if name == "s" else shares, dtype=np.float64)
+        shares = lengths / length
+        distances = np.asarray(shares if name == "from_edge" else 1.0 - shares, dtype=np.float64)
         outside_range = ~(np.isfinite(distances) & (distances <= 1.0))
         if outside_range.any():
             raise SceneError(name, lengths[outside_range][0].item(), allowed)
         self.rounded = int(np.sum((distances < 0.0) & (distances >= -_RIM)))
         return np.where((distances < 0.0) & (distances >= -_RIM), 0.0, distances)
+
+    @property
+    def _length_of_r(self) -> float:
+        """The contact radius in the unit of length of the scene."""
+        if self.scene.physical is None and self.scene.profile is not None:
+            radius = self.scene.contact_radius or getattr(self.truth, "contact_radius", None)
+            return checks.scalar("truth.contact_radius", radius)
+        return self.length
 
     def remarks(self, places: Array, fields: list[str]) -> tuple[str, ...]:
         """Return what was done with the radii at which fields were compared."""
@@ -315,9 +357,10 @@ class _ComparedScene:
         if beyond.size:
             many = f"{beyond.size} of {len(places)} radii outside the contact"
             where = f"the nearest at 1 - s = {beyond.max():.3g}"
-            zero = " and ".join(name for name in fields if name != "slip")
+            zero = " and ".join(name for name in fields if name not in ("slip", _SURFACE))
             told = [f"{zero} compared with 0"] if zero else []
             told += ["slip not compared"] if "slip" in fields else []
+            told += [f"{_SURFACE} compared as inside"] if _SURFACE in fields else []
             found.append(f"{many}, {where}: {', '.join(told)}")
         return tuple(found)
 
@@ -346,6 +389,7 @@ class _ComparedScene:
             errors = np.abs(values / scale - true)[there] / sizes[there]
         errors = np.where(np.isnan(errors), np.inf, errors)
         worst = int(np.argmax(errors))
+        self._note_common_factor(name, values[there] / scale, true[there])
         return Agreement(
             name,
             float(errors[worst]),
@@ -355,6 +399,82 @@ class _ComparedScene:
             float(places[there][worst]),
             float(np.median(errors)),
         )
+
+    def surface(self, given: Numbers, places: Array) -> Agreement:
+        """Compare the displacement of the surface into the body."""
+        if not isinstance(self.truth, Solution):
+            raise SceneError("truth", self.truth, "a Solution, to compare displacements with")
+        if callable(given):
+            raise SceneError(_SURFACE, given, "an array, with its radii")
+        values = self._listed(_SURFACE, given, places)
+        body = self._body
+        moved = body.surface(from_edge=places * body.radius, rtol=_SURFACE_RTOL)
+        true = np.asarray(moved.z)
+        size = float(np.max(np.abs(true))) or 1.0
+        with np.errstate(over="ignore", invalid="ignore"):
+            errors = np.abs(values - true) / size
+        worst = int(np.argmax(errors))
+        self._note_common_factor(_SURFACE, values, true)
+        inside = places >= 0.0
+        compressed = np.where(inside, np.asarray(moved.gap), 0.0)
+        with np.errstate(over="ignore", invalid="ignore"):
+            layered = float(np.max(np.abs(values - true - compressed))) / size
+        if inside.any() and layered < _SAME * errors[worst]:
+            self.factors.append(
+                "displacement: these are of the surface of the layer, whose compression is not "
+                "that of the half-space; they agree with it to "
+                f"{layered:.1e}"
+            )
+        return Agreement(
+            _SURFACE,
+            float(errors[worst]),
+            float(np.max(moved.error)),
+            float(values[worst]),
+            float(true[worst]),
+            float(places[worst]),
+            float(np.median(errors)),
+        )
+
+    @property
+    def _body(self) -> Any:
+        """Where displacements are evaluated, in the units of the input."""
+        return (self.truth if self.scene.physical is None else self.truth.physical).inside
+
+    def _note_common_factor(self, name: str, values: Array, true: Array) -> None:
+        """Note a factor by which all values differ from the truth."""
+        large = np.isfinite(true) & (np.abs(true) > 0.0)
+        large &= np.abs(true) > _LARGE * np.max(np.abs(true), initial=0.0)
+        if not large.any():
+            return
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            ratios = values[large] / true[large]
+            factor = float(np.median(ratios))
+            spread = float(np.quantile(np.abs(ratios / factor - 1.0), _MOST))
+        if spread < _ALIKE:  # NaN is not
+            self._note_factor(name, factor, every=True)
+
+    def _note_factor(self, name: str, factor: float, *, every: bool) -> None:
+        """Note a factor that a unit, an angle or a sign makes, or any of all values of a field."""
+        if factor == 0.0 or not np.isfinite(factor) or abs(factor - 1.0) < _NOTED:
+            return
+        size = abs(factor)
+        power = round(float(np.log10(size)))
+        told = ""
+        if abs(size / 10.0**power - 1.0) < _ALIKE and power and power % 3 == 0:
+            told = "units?"
+        for angle in (2.0 * np.pi, 0.5 / np.pi):
+            if abs(size / angle - 1.0) < _ALIKE:
+                told = "per radian, or of the whole?"
+        if factor < 0.0 and abs(size - 1.0) < _ALIKE:
+            self.factors.append(f"{name}: the sign is the other one")
+        elif told or every:
+            large = "large" if size > 1.0 else "small"
+            ratio = size if size > 1.0 else 1.0 / size
+            sign = " and of the other sign" if factor < 0.0 else ""
+            values = "all values" if every else "it"
+            are = "are" if every else "is"
+            hint = f": {told}" if told else ""
+            self.factors.append(f"{name}: {values} {are} too {large} by {ratio:.4g}{sign}{hint}")
 
     def _listed(self, name: str, given: ArrayLike, places: Array) -> Array:
         numbers = np.ravel(checks.reals(name, given, "for each radius", anything=True))

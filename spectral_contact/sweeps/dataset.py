@@ -72,6 +72,15 @@ class Collected:
         for i, text in outcome.messages.items():
             self.messages[int(scenes[i])] = text
 
+    def taken(self, which: Indices) -> Collected:
+        """Return the results of some scenes, each as often as it is named."""
+        found = Collected(len(which))
+        found.values = {name: values[which] for name, values in self.values.items()}
+        found.endings = self.endings[which]
+        each = enumerate(which.tolist())
+        found.messages = {i: self.messages[k] for i, k in each if k in self.messages}
+        return found
+
     def _column(self, name: str, like: NDArray[Any]) -> NDArray[Any]:
         """Return a column that is wide enough: scenes differ in how many zones they have."""
         known = self.values.get(name)

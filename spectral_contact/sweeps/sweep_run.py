@@ -18,12 +18,20 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.io import checks
 from spectral_contact.io.choices import suggesting
+from spectral_contact.layers.scene_layer import is_user_law
 from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
 from spectral_contact.sweeps.dataset import Collected, assembled, needed
 from spectral_contact.sweeps.indentation_curves import pressed_alone
+from spectral_contact.sweeps.physical_scenes import (
+    PhysicalScenes,
+    grid_of,
+    quantities_for,
+    si_results,
+    table_of,
+)
 from spectral_contact.sweeps.request import Request, requested
 from spectral_contact.sweeps.shortcuts import eligible
 from spectral_contact.sweeps.sweep_parameters import (
@@ -42,6 +50,11 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
+#: Parameters of scenes in SI units alone, in the order of the arguments.
+_SI_AXES: Final = (
+    *("youngs_modulus", "radius", "reduced_modulus"),
+    *("punch_youngs_modulus", "punch_poisson_ratio"),
+)
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
 #: Frictions, times Poisson's ratios, that make no chunk of their own any more.
@@ -71,6 +84,12 @@ def sweep(
     separation: ArrayLike | None = None,
     layer: Mapping[str, ArrayLike] | None = None,
     coupling: bool | None = None,
+    youngs_modulus: ArrayLike | None = None,
+    radius: ArrayLike | None = None,
+    reduced_modulus: ArrayLike | None = None,
+    punch_youngs_modulus: ArrayLike | None = None,
+    punch_poisson_ratio: ArrayLike | None = None,
+    table: Any = None,
     quantities: Iterable[str] | None = None,
     rtol: float = 1e-8,
     s: ArrayLike | None = None,
@@ -81,7 +100,7 @@ def sweep(
     chunk: int | None = None,
     progress: bool | None = None,
 ) -> xarray.Dataset:
-    """Solve a grid of scenes, or a list of them.
+    """Solve a grid of scenes, a list or a table of them.
 
     Parameters
     ----------
@@ -91,14 +110,24 @@ def sweep(
         The values that a parameter takes, dimensionless as in `Scene`, where kappa of two elastic
         bodies takes the place of Poisson's ratio; the grid has every
         combination, and a list of scenes takes none. A single number replaces that of all
-        scenes and makes no dimension. Scenes with SI data can vary friction only.
+        scenes and makes no dimension. Of a scene in SI units they are in SI units, and so is
+        everything that follows.
     contact_radius, load, approach, separation : array_like, optional
-        The values of one of these for scenes with a profile; they replace that of the scene.
+        The values of one of these for scenes with a profile, or of load or approach in SI units;
+        they replace that of the scene.
     layer : mapping of str to array_like, optional
         The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
         in E' and L. Their dimensions are the last, ``layer_exponent`` and so on.
     coupling : bool, optional
         Turns elastic coupling on or off for all scenes; by default each scene's own setting.
+    youngs_modulus, radius, reduced_modulus : array_like, optional
+        The values of these for a scene in SI units.
+    punch_youngs_modulus, punch_poisson_ratio : array_like, optional
+        The same.
+    table : pandas.DataFrame, mapping or path, optional
+        A scene for each row: a table of pandas or a text file (docs/files) with the names of
+        parameters, and their units, as headings; or a mapping of names to arrays. The scene has
+        the other parameters.
     quantities : iterable of str, optional
         What to compute, from `QUANTITIES` and, with a profile, from `PROFILE_QUANTITIES`; by
         default all scalars. Nothing else is computed.
@@ -125,9 +154,10 @@ def sweep(
     -------
     xarray.Dataset
         One dimension for each parameter that varies (in the order of above), or ``scene`` for a
-        list. Of every quantity its values and, as ``<name>_error``, the estimates of its relative
-        errors; NaN where there is none. ``ending`` is ``"converged"``, the name of another
-        `Ending` in small letters, or ``"failed"``, and ``message`` explains what did not
+        list or a table. Scenes in SI units have parameters and results in these, too, as
+        ``load_si`` and so on. Of every quantity its values and, as ``<name>_error``, the estimates
+        of its relative errors; NaN where there is none. ``ending`` is ``"converged"``, the name of
+        another `Ending` in small letters, or ``"failed"``, and ``message`` explains what did not
         converge. Zones are ``zone_kind`` (1 stick, 2 slip, 0 none) and ``zone_outer``.
 
     Raises
@@ -152,9 +182,23 @@ def sweep(
     given = poisson_ratio, normal_compliance, tangential_compliance, friction
     axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach, separation), strict=True))
     axes[KAPPA] = kappa
-    parameters = _parameters(scenes, axes, layer, coupling)
+    of_si = (youngs_modulus, radius, reduced_modulus, punch_youngs_modulus, punch_poisson_ratio)
+    si_axes = dict(zip(_SI_AXES, of_si, strict=True))
+    physical = _physical_scenes(scenes, axes | si_axes, layer, coupling, table)
+    if physical is None:
+        for name, values in si_axes.items():
+            if values is not None:
+                raise SceneError(
+                    name, values, "None but for a scene in SI units, of Scene.from_physical"
+                )
+        every = parameters = _parameters(scenes, axes, layer, coupling)
+        which = None
+    else:
+        every, parameters, which = physical.different()
+        wanted = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=every.shaped)
+        quantities = quantities_for(physical, wanted.quantities)
     request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
-    _check_size(parameters, request)
+    _check_size(every, request)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
@@ -163,14 +207,53 @@ def sweep(
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     kept = None
     if store is not None:
+        if any(is_user_law(form.layer) for form in parameters.forms):
+            told = "None with a layer that is none of the library's: a store does not know its law"
+            raise SceneError("store", store, told)
         made = {"library": VERSION, "scenes": parameters.fingerprint()}
         kept = Store(store, {**made, **request.describe(), "chunk": size})
     with one_thread(), tell:
-        table = _collected(parameters, request, size, kept, executor, tell)
-    return assembled(parameters, request, table)
+        collected = _collected(parameters, request, size, kept, executor, tell)
+    if physical is None:
+        return assembled(parameters, request, collected)
+    assert which is not None
+    collected = collected.taken(which)
+    dataset = assembled(every, request, collected)
+    if physical.physical:
+        dataset = dataset.assign(si_results(physical.scenes, collected.values, request))
+    return physical.shaped(dataset)
 
 
 __test__: Final = {"sweep": sweep}  # doctest passes over functions that are wrapped
+
+
+def _physical_scenes(
+    scenes: Any,
+    axes: dict[str, Any],
+    law: Mapping[str, Any] | None,
+    coupling: bool | None,
+    table: Any,
+) -> PhysicalScenes | None:
+    """Return the scenes of a table, or in SI units; None if they are of another kind."""
+    is_physical = isinstance(scenes, Scene) and scenes.physical is not None
+    if table is None and not is_physical:
+        return None
+    given = {name: one for name, one in axes.items() if one is not None}
+    if not isinstance(scenes, Scene):
+        raise SceneError("table", table, "None with a list of scenes")
+    if law is not None:
+        raise SceneError("layer", law, "None in SI units and with a table")
+    if is_physical and KAPPA in given:
+        raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
+    # text is a number with a unit
+    single = {name: one for name, one in given.items() if np.ndim(one) == 0}
+    base = scenes.replace(**single, **({} if coupling is None else {"coupling": coupling}))
+    several = {name: one for name, one in given.items() if name not in single}
+    if table is None:
+        return grid_of(base, several)
+    for name, values in several.items():
+        raise SceneError(name, values, "one number, or None, with a table")
+    return table_of(base, table)
 
 
 def _check_size(parameters: SweepParameters, request: Request) -> None:

@@ -126,7 +126,7 @@ def test_full_stick_under_a_flat_punch_is_the_same_in_other_units():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"layer": "linear"}, "layer = 'linear': must be None or one of layers"),
+        ({"layer": "linear"}, "layer = 'linear': must be None, one of layers"),
         ({"layer": layers.Linear(1e10)}, r"layer = .* compliance .* in \[1e-14, 1e\+14\]"),
         ({"layer": layers.PowerLaw(1e-95, 2.0)}, "layer = .* coefficient over E'"),
         ({"normal_compliance": 1e-18}, "normal_compliance = .* 0 if layer is given"),

@@ -28,6 +28,7 @@ STRATA = {
     "growing": ("growing", "friction under growing contacts"),
     "growing_together": ("growing_together", "the same with elastic coupling"),
     "layers": ("layers", "nonlinear layers"),
+    "user_layers": ("layers", "layers whose law a user wrote"),
     "bent_layers": ("bent_layers", "layers whose law bends"),
     "lines": ("sweeps", "sweeps over frictions"),
     "curves": ("sweeps", "sweeps over loads or approaches of profiles"),

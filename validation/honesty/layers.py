@@ -7,12 +7,18 @@ method converges to the truth is tested by collocation, which shares no code wit
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from math import pi
+from pathlib import Path
 
 import numpy as np
 from honesty_table import Outcome, Stratum, command, decade, in_turn
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+from oracles.user_laws import Hardening, Softplus
 
 from spectral_contact import SceneError, layers, profiles
 from spectral_contact.contact.layered_contact import CellProblem, LayeredProblem, solve_layered
@@ -56,7 +62,16 @@ class BetterCells(CellProblem):
         self._degree += 8
 
 
-def drawn(rng: np.random.Generator) -> LayeredSetting:
+def user_law(rng: np.random.Generator, size: float, strength: float) -> layers.Layer:
+    """Return one of the laws that a user might write.
+
+    None has a knot, at which the truth would have to end panels, too: see bent_layers.py.
+    """
+    begin = float(rng.uniform(-1.0, 1.0)) * size
+    return [Hardening(strength, size, begin), Softplus(strength, size)][rng.integers(2)]
+
+
+def drawn(rng: np.random.Generator, *, of_users: bool) -> LayeredSetting:
     """Return what is to be solved, in units of some radius of curvature."""
     profile = [
         profiles.Parabola(1.0),
@@ -74,14 +89,16 @@ def drawn(rng: np.random.Generator) -> LayeredSetting:
         layers.GreenwoodWilliamson(strength / size**2, size, size),
         layers.Linear(size / strength),
     ][rng.integers(5)]
+    if of_users:
+        law = user_law(rng, size, strength)
     if has_edge(profile, law):
         return setting_at_radius(profile, law, 0.5 + decade(rng, -2.0, 0.5))
     return setting_at_approach(profile, law, max(law.start, -size) + decade(rng, -1.5, 0.3))
 
 
-def measured(rng: np.random.Generator, _: int) -> Outcome:
+def measured(rng: np.random.Generator, _: int, *, of_users: bool = False) -> Outcome:
     """Return what becomes of a random scene."""
-    setting = drawn(rng)
+    setting = drawn(rng, of_users=of_users)
     if setting.approach is not None and rng.integers(2):  # under a load
         load = solve_layered(setting, 1e-2, 4_000, pointwise=False).best.value.load
         setting = replace(setting, load=load)
@@ -121,7 +138,12 @@ STRATA = {
         "Honesty of contacts through nonlinear layers",
         1000,
         in_turn(measured, (SceneError,)),  # the profile ends before the pressure does
-    )
+    ),
+    "user_layers": Stratum(
+        "Honesty of contacts through laws that users write",
+        300,
+        in_turn(partial(measured, of_users=True), (SceneError,)),
+    ),
 }
 
 

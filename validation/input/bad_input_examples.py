@@ -73,6 +73,8 @@ def solver(scene: Scene, resolution: float) -> Quarter:
 
 solver.__qualname__ = "examples.<locals>.solver"
 
+#: A measured surface, of 20 by 20 points.
+HEIGHTS = np.add.outer(np.sin(np.arange(20.0)), np.cos(np.arange(20.0)))
 #: A fit, made up.
 CURVE_FIT = calibration.IndentationFit(
     *(SCENE, ("zero_point",), (0.0,), (0.1,), ((0.01,),), (0.0,), 1),
@@ -100,6 +102,7 @@ ARGUMENTS: dict[str, Any] = {
     **{"inner": Radius(0.5, 0.5), "outer": Radius(0.75, 0.25), "layer": {}},
     **{"zero_pressure": 1.0, "clearance": 0.1, "overclosures": [0.0, 0.1, 0.2, 0.4]},
     **{"pressures": [0.0, 0.1, 0.3, 0.9], "compliance": 0.5, "start": 0.0, "limit": 1.0},
+    **{"spacing": 0.1, "cutoff": 0.4},
     **{"depth": [0.3], "stiffness": [1.0], "area": [1.0], "fitted": CURVE_FIT},
     **{"first": profiles.Cone(1.0), "second": profiles.Parabola(1.0), "material": None},
     **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
@@ -109,6 +112,8 @@ SPECIAL: dict[str, Any] = {
     "asperities.greenwood_williamson.pressure": 1e7,
     "calibration.IndentationData.load": [1.0],
     "calibration.contact_depth.load": [1.0],
+    "asperities.from_height_map.heights": HEIGHTS,
+    "asperities.from_profile.heights": HEIGHTS[0],
     "calibration.oliver_pharr.depth": None,
     "calibration.AreaFunction.table": ([1.0, 2.0], [1.0, 4.0]),
     "calibration.IndentationFit.error.name": "zero_point",
@@ -156,7 +161,8 @@ COMPANY: dict[str, dict[str, Any]] = {
     },
     "studies.compare": {"approach": 0.3, "truth": Quarter(), "scene": NORMAL},
     "studies.compare.truth": {"approach": 0.3},
-    **{f"studies.compare.{name}": {"pressure": one} for name in ("s", "from_edge")},
+    **{f"studies.compare.{name}": {"pressure": one} for name in ("s", "from_edge", "r")},
+    "studies.compare.displacement": {"r": [0.5], "truth": None},
     **{f"studies.compare.{name}": {"s": [0.5]} for name in ("pressure", "traction", "slip")},
     "studies.convergence": {"stopwatch": None, "truth": Quarter(), "scene": NORMAL},
     "studies.work_precision": {"stopwatch": QUICK, "truths": [Quarter()], "scenes": NORMAL},
@@ -165,6 +171,7 @@ COMPANY: dict[str, dict[str, Any]] = {
     **{f"{INSIDE}.{name}.rtol": {"r": [0.5], "z": [0.5]} for name in ("to_table", "to_xarray")},
     "testing.check_solution": {"strict": False},
     "sweeps.sweep": {"quantities": ["approach"]},
+    "sweeps.sweep.table": {"quantities": ["approach"]},
     "sweeps.sweep.s": {"quantities": ["pressure"]},
     "sweeps.sweep.from_edge": {"quantities": ["pressure"]},
     "sweeps.sweep.quantities": {},

@@ -28,8 +28,8 @@ class UsageError(SpectralContactError):
     """The options do not make a request."""
 
 
-class NothingSolved(SpectralContactError):
-    """The request was done, and not one scene of it was solved."""
+class NotSolved(SpectralContactError):
+    """The request was done, and not everything of it was solved."""
 
 
 def add_option(
@@ -111,6 +111,14 @@ def values(text: str) -> list[float]:
     return list(map(float, np.geomspace(start, high, count)))
 
 
+def si_values(text: str) -> list[float | str]:
+    """Return the numbers that a text stands for, with the unit behind them, if there is one."""
+    numbers, blank, unit = text.strip().rpartition(" ")
+    if (blank and unit[:1].isalpha()) or unit[:1] in "µμÅ%°":
+        return [f"{value!r} {unit}" for value in values(numbers)]
+    return [*values(text)]
+
+
 def friction(text: str) -> float | None:
     """Return a coefficient of friction, None for ``none``."""
     if text.strip().lower() == "none":
@@ -122,9 +130,15 @@ def friction(text: str) -> float | None:
 
 
 def joined(argv: Sequence[str]) -> list[str]:
-    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options."""
+    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options.
+
+    And ``--profile points FILE`` as two options.
+    """
     found: list[str] = []
     for text in argv:
+        if found[-2:] == ["--profile", "points"] and not text.startswith("--"):
+            found.append(f"--profile-file={text}")
+            continue
         if found and found[-1].startswith("--") and "=" not in found[-1] and _negative(text):
             found[-1] = f"{found[-1]}={text}"
         else:

@@ -6,7 +6,9 @@ import argparse
 from collections.abc import Callable
 from typing import Any, Final
 
+from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.io.units import in_si
+from spectral_contact.profiles import Profile, Sampled, hull_of_points
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.layer_options import add_layer, law, layer_given
@@ -30,7 +32,11 @@ _NAMED: Final = {
     "rounded-flat": "RoundedFlat",
     "truncated-cone": "TruncatedCone",
     "flat": "Flat",
+    "points": "Sampled",
 }
+#: The one that has its points in a file, and the options of these.
+_POINTS: Final = "points"
+_OF_FILE: Final = ("profile_file", "profile_columns", "convex_hull")
 #: Options of profiles that no other scene has; `radius`, `load` and `approach` are shared with SI.
 _OWN: Final = {
     "contact_radius": "radius of the contact; give one of this, --load, --approach, --separation",
@@ -91,7 +97,17 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         "--profile",
         choices=_NAMED,
         default=argparse.SUPPRESS,
-        help="shape of the punch (default: flat; give flat only with --layer)",
+        help="shape of the punch (default: flat; give flat only with --layer); 'points FILE' takes "
+        "radii and heights of a text file",
+    )
+    add_option(group, "profile_file", str, "the same FILE", "FILE")
+    of_columns = "of that file: which column is which, as 'r=1 [mm],height=3 [um]'"
+    add_option(group, "profile_columns", str, of_columns, "NAMES")
+    group.add_argument(
+        "--convex-hull",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="take the convex hull of noisy points",
     )
     add_layer(command, None if si else control)
     for name, meaning in _OWN.items():
@@ -104,7 +120,7 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
 def profile_given(arguments: argparse.Namespace) -> bool:
     """Return whether the scene has a profile, or at least an option of one or of a layer."""
     given = vars(arguments)
-    return layer_given(given) or not {"profile", *_OWN}.isdisjoint(given)
+    return layer_given(given) or not {"profile", *_OWN, *_OF_FILE}.isdisjoint(given)
 
 
 def in_si_units(arguments: argparse.Namespace) -> bool:
@@ -117,6 +133,9 @@ def in_si_units(arguments: argparse.Namespace) -> bool:
 def profile_scene(arguments: argparse.Namespace) -> Scene:
     """Return the scene of the options, which have to be complete, and of this profile."""
     given = vars(arguments)
+    of_file = [name for name in _OF_FILE if name in given]
+    if of_file and given.get("profile") != _POINTS:
+        raise UsageError(f"{flag(of_file[0])} goes with --profile points FILE")
     if "profile" not in given:
         told = "a layer" if layer_given(given) else "a profile"
         raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of {told}")
@@ -125,7 +144,7 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         _check_si(given)
     values = _numbers(given, si)
     kind = _NAMED[given["profile"]]
-    needed = SHAPES.get(kind, ("radius",))
+    needed = () if given["profile"] == _POINTS else SHAPES.get(kind, ("radius",))
     _check_complete(given["profile"], needed, values)
     rest: dict[str, Any] = {
         name: given[name] for name in ("youngs_modulus", *MATERIALS, "friction") if name in given
@@ -139,12 +158,39 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
     known: dict[str, Any] = {
         **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
         **{name: values[name] for name in ALL_CONTROLS if name in values},
-        "profile": KINDS[kind](**{name: values[name] for name in needed}),
+        "profile": _of_points(given, si)
+        if given["profile"] == _POINTS
+        else KINDS[kind](**{name: values[name] for name in needed}),
         "coupling": arguments.coupling,
         "layer": law(given, si),
         **rest,
     }
     return Scene.from_physical(**known) if si else Scene(**known)
+
+
+def _of_points(given: dict[str, Any], si: bool) -> Profile:
+    """Return the profile through the points of a file."""
+    if "profile_file" not in given:
+        raise UsageError("--profile points needs a FILE, as in --profile points tip.csv")
+    unit = "m" if si else ""
+    expected = (
+        Expected("r", unit, at_least=0.0),
+        Expected("height", unit, ("height", "h", "z", "Z", "profile", "gap")),
+    )
+    table = read_columns(
+        given["profile_file"],
+        expected,
+        columns=given.get("profile_columns"),
+        option="--profile-columns",
+    )
+    points = table.values["r"], table.values["height"]
+    if "convex_hull" not in given:
+        given["profile_remark"] = str(table)
+        return Sampled.from_points(*points)
+    hull = hull_of_points(*points)
+    away = f"the hull lies {hull.largest:.3g} from the points at most, {hull.rms:.3g} rms"
+    given["profile_remark"] = f"{table}; {away}{f' [{unit}]' if unit else ''}"
+    return Sampled.from_points(*points, convex_hull=True)
 
 
 def _check_si(given: dict[str, Any]) -> None:

@@ -14,7 +14,7 @@ from spectral_contact.studies.study import OwnSolver, convergence, work_precisio
 from spectral_contact.studies.study_results import QUANTITIES, Study
 from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
-from spectral_contact.view.cli.options import NothingSolved, resolution
+from spectral_contact.view.cli.options import NotSolved, resolution
 
 #: The studies, and what they do.
 KINDS: Final = {
@@ -124,12 +124,12 @@ def write(study: Study, arguments: argparse.Namespace) -> None:
 
 
 def check_some_solved(study: Study) -> None:
-    """Raise `NothingSolved` with the first reason, if no solve of a study was done."""
+    """Raise `NotSolved` with the first reason, if no solve of a study was done."""
     points = study.points
     if points and all(point.failure for point in points):
         first = points[0]
         told = f"{first.solver} at {first.resolution:g}: {first.failure}"
-        raise NothingSolved(f"none of {len(points)} solves was done; the first one: {told}")
+        raise NotSolved(f"none of {len(points)} solves was done; the first one: {told}")
 
 
 def _asked(quantities: list[str] | None) -> tuple[str, ...] | None:

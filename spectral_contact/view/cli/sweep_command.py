@@ -18,16 +18,18 @@ from spectral_contact.sweeps.sweep_run import sweep
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.layer_options import LAW_NUMBERS
 from spectral_contact.view.cli.options import (
-    NothingSolved,
+    NotSolved,
     UsageError,
     add_option,
     friction,
     number,
+    si_values,
     values,
     whole,
 )
 from spectral_contact.view.cli.profile_options import add_profile, profile_given, profile_scene
 from spectral_contact.view.cli.scene_options import add_coupling, kappa
+from spectral_contact.view.cli.scene_options import scene as si_scene
 from spectral_contact.view.report import table
 
 if TYPE_CHECKING:
@@ -35,6 +37,11 @@ if TYPE_CHECKING:
 
 #: Suffixes of a stored sweep.
 OUTPUTS: Final = (".nc", ".csv")
+#: Options that make the scenes SI ones, and those that these alone have.
+_SI_ONLY: Final = (
+    *("youngs_modulus", "reduced_modulus", "punch_youngs_modulus", "punch_poisson_ratio"),
+    *("normal_compliance_si", "tangential_compliance_si"),
+)
 _PARAMETERS: Final = {
     "poisson_ratio": (0.1, "Poisson's ratio of the half-space, in (-1, 0.5]"),
     "normal_compliance": (0.5, "alpha* = alpha E / (4 (1 - nu^2) a)"),
@@ -52,17 +59,31 @@ def add_options(command: argparse.ArgumentParser) -> None:
     meaning = "instead of --poisson-ratio: kappa of two elastic bodies, in (-3/8, 3/8)"
     add_option(group, "kappa", values, meaning, "VALUES")
     add_coupling(group)
-    add_profile(command, values)
+    add_profile(command, si_values)
     group = command.add_argument_group(
-        "load or approach under a profile, and the radius of its tip"
+        "scenes in SI units",
+        "Options with one value or several, and a unit behind them, as in '1:10:4 mN' (needs the "
+        "extra: units). A modulus makes the scenes SI ones; compliances are then those in m/Pa.",
     )
     about = {
-        "load": "load on the punch",
-        "approach": "approach of the punch",
-        "radius": "radius of the tip of the profile",
+        "load": "load on the punch [N]; without a modulus, under a profile alone",
+        "approach": "approach of the punch [m]; likewise",
+        "radius": "radius of a flat punch, or of the tip of a profile, one value [m]; likewise",
+        "youngs_modulus": "Young's modulus of the half-space [Pa]",
+        "reduced_modulus": "in place of all moduli and Poisson's ratios: E* [Pa]",
+        "punch_youngs_modulus": "that of an elastic punch, under a profile [Pa]",
+        "punch_poisson_ratio": "Poisson's ratio of an elastic punch",
+        "normal_compliance_si": "normal compliance of the roughness [m/Pa]",
+        "tangential_compliance_si": "tangential compliance of the roughness [m/Pa]",
     }
     for name, meaning in about.items():
-        add_option(group, name, number if name == "radius" else values, meaning)
+        add_option(group, name, si_values, meaning, "VALUES")
+    group.add_argument(
+        "--table",
+        metavar="FILE",
+        help="a scene for each row of a text file, with parameters and their units as headings "
+        "(docs/files.md); the other options have the other parameters",
+    )
     group = command.add_argument_group("request")
     group.add_argument(
         "--rtol", type=number, default=1e-8, help="bound on relative errors (default: %(default)s)"
@@ -125,19 +146,28 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
     """Run the sweep that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
-    names = (*_PARAMETERS, "kappa", *ALL_CONTROLS)
-    lists = {name: vars(arguments)[name] for name in names if name in arguments}
-    of_law = {name: vars(arguments)[name] for name in LAW_NUMBERS if name in arguments}
-    axes = {name: several for name, several in lists.items() if len(several) > 1}
+    given = vars(arguments)
+    si = not set(_SI_ONLY).isdisjoint(given)
+    names = (*_PARAMETERS, "kappa", "radius", *ALL_CONTROLS, *_SI_ONLY)
+    lists = {name: given[name] for name in names if name in given}
+    of_law = {name: given[name] for name in LAW_NUMBERS if name in given}
+    axes = {
+        name.removesuffix("_si"): several for name, several in lists.items() if len(several) > 1
+    }
+    if "radius" in axes and profile_given(arguments):
+        raise UsageError("--radius: the tip of a profile has one radius")
     law = {
         name.removeprefix("layer_"): several for name, several in of_law.items() if len(several) > 1
     }
-    base = _base(arguments, {name: several[0] for name, several in (lists | of_law).items()})
+    first = {name: several[0] for name, several in (lists | of_law).items()}
+    base = _si_base(arguments, first) if si else _base(arguments, first)
+    varied: dict[str, Any] = {name: _plain(several, si) for name, several in axes.items()}
     with workers(checked_whole("workers", arguments.workers, 1)) as executor:
         return sweep(
             base,
-            **axes,
+            **varied,
             layer=law or None,
+            table=arguments.table,
             quantities=arguments.quantities,
             rtol=arguments.rtol,
             s=arguments.s,
@@ -147,12 +177,35 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
         )
 
 
+def _plain(several: list[Any], si: bool) -> list[Any]:
+    """Return values; a unit is understood in SI units alone."""
+    for value in several:
+        if isinstance(value, str) and not si:
+            raise UsageError(f"{value}: a unit needs --youngs-modulus or --reduced-modulus")
+    return several
+
+
+def _si_base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
+    """Return the first scene in SI units; what a table may have need not be given."""
+    if arguments.table is not None and not set(ALL_CONTROLS) & set(first):
+        first = {**first, "load": 1.0}
+    chosen = argparse.Namespace(**vars(arguments) | first)
+    if profile_given(arguments):
+        return profile_scene(chosen)
+    if "friction" not in first:
+        chosen.friction = None
+    if arguments.table is not None and "radius" not in first:
+        chosen.radius = 1.0
+    return si_scene(chosen)
+
+
 def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
+    first = {name: _plain([value], False)[0] for name, value in first.items()}
     if profile_given(arguments):
         return profile_scene(argparse.Namespace(**vars(arguments) | first))
     alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
     if alien:
-        raise UsageError(f"--{alien[0]} needs --profile")
+        raise UsageError(f"--{alien[0]} needs --profile or --youngs-modulus")
     values = {name: default for name, (default, _) in _PARAMETERS.items()} | first
     values |= kappa(first)
     values.pop("kappa", None)
@@ -181,16 +234,19 @@ def summary(dataset: xarray.Dataset) -> str:
             error = dataset[f"{name}_error"]
             numbers = (column.min(), column.max(), error.max())
             cells.append((str(name), *(f"{float(one):.4g}" for one in numbers)))
-    return f"{dataset.ending.size} scenes: {counts}\n" + table(cells)
+    told = f"{dataset.ending.size} scenes: {counts}\n" + table(cells)
+    return f"{dataset.attrs['table']}\n{told}" if "table" in dataset.attrs else told
 
 
-def check_some_solved(dataset: xarray.Dataset) -> None:
-    """Raise `NothingSolved` with the first reason, if no scene of a sweep was solved."""
+def check_all_solved(dataset: xarray.Dataset) -> None:
+    """Raise `NotSolved` with the first reason, if a scene of a sweep did not converge."""
     endings = dataset.ending.values.ravel().tolist()
-    if "converged" not in endings:
-        message = dataset.message.values.ravel().tolist()[0]
-        told = f"none of {len(endings)} scenes was solved; the first one: {endings[0]}, {message}"
-        raise NothingSolved(told)
+    wrong = [k for k, ending in enumerate(endings) if ending != "converged"]
+    if wrong:
+        message = dataset.message.values.ravel().tolist()[wrong[0]]
+        many = "none" if len(wrong) == len(endings) else f"{len(endings) - len(wrong)}"
+        told = f"{many} of {len(endings)} scenes {'were' if many != 'none' else 'was'} solved"
+        raise NotSolved(f"{told}; the first that was not: {endings[wrong[0]]}, {message}")
 
 
 def _content(dataset: xarray.Dataset, suffix: str) -> bytes:

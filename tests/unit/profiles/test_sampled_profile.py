@@ -145,3 +145,32 @@ def test_a_table_of_a_sphere_bears_what_the_sphere_bears():
         Scene(0.3, 0.1, profile=profiles.Sphere(1.0), contact_radius=0.43), 1e-8, ["load"]
     )
     assert given.load == pytest.approx(exact.load, rel=1e-5)
+
+
+def test_the_hull_of_noisy_points_is_convex_and_says_how_far_it_lies():
+    radii = np.linspace(0.0, 1.0, 41)
+    noise = 1e-3 * np.random.default_rng(2).standard_normal(41)
+    heights = radii**2 + np.where(radii > 0.0, noise, 0.0)
+    with pytest.raises(SceneError, match="convex_hull=True"):
+        from_points(radii, heights)
+    hull = profiles.hull_of_points(radii, heights)
+    profile = from_points(radii, heights, convex_hull=True)
+    on_hull = np.interp(radii, hull.radii, hull.heights)
+    above = np.maximum(heights, 0.0) - on_hull
+    assert above.min() > -1e-15  # from below
+    assert np.abs(heights - on_hull).max() == pytest.approx(hull.largest)
+    assert 1e-3 < hull.largest < 6e-3
+    assert hull.rms < hull.largest
+    assert np.asarray(profile.height(np.array(hull.radii))) == pytest.approx(hull.heights)
+    secants = np.diff(hull.heights) / np.diff(hull.radii)
+    assert (np.diff(secants) > 0.0).all()
+
+
+def test_the_hull_of_convex_points_is_these_points():
+    radii = [0.0, 1.0, 2.0, 3.0]
+    hull = profiles.hull_of_points(radii, [0.0, 0.1, 1.0, 2.5])
+    assert (hull.radii, hull.largest) == (tuple(radii), 0.0)
+    line = profiles.hull_of_points(radii, [0.0, 1.5, 2.5, 3.0])
+    assert line.heights[1] == pytest.approx(line.radii[1])
+    with pytest.raises(SceneError, match="above 0 where the profile ends"):
+        profiles.hull_of_points([0.0, 1.0, 2.0], [0.0, -1.0, -2.0])

@@ -213,7 +213,7 @@ def test_it_is_a_table(true):
     ("given", "message"),
     [
         ({}, "at least one"),
-        ({"pressure": [0.3]}, r"pressure = .* its radii \(s= or from_edge=\)"),
+        ({"pressure": [0.3]}, r"pressure = .* its radii \(r=, s= or from_edge=\)"),
         ({"pressure": [0.3, 0.3], "s": [0.1, 0.2, 0.3]}, "pressure"),
         ({"pressure": [0.3], "s": [0.1], "from_edge": [0.9]}, "s, from_edge"),
         ({"pressure": [0.3], "s": [-0.1]}, "s = -0.1"),
@@ -239,3 +239,61 @@ def test_a_truth_of_another_scene_is_refused(true):
         sc.compare(Scene(0.1, 0.5), stick_radius=0.5)
     with pytest.raises(NotComputedError):
         sc.compare(SLIPPING, pressure=[0.3], s=[0.0], truth=solve(SLIPPING, 1e-3, ["approach"]))
+
+
+def test_displacements_are_compared_inside_and_outside(true):
+    """Against Boussinesq's closed form of a smooth punch, and with the layer's compression."""
+    r = np.array([2.0, 0.3, 1.2, 1.0, 0.0])
+    smooth = np.where(r <= 1.0, 1 / 8, np.arcsin(1.0 / np.maximum(r, 1.0)) / (4.0 * np.pi))
+    found = sc.compare(Scene(0.3), r=r, displacement=smooth)
+    assert found["displacement"].error < 1e-9
+    assert found["displacement"].error <= found["displacement"].known_to
+    assert "displacement compared as inside" in found.remarks[0]
+    scene = Scene(0.3, 0.5)
+    solved = solve(scene, 1e-12)
+    own = np.where(r <= 1.0, solved.approach, solved.inside.surface(r).z)
+    remark = sc.compare(scene, r=r, displacement=own).remarks[-1]
+    assert remark.startswith("displacement: these are of the surface of the layer")
+
+
+def test_radii_of_a_profile_are_in_its_unit_of_length():
+    scene = Scene(0.3, 0.1, profile=sc.profiles.Parabola(2.0), load=1.0)
+    true = solve(scene, 1e-12)
+    a = true.contact_radius
+    r = np.array([0.0, 0.5, 0.99, 1.3]) * a
+    inside = r <= a
+    pressure = np.where(inside, true.pressure(np.minimum(r / a, 1.0)), 0.0)
+    assert sc.compare(scene, r=r, pressure=pressure).error < 1e-11
+    assert sc.compare(scene, s=r / a, pressure=pressure).error < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("factor", "told"),
+    [
+        (1e6, "pressure: all values are too large by 1e+06: units?"),
+        (1e-3, "pressure: all values are too small by 1000: units?"),
+        (2 * math.pi, "pressure: all values are too large by 6.283: per radian, or of the whole?"),
+        (-1.0, "pressure: the sign is the other one"),
+        (-2.0, "pressure: all values are too large by 2 and of the other sign"),
+        (1.05, None),
+    ],
+)
+def test_a_common_factor_is_named(true, factor, told):
+    s = np.linspace(0.0, 1.0, 7)
+    found = sc.compare(SLIPPING, s=s, pressure=factor * true.pressure(s), truth=true)
+    assert found.remarks == (() if told is None else (told,))
+
+
+def test_values_without_a_common_factor_have_no_remark(true):
+    s = np.linspace(0.0, 1.0, 7)
+    wrong = true.pressure(s) * np.linspace(1.0, 3.0, 7)
+    assert sc.compare(SLIPPING, s=s, pressure=wrong, approach=0.4, truth=true).remarks == ()
+
+
+def test_what_cannot_be_compared_with_a_displacement_is_named(true):
+    with pytest.raises(SceneError, match=r"r, s = .*one of them"):
+        sc.compare(SLIPPING, r=[0.1], s=[0.1], pressure=[0.1])
+    with pytest.raises(SceneError, match="an array with its radii"):
+        sc.compare(SLIPPING, displacement=[0.1], truth=true)
+    with pytest.raises(SceneError, match="a Solution, to compare displacements"):
+        sc.compare(Scene(0.1), r=[0.1], displacement=[0.1], truth=sc.reference(Scene(0.1), 15))

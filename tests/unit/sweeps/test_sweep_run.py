@@ -249,16 +249,6 @@ def test_neither_spectra_nor_lines_take_coupled_scenes_for_others():
     assert list(lines.lines(columns, np.arange(len(scenes)), request))
 
 
-def test_a_scene_in_si_units_lets_its_friction_vary_alone():
-    base = Scene.from_physical(
-        youngs_modulus=2e11, poisson_ratio=0.3, radius=1e-3, load=10.0, normal_compliance=1e-15
-    )
-    found = sweep(base, friction=[0.1, 0.2], quantities=["approach"])
-    assert np.allclose(found.approach, solve(base).approach, rtol=1e-8)
-    with pytest.raises(SceneError, match="as the SI data imply"):
-        sweep(base, normal_compliance=[0.1])
-
-
 def test_a_missing_xarray_is_said_before_the_work(monkeypatch):
     import sys
 

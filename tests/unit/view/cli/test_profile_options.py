@@ -86,3 +86,26 @@ def test_without_a_profile_the_bare_command_is_as_ever(capsys):
     assert status == 0
     assert "contact radius" not in out
     assert not math.isnan(float(out.split("approach")[1].split()[0]))
+
+
+def test_a_profile_of_the_points_of_a_file(capsys):
+    """A section with noise of a tip of 10 um: Hertz' depth, as far as the noise allows."""
+    from pathlib import Path
+
+    tip = Path(__file__).parents[3] / "data" / "profiles" / "tip_section.txt"
+    command = ("solve", "--youngs-modulus", "70e9", "--poisson-ratio", "0.2", "--load", "5 mN")
+    shape = ("--profile", "points", str(tip))
+    assert main([*command, *shape]) == 2
+    assert "of noisy points convex_hull=True takes the hull" in capsys.readouterr().err
+    assert main([*command, *shape, "--convex-hull"]) == 0
+    out = capsys.readouterr().out
+    assert "25 rows, r from column 1 (r [um]) in um, height from column 2 (height [nm])" in out
+    assert "the hull lies" in out
+    rows = [line.split() for line in out.partition("\nSI ")[2].splitlines()]
+    [depth] = [float(row[1]) for row in rows if row[:1] == ["approach"]]
+    modulus = 70e9 / (1 - 0.2**2)
+    assert depth == pytest.approx((0.75 * 5e-3 / modulus / 1e-5**0.5) ** (2 / 3), rel=0.1)
+    assert main([*command, "--profile", "points"]) == 2
+    assert "needs a FILE" in capsys.readouterr().err
+    assert main([*command, "--profile", "cone", "--half-angle", "1", "--convex-hull"]) == 2
+    assert "--convex-hull goes with --profile points" in capsys.readouterr().err

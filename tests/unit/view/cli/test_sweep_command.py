@@ -2,6 +2,7 @@
 
 import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from spectral_contact.__main__ import main
 from spectral_contact.sweeps import plot_slice, sweep
 from spectral_contact.sweeps.slice_pictures import varying
 from spectral_contact.view.cli import sweep_command
-from spectral_contact.view.cli.options import NothingSolved
+from spectral_contact.view.cli.options import NotSolved
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -197,7 +198,13 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
         (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=VALUE"),
-        (("--load", "1,2"), "--load needs --profile"),
+        (("--load", "1,2"), "--load needs --profile or --youngs-modulus"),
+        (("--profile", "parabola", "--radius", "1 mm", "--load", "1"), "a unit needs --youngs"),
+        (("--youngs-modulus", "1e9", "--radius", "1 mm"), "needs --poisson-ratio"),
+        (
+            ("--youngs-modulus", "1e9 mm", "--poisson-ratio", "0.3", "--radius", "1"),
+            "either --load",
+        ),
         (("--profile", "cone", "--load", "1,2"), "--profile cone needs --half-angle"),
         (("--profile", "cone", "--half-angle", "1", "--load", "1,0"), "--load = 0.0: must be"),
         (("--profile", "cone", "--half-angle", "1"), "needs one of --contact-radius, --load"),
@@ -240,20 +247,43 @@ def test_a_sweep_of_which_nothing_is_solved_fails_and_says_why(capsys, tmp_path)
     assert status == 1
     assert out.startswith("2 scenes: ")
     rows = list(csv.DictReader(path.read_text().splitlines()))
-    assert err.startswith("spectral-contact: none of 2 scenes was solved; the first one: ")
+    assert err.startswith("spectral-contact: none of 2 scenes was solved; the first that was not: ")
     assert rows[0]["message"] in err
     assert err.count("\n") == 1
 
 
-def test_a_sweep_of_which_something_is_solved_is_done():
+def test_a_scene_that_did_not_converge_fails_the_sweep_and_its_reason_is_named():
     found = sweep(Scene(0.3, 0.5), normal_compliance=[0.1, 0.5], quantities=["approach"])
-    sweep_command.check_some_solved(found)
-    found.ending.values[0] = "failed"
-    sweep_command.check_some_solved(found)
+    sweep_command.check_all_solved(found)
     found.ending.values[1] = "rounding"
-    found.message.values[0] = "why"
-    with pytest.raises(NothingSolved, match="2 scenes was solved; the first one: failed, why"):
-        sweep_command.check_some_solved(found)
+    found.message.values[1] = "why"
+    told = "1 of 2 scenes were solved; the first that was not: rounding, why"
+    with pytest.raises(NotSolved, match=told):
+        sweep_command.check_all_solved(found)
+
+
+def test_scenes_in_si_units_with_units_in_ranges(capsys, tmp_path):
+    path = tmp_path / "curve.csv"
+    body = ("--youngs-modulus", "70 GPa", "--poisson-ratio", "0.2", "--output", str(path))
+    tip = ("--profile", "parabola", "--radius", "10 um", "--load", "1:4:2:log mN")
+    status, out, _ = run(capsys, *body, *tip, "--normal-compliance-si", "0")
+    assert status == 0
+    assert "approach_si" in out
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert [float(row["load_si"]) for row in rows] == [1e-3, 4e-3]
+    modulus = 70e9 / (1 - 0.2**2)
+    for row in rows:  # Hertz
+        expected = (0.75 * float(row["load_si"]) / modulus / math.sqrt(1e-5)) ** (2 / 3)
+        assert float(row["approach_si"]) == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_table_of_scenes_in_si_units(capsys, tmp_path):
+    table = Path(__file__).parents[3] / "data" / "tables" / "scenes_german.csv"
+    body = ("--youngs-modulus", "1e9", "--poisson-ratio", "0.2", "--table", str(table))
+    status, out, _ = run(capsys, *body, "--quantities", "approach")
+    assert status == 0
+    assert "3 rows, youngs_modulus from column 4 (E [GPa]) in GPa" in out
+    assert "3 scenes: 3 converged" in out
 
 
 @pytest.mark.parametrize("count", ["1000000000000", "10000001"])

@@ -1,0 +1,403 @@
+"""Sweeps in SI units: scenes of a grid or of a table, and their results in SI units.
+
+What is solved is dimensionless: scenes that differ in the units alone are solved once.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spectral_contact.errors import SceneError, SolutionFileError
+from spectral_contact.fields import Array
+from spectral_contact.io.checks import reals
+from spectral_contact.io.choices import one_of
+from spectral_contact.io.columns import Expected, parse_columns, read_columns
+from spectral_contact.io.physical_data import PhysicalData
+from spectral_contact.profiles.control import ALL_CONTROLS
+from spectral_contact.quantities import FIELDS
+from spectral_contact.scene import Scene
+from spectral_contact.sweeps.request import Request
+from spectral_contact.sweeps.sweep_parameters import (
+    KAPPA,
+    PARAMETERS,
+    Indices,
+    SweepParameters,
+    listed,
+)
+
+if TYPE_CHECKING:
+    import xarray
+
+#: Parameters of a scene in SI units, with these.
+SI_UNITS: Final[Mapping[str, str]] = {
+    "youngs_modulus": "Pa",
+    "poisson_ratio": "",
+    "reduced_modulus": "Pa",
+    "punch_youngs_modulus": "Pa",
+    "punch_poisson_ratio": "",
+    "radius": "m",
+    "normal_compliance": "m/Pa",
+    "tangential_compliance": "m/Pa",
+    "friction": "",
+    "contact_radius": "m",
+    "load": "N",
+    "approach": "m",
+    "separation": "m",
+}
+#: Those that no dimensionless scene has.
+OF_SI_ALONE: Final = tuple(name for name in SI_UNITS if name not in PARAMETERS)
+#: Results in SI units, with these and their meanings.
+_RESULTS: Final[Mapping[str, tuple[str, str]]] = {
+    "contact_radius": ("contact radius a", "m"),
+    "load": ("load P", "N"),
+    "approach": ("approach δ", "m"),
+    "stiffness": ("stiffness dP/dδ", "N/m"),
+    "indentation_work": ("work of the load", "J"),
+    "stick_radius": ("stick radius c", "m"),
+    "total_shear": ("total shear Q", "N"),
+    "pressure": ("pressure p", "Pa"),
+    "traction": ("traction q", "Pa"),
+    "slip": ("slip u_r", "m"),
+}
+#: By which headings of a table a parameter is known, besides its name.
+_HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
+    "youngs_modulus": ("E", "young's modulus"),
+    "poisson_ratio": ("nu", "ν", "poisson's ratio"),
+    "reduced_modulus": ("E*", "Er"),
+    "radius": ("a", "R", "punch radius"),
+    "normal_compliance": ("alpha", "α"),
+    "tangential_compliance": ("beta", "β"),
+    "friction": ("f", "mu", "μ", "coefficient of friction"),
+    "load": ("P", "F", "force", "normal force"),
+    "approach": ("delta", "δ", "depth"),
+}
+#: What is appended to the name of a number in SI units that has a dimensionless namesake.
+_SI: Final = "_si"
+#: The most scenes in SI units, each of which is an object.
+_MOST: Final = 10**6
+
+
+class DifferentScenes(NamedTuple):
+    """All scenes, those that differ without units, and which of these each is."""
+
+    every: SweepParameters
+    different: SweepParameters
+    which: Indices
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PhysicalScenes:
+    """Scenes in SI units, or of a table.
+
+    Attributes
+    ----------
+    scenes : tuple of Scene
+        The last dimension varies fastest.
+    given : dict of str to ndarray
+        What varies: the values of each dimension of a grid, or the columns of a table.
+    is_table : bool
+    read_as : str
+        How a table was read.
+    """
+
+    scenes: tuple[Scene, ...]
+    given: dict[str, Array]
+    is_table: bool
+    read_as: str = ""
+
+    @property
+    def physical(self) -> bool:
+        """Whether they are in SI units."""
+        return self.scenes[0].physical is not None
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return ("scene",) if self.is_table else tuple(map(self._named, self.given))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Length of every dimension."""
+        return (len(self.scenes),) if self.is_table else tuple(map(len, self.given.values()))
+
+    def _named(self, name: str) -> str:
+        """Return the name of a parameter in a dataset."""
+        alike = name in ("poisson_ratio", "friction") or name in OF_SI_ALONE
+        return name if alike or not self.physical else f"{name}{_SI}"
+
+    def different(self) -> DifferentScenes:
+        """Return all scenes, and those that differ without units."""
+        every = listed(self.scenes)
+        assert every.table is not None
+        forms = every.forms if len(every.forms) > 1 else every.forms * len(self.scenes)
+        places: dict[Any, int] = {}
+        first: list[Scene] = []
+        which = np.empty(len(self.scenes), dtype=np.intp)
+        for i, (scene, form) in enumerate(zip(self.scenes, forms, strict=True)):
+            key = every.table[:, i].tobytes(), form
+            which[i] = places.setdefault(key, len(places))
+            if len(first) < len(places):
+                first.append(scene)
+        return DifferentScenes(every, listed(first), which)
+
+    def shaped(self, dataset: xarray.Dataset) -> xarray.Dataset:
+        """Return a dataset of a list of these scenes with their dimensions and coordinates."""
+        variables: dict[Any, Any] = {}
+        coordinates: dict[Any, Any] = {}
+        for name, one in dataset.variables.items():
+            values = np.asarray(one.values)
+            dims = one.dims
+            if dims[:1] == ("scene",):
+                constant = name in dataset.coords and not self.is_table and _is_constant(values)
+                dims = () if constant else (*self.dims, *dims[1:])
+                values = values[0] if constant else values.reshape((*self.shape, *values.shape[1:]))
+            (coordinates if name in dataset.coords else variables)[name] = dims, values, one.attrs
+        coordinates |= self._coordinates()
+        # what is given is no result
+        variables = {
+            name: one
+            for name, one in variables.items()
+            if name.removesuffix("_error") not in coordinates
+        }
+        attributes = dict(dataset.attrs)
+        if self.physical:
+            attributes["convention"] += (
+                "; parameters with another unit and names with _si: SI units"
+            )
+        if self.read_as:
+            attributes["table"] = self.read_as
+        return type(dataset)(variables, coordinates, attributes)
+
+    def _coordinates(self) -> dict[Any, Any]:
+        """Return what is given, and in SI units what all scenes have."""
+        found: dict[Any, Any] = {}
+        data = self.scenes[0].physical
+        if data is not None:
+            for name in SI_UNITS:
+                value = getattr(data, name, None)
+                if value is not None and name not in self.given:
+                    found[self._named(name)] = (), value, self._about(name)
+            controls = [name for name in self.given if name in ALL_CONTROLS]
+            for name in ALL_CONTROLS if controls else ():
+                if name not in self.given:  # a load took the place of an approach
+                    found.pop(self._named(name), None)
+        for name, values in self.given.items():
+            dims = ("scene",) if self.is_table else (self._named(name),)
+            found[self._named(name)] = dims, values, self._about(name)
+        return found
+
+    def _about(self, name: str) -> dict[str, str]:
+        words = name.replace("_", " ").replace("youngs", "Young's").replace("poisson", "Poisson's")
+        unit = SI_UNITS[name] if self.physical else ""
+        return {"long_name": words, **({"units": unit} if unit else {})}
+
+
+def grid_of(base: Scene, axes: Mapping[str, Any]) -> PhysicalScenes:
+    """Return the scenes in SI units in which every parameter takes every one of its values.
+
+    Parameters
+    ----------
+    base : Scene
+        In SI units.
+    axes : mapping of str to array_like
+        By name, out of `SI_UNITS`.
+
+    Raises
+    ------
+    SceneError
+        For a value out of its range, or more than a million scenes.
+    """
+    given = {name: _numbers(name, values) for name, values in axes.items()}
+    pressed = [name for name in given if name in ALL_CONTROLS]
+    if len(pressed) > 1:
+        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
+        raise SceneError(pressed[0], axes[pressed[0]], told)
+    count = math.prod(map(len, given.values()))
+    if count > _MOST:
+        raise SceneError("number of scenes", count, f"at most {_MOST} in SI units")
+    places = np.unravel_index(np.arange(count), tuple(map(len, given.values()))) if given else ()
+    columns = [values[place] for values, place in zip(given.values(), places, strict=True)]
+    return PhysicalScenes(_changed(base, list(given), columns, count), given, is_table=False)
+
+
+def table_of(base: Scene, table: Any) -> PhysicalScenes:
+    """Return the scenes of a table, one for each row.
+
+    Parameters
+    ----------
+    base : Scene
+        Has what the table has not, and says whether that is in SI units.
+    table : DataFrame, mapping or path
+        A table of pandas or a text file, whose headings have units; or arrays of one length.
+
+    Raises
+    ------
+    SceneError
+        For a value out of its range, or more than a million rows.
+    SolutionFileError
+        If it has no column of a parameter, or cannot be read.
+    """
+    physical = base.physical is not None
+    names = tuple(SI_UNITS) if physical else (*PARAMETERS, KAPPA)
+    told = ""
+    if isinstance(table, Mapping):
+        columns = {
+            one_of("table", name, names): _numbers(str(name), values, physical)
+            for name, values in table.items()
+        }
+        if not columns or len({len(values) for values in columns.values()}) > 1:
+            raise SceneError("table", table, "of one array or more, all of one length")
+    else:
+        expected = [
+            Expected(
+                name,
+                SI_UNITS[name] if physical else "",
+                (name, *_HEADINGS.get(name, ())),
+                required=False,
+            )
+            for name in names
+        ]
+        if hasattr(type(table), "to_csv") and hasattr(table, "columns"):
+            found = parse_columns("table", table.to_csv(index=False).encode(), expected)
+        elif isinstance(table, str | os.PathLike):
+            found = read_columns(table, expected)
+        else:
+            raise SceneError("table", table, "a DataFrame, a mapping of names to arrays, or a path")
+        if not found.values:
+            raise SolutionFileError(found.path, f"no column of {', '.join(names)}")
+        columns = dict(found.values)
+        told = str(found)
+    count = len(next(iter(columns.values())))
+    if count > _MOST:
+        raise SceneError("number of scenes", count, f"at most {_MOST} of a table")
+    scenes = _changed(base, list(columns), list(columns.values()), count)
+    return PhysicalScenes(scenes, columns, is_table=True, read_as=told)
+
+
+def _changed(base: Scene, names: list[str], columns: list[Array], count: int) -> tuple[Scene, ...]:
+    rows = zip(*(column.tolist() for column in columns), strict=True) if columns else [()] * count
+    return tuple(base.replace(**dict(zip(names, row, strict=True))) for row in rows)
+
+
+def _numbers(name: str, values: Any, physical: bool = True) -> Array:
+    unit = SI_UNITS[name] if physical else ""
+    array = np.asarray(reals(name, values, "a list of real numbers", unit=unit), dtype=np.float64)
+    if array.ndim != 1 or array.size == 0:
+        raise SceneError(name, values, "a list of at least one number")
+    return array
+
+
+def _is_constant(values: NDArray[Any]) -> bool:
+    if values.dtype.kind == "f":
+        return bool(np.all((values == values[0]) | (np.isnan(values) & np.isnan(values[0]))))
+    return all(one == values[0] for one in values.tolist())
+
+
+def quantities_for(scenes: PhysicalScenes, quantities: tuple[str, ...]) -> tuple[str, ...]:
+    """Return quantities with the approach, if loads hang on it."""
+    data = scenes.scenes[0].physical
+    if data is None or data.radius is None or data.load is not None or "approach" in quantities:
+        return quantities
+    return ("approach", *quantities)
+
+
+def si_results(
+    scenes: tuple[Scene, ...], values: Mapping[str, NDArray[Any]], request: Request
+) -> dict[str, Any]:
+    """Return the variables of a dataset of a list of scenes that results in SI units are.
+
+    Parameters
+    ----------
+    scenes : tuple of Scene
+        In SI units.
+    values : mapping of str to ndarray
+        Dimensionless results, and their errors as ``<name>_error``.
+    request : Request
+    """
+    data = [one.physical for one in scenes]
+    known = {name: values[name] for name in _RESULTS if name in values}
+    errors = {name: values[f"{name}_error"] for name in known}
+    given = {
+        name: np.array([_or_nan(one, name) for one in data])
+        for name in ("load", "approach", "contact_radius", "radius")
+    }
+    modulus = np.array([_quarter(scene, one) for scene, one in zip(scenes, data, strict=True)])
+    with np.errstate(all="ignore"):
+        if scenes[0].profile is None:
+            scales, of_load = _flat_scales(known, errors, given, modulus)
+        else:
+            scales, of_load = _profile_scales(known, given, modulus)
+        found: dict[str, Any] = {}
+        for name in known:
+            if name not in scales:
+                continue
+            own = (request.places,) if name in FIELDS else ()
+            scale = scales[name]
+            result = known[name] * (scale[:, None] if own else scale)
+            error = errors[name] + of_load.get(name, 0.0)
+            if name in ("load", "approach", "contact_radius"):  # what is given is exact
+                is_given = np.isfinite(given[name])
+                result = np.where(is_given, given[name], result)
+                error = np.where(is_given, 0.0, error)
+            found |= _variables(name, ("scene", *own), result, error)
+        if scenes[0].profile is None and "load" in scales:
+            found |= _variables("load", ("scene",), scales["load"], of_load["load"])
+    return found
+
+
+def _variables(name: str, dims: tuple[str, ...], result: Array, error: Array) -> dict[str, Any]:
+    meaning, unit = _RESULTS[name]
+    told = f"estimate of the relative error: {meaning}"
+    return {
+        f"{name}{_SI}": (dims, result, {"long_name": meaning, "units": unit}),
+        f"{name}{_SI}_error": (("scene",), error, {"long_name": told, "units": "1"}),
+    }
+
+
+def _flat_scales(
+    known: dict[str, Array], errors: dict[str, Array], given: dict[str, Array], modulus: Array
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the units of results under flat punches, and the errors that these have."""
+    load = given["load"]
+    error = np.zeros(len(load))
+    if "approach" in known:
+        by_approach = given["radius"] * modulus * given["approach"] / known["approach"]
+        load = np.where(np.isfinite(load), load, by_approach)
+        error = np.where(np.isfinite(given["load"]), 0.0, errors["approach"])
+    stress = load / given["radius"] ** 2
+    moved = load / (given["radius"] * modulus)
+    scales = {"load": load, "approach": moved, "slip": moved, "pressure": stress}
+    scales |= {"traction": stress, "stick_radius": given["radius"], "total_shear": load}
+    return scales, dict.fromkeys(("load", "slip", "pressure", "traction", "total_shear"), error)
+
+
+def _profile_scales(
+    known: dict[str, Array], given: dict[str, Array], modulus: Array
+) -> tuple[dict[str, Array], dict[str, Array]]:
+    """Return the units of results under profiles, and the errors that these have."""
+    scales = dict.fromkeys(
+        ("load", "stiffness", "indentation_work", "total_shear", "pressure", "traction"), modulus
+    )
+    scales |= dict.fromkeys(("approach", "contact_radius", "slip"), np.ones(len(modulus)))
+    if "contact_radius" in known:
+        given_radius = given["contact_radius"]
+        radius = np.where(np.isfinite(given_radius), given_radius, known["contact_radius"])
+        scales["stick_radius"] = radius
+    return scales, {}
+
+
+def _or_nan(data: PhysicalData | None, name: str) -> float:
+    value = getattr(data, name)
+    return math.nan if value is None else value
+
+
+def _quarter(scene: Scene, data: PhysicalData | None) -> float:
+    assert data is not None
+    return data.quarter_modulus(scene.poisson_ratio)

@@ -1,0 +1,155 @@
+"""Sweeps in SI units: grids, lists and tables have the numbers of `Solution.physical`."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene, SceneError, SolutionFileError, profiles, solve
+from spectral_contact.sweeps import sweep
+
+pytest.importorskip("xarray", reason="part of the extra: sweep")
+
+TABLE = Path(__file__).parents[2] / "data" / "tables" / "scenes_german.csv"
+TIP = Scene.from_physical(
+    youngs_modulus=70e9,
+    poisson_ratio=0.2,
+    normal_compliance=2e-18,
+    profile=profiles.Parabola(1e-5),
+    load=5e-3,
+)
+MANY = np.ones(2000)
+PUNCH = Scene.from_physical(
+    youngs_modulus=210e9,
+    poisson_ratio=0.3,
+    radius=5e-3,
+    approach=1e-6,
+    normal_compliance=5e-14,
+    tangential_compliance=5e-14,
+    friction=0.05,
+)
+
+
+def test_a_grid_under_a_profile():
+    found = sweep(TIP, load=["1 mN", "5 mN"], youngs_modulus=[70e9, 140e9])
+    assert found.approach.dims == ("load_si", "youngs_modulus")
+    assert found.load_si.values.tolist() == [1e-3, 5e-3]
+    assert found.load_si.attrs["units"] == "N"
+    for load in (1e-3, 5e-3):
+        for modulus in (70e9, 140e9):
+            true = solve(TIP.replace(load=load, youngs_modulus=modulus), 1e-11).physical
+            here = found.sel(load_si=load, youngs_modulus=modulus)
+            for name in ("approach", "contact_radius", "stiffness", "indentation_work"):
+                value, error = (float(here[f"{name}_si{end}"]) for end in ("", "_error"))
+                off = abs(value / getattr(true, name) - 1.0)
+                assert off <= error + 1e-11
+                assert error < 1e-8
+    assert float(found.normal_compliance_si) == 2e-18
+    assert "load_si_error" not in found
+
+
+def test_a_flat_punch_of_a_given_approach_has_its_load():
+    found = sweep(
+        PUNCH,
+        approach=[1e-6, 2e-6],
+        radius=[5e-3, 3e-3],
+        quantities=["stick_radius", "total_shear", "pressure"],
+        s=[0.0, 0.5],
+    )
+    assert found.pressure_si.dims == ("approach_si", "radius", "s")
+    true = solve(PUNCH.replace(approach=2e-6, radius=3e-3), 1e-10).physical
+    here = found.sel(approach_si=2e-6, radius=3e-3)
+    assert float(here.load_si) == pytest.approx(true.load, rel=1e-8)
+    assert float(here.stick_radius_si) == pytest.approx(true.stick_radius, rel=1e-8)
+    assert float(here.total_shear_si) == pytest.approx(true.total_shear, rel=1e-8)
+    assert float(here.pressure_si[1]) == pytest.approx(true.pressure(1.5e-3), rel=1e-8)
+    assert float(here.total_shear_si_error) > float(here.total_shear_error)
+
+
+def test_scenes_that_differ_in_units_alone_are_solved_once(monkeypatch):
+    from spectral_contact.solving.solver import Continuation
+
+    solved = []
+    original = Continuation.solve
+
+    def counted(self, scene, *more):
+        solved.append(scene)
+        return original(self, scene, *more)
+
+    monkeypatch.setattr(Continuation, "solve", counted)
+    base = PUNCH.replace(friction=None, load=1.0)
+    found = sweep(base, load=[1.0, 2.0, 3.0], radius=[5e-3, 4e-3], quantities=["approach"])
+    assert len(solved) == 2
+    assert found.approach_si.values[2] == pytest.approx(3.0 * found.approach_si.values[0])
+
+
+def test_a_single_number_makes_no_dimension():
+    found = sweep(TIP, load="2 mN", radius=None, friction=[0.0, 0.1], quantities=["load"])
+    assert found.ending.dims == ("friction",)
+    assert float(found.load_si) == 2e-3
+
+
+@pytest.mark.parametrize("kind", ["file", "DataFrame", "mapping"])
+def test_a_table_has_a_scene_for_each_row(kind):
+    base = Scene.from_physical(youngs_modulus=1e9, poisson_ratio=0.2, radius=1e-5, load=1.0)
+    table = TABLE
+    if kind == "DataFrame":
+        pandas = pytest.importorskip("pandas")
+        table = pandas.DataFrame(
+            {"load [mN]": [1.5, 2.5, 2.5], "a [um]": [10, 10, 12.5], "E [GPa]": [70, 70, 72.5]}
+        )
+    elif kind == "mapping":
+        table = {
+            "load": ["1.5 mN", "2.5 mN", "2.5 mN"],
+            "radius": [1e-5, 1e-5, 12.5e-6],
+            "youngs_modulus": [70e9, 70e9, 72.5e9],
+        }
+    found = sweep(base, table=table, quantities=["approach"])
+    assert found.radius.dims == ("scene",)
+    load, radius, modulus = (
+        np.array(one)
+        for one in ([1.5e-3, 2.5e-3, 2.5e-3], [1e-5, 1e-5, 12.5e-6], [70e9, 70e9, 72.5e9])
+    )
+    smooth = load * (1 - 0.2**2) / (2 * radius * modulus)  # Boussinesq
+    assert found.approach_si.values == pytest.approx(smooth, rel=1e-9)
+    assert ("table" in found.attrs) == (kind != "mapping")
+
+
+def test_a_dimensionless_table(tmp_path):
+    path = tmp_path / "scenes.txt"
+    path.write_text("# alpha beta\n0 0.5\n0.5 0.5\n")
+    found = sweep(Scene(0.3), table=path, quantities=["approach"])
+    assert found.approach.values[0] == pytest.approx(1 / 8, rel=1e-12)
+    assert found.approach.values[1] == pytest.approx(solve(Scene(0.3, 0.5)).approach, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: sweep(Scene(0.3), youngs_modulus=[1e9]),
+            r"modulus = .* Scene\.from_physical",
+        ),
+        (lambda: sweep(TIP, load=[1.0, -1.0]), r"load = -1\.0"),
+        (lambda: sweep(TIP, load=[1.0], approach=[1e-9]), "vary one of load"),
+        (lambda: sweep(TIP, load=["1 mm"]), "load = "),
+        (lambda: sweep(TIP, kappa=[0.1]), "kappa"),
+        (lambda: sweep(TIP, radius=[1.0, 2.0]), "radius"),
+        (lambda: sweep([TIP], table={"load": [1.0]}), "table"),
+        (lambda: sweep(TIP, table={"load": [1.0], "friction": [0.1, 0.2]}), "all of one length"),
+        (lambda: sweep(TIP, table={"lode": [1.0]}), "did you mean load"),
+        (lambda: sweep(TIP, table=3), "table = 3"),
+        (lambda: sweep(TIP, table={"load": [1.0]}, friction=[0.1, 0.2]), "one number, or None"),
+        (lambda: sweep(TIP, load=MANY, normal_compliance=MANY), "at most 1000000"),
+    ],
+)
+def test_bad_input_is_named(call, message):
+    with pytest.raises(SceneError, match=message):
+        call()
+
+
+def test_a_table_without_a_parameter_is_refused(tmp_path):
+    path = tmp_path / "scenes.csv"
+    path.write_text("id,note\n1,2\n")
+    with pytest.raises(SolutionFileError, match="no column of"):
+        sweep(TIP, table=path)
