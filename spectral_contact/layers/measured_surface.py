@@ -165,7 +165,7 @@ def from_profile(
 
     Parameters
     ----------
-    heights : array_like, shape (points,)
+    heights : array_like, shape (n,)
         Heights [m] at equal distances, at least 16; NaN where there is none.
     spacing, cutoff : float
         As of `from_height_map`.
