@@ -501,7 +501,7 @@ def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]
     The lesser one of both: which is more accurate depends on the end that b is next to.
     """
     return [
-        min(2.0 * radius.square * radius_error, radius.rest * distance_error)
+        2.0 * radius.value * min(radius.value * radius_error, radius.from_edge * distance_error)
         for radius, (radius_error, distance_error) in zip(radii, errors, strict=True)
     ]
 

@@ -153,7 +153,9 @@ def radius_errors(logit_error: float, radius: Radius) -> tuple[float, float]:
     """
     if logit_error > 0.5:
         return inf, inf
-    return logit_error * radius.rest / 2.0 + ROUNDING, logit_error * radius.square + ROUNDING
+    of_radius = logit_error * radius.rest / 2.0
+    of_distance = logit_error * radius.value * (1.0 + radius.value) / 2.0
+    return of_radius + ROUNDING, of_distance + ROUNDING
 
 
 def sample_depths(depth: float, count: int) -> Array:

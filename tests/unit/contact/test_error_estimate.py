@@ -27,8 +27,8 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_may_not_be_there(share):
     # d(s^2) is 2 s^2 times the relative error from the centre
     errors = [share * width / (2.0 * radius.value**2) for radius in (inner, outer)]
     assert largest_boundary_error((inner, outer), ((errors[0], 1.0), (errors[1], 1.0))) == expected
-    # from the edge it is y times that
-    errors = [share * width / radius.rest for radius in (inner, outer)]
+    # and 2 s (1 - s) times that from the edge
+    errors = [share * width / (2.0 * radius.value * radius.from_edge) for radius in (inner, outer)]
     assert largest_boundary_error((inner, outer), ((1.0, errors[0]), (1.0, errors[1]))) == expected
 
 
@@ -72,6 +72,6 @@ def test_a_known_pressure_lacks_its_top_degrees_in_the_coarser_space(logits, sta
     for field, coarse_field in zip(fine.fields, coarse.fields, strict=True):
         expected = values[field.place].copy()
         expected -= coarse_field.coefficients(coarse_values)[field.functions]
-        # the coarser space has fewer Galerkin nodes, too, which changes it by 3e-3 at most
+        # the coarser space also expands the known pressure to two degrees less
         error = np.linalg.norm(difference[field.place] - expected)
-        assert error < 5e-3 * np.linalg.norm(expected)
+        assert error < 2e-2 * np.linalg.norm(expected)
