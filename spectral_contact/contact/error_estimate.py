@@ -6,8 +6,8 @@ top degree alone (`FieldSolution.coarse_differences`). From them follow
 - the errors of the fields, panel by panel: the change itself (`resolution`);
 - bounds r of the error of the boundary residual, and by them those of the boundaries,
   ``|J^-1| r`` with J its Jacobian by the logits;
-- the errors of approach and shear: their changes, and what the boundaries make. In full stick with
-  an unknown pressure they are energies of the changes.
+- the errors of approach and shear: their changes, and the effect of misplaced boundaries. In full
+  stick with an unknown pressure they are energies of the changes.
 
 Second-order terms, rounding, and the error that corrections with the factors of nearby boundaries
 leave in the fields (`free_boundary.corrected`) are added to all.
@@ -239,7 +239,8 @@ class ZoneEstimate:
     spaces : list of DiscreteSpace
         Spaces of all parts.
     pointwise : bool
-        Whether the tolerance bounds the fields, else approach and shear.
+        Whether the tolerance bounds the fields; else, in full stick with an unknown pressure, it
+        bounds approach and shear.
 
     Attributes
     ----------
@@ -300,10 +301,10 @@ class ZoneEstimate:
         """The relative error of the fields by the errors of the boundaries.
 
         With the Newton step of the logits above rounding and beta > 0 this error is the size of
-        `end_perturbation`, but at most twice the step. Otherwise it is the step if there is one
-        disk under a known pressure, and twice the step if there are other zones. In 120 scenes of
-        one disk q/s changed by at most half the step or, where the residual was rounding, by at
-        most 16 times the residual (validation/honesty/honesty.py).
+        `end_perturbation`, but at most twice the step. Otherwise it is the step on one disk under a
+        known pressure, on which q/s of 120 scenes changed by at most half of it
+        (validation/honesty/honesty.py), and twice the step on other zones or with an unknown
+        pressure.
         """
         residual = np.abs(self.solution.boundary_residual)
         step = float((self.inverse @ residual).max(initial=0.0))

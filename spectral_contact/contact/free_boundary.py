@@ -1,9 +1,10 @@
 r"""Free boundaries: Newton's method for the boundaries between zones and the fields on them.
 
-At given boundaries the equations are linear. Their solution has a continuous traction, and a defect
-of E at every boundary (`spectral.contact_system`). The *boundary residual* is minus that defect
-over ``kappa R`` there, the value that stick prescribes for the half-integral G of the traction;
-boundaries are where it vanishes. They are found by Newton's method with Broyden's update of the
+At given boundaries the equations are linear. Their solution has a continuous traction, but the
+residual E of the tangential equation has a *defect* at every boundary: a number that would have to
+be zero (`spectral.contact_system`). The *boundary residual* is minus that defect over ``kappa R``
+there, the value that stick prescribes for the half-integral of the traction; boundaries are where
+it vanishes. They are found by Newton's method with Broyden's update of the
 Jacobian.
 
 To save factorisations the factors of a system whose boundaries are near by serve as a

@@ -85,9 +85,9 @@ class Refinement(Generic[T]):
 def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refinement[T]:
     """Solve in growing spaces until the estimate meets the tolerance.
 
-    No space of more than `max_unknowns` is tried, unless even the lowest degrees exceed that. The
-    refinement ends in `Ending.ROUNDING` if two spaces in a row do not lower the estimate, or if no
-    degree can be raised.
+    No space of more than `max_unknowns` coefficients on its panels is tried, unless even the lowest
+    degrees exceed that. The refinement ends in `Ending.ROUNDING` if two spaces in a row do not
+    lower the estimate, if no degree can be raised, or after MAX_SPACES.
     """
     resolution = within_budget(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
@@ -142,8 +142,8 @@ def _finer(
 
     An error e on a panel of degree n is taken for that of a geometric series: every degree lowers
     it by the factor ``e**(1/n)``. Where the last space did not lower the error every panel takes
-    two more: errors of panels above a thin layer change the field in the layer, and do not appear
-    in their own indicators.
+    two more: errors of panels outside a thin layer change the field in the layer, and do not
+    appear in their own indicators.
     """
     target = REFINEMENT_MARGIN * tolerance
     errors = np.clip(solution.indicators, target, 0.5)

@@ -37,7 +37,7 @@ EPSILON_DEPTH = -log(np.finfo(float).eps)
 
 @dataclass(frozen=True, slots=True)
 class NormalContact:
-    """Solution of the normal problem for unit load.
+    """Solution of the normal problem for unit load. Stars mark quantities without units.
 
     Attributes
     ----------
@@ -82,8 +82,8 @@ def graded_space(
     """Return the first space for fields that settle like ``exp(-rate (x - settling_depth))``.
 
     Up to that depth all panels have the degree ``SPARE_DEGREES + DEGREES_PER_DIGIT digits``, with
-    ``digits = -ln tolerance``; beyond it degrees fall in proportion to the digits that have not
-    settled.
+    natural digits, ``-ln tolerance``; beyond it degrees fall in proportion to the digits that have
+    not settled.
 
     Parameters
     ----------
@@ -97,8 +97,9 @@ def graded_space(
     power : float
         Of the endpoint weight.
     starts_near_singularity : bool
-        Whether the fields are singular at the far end of the part, at a depth of ``-ln 2``, so that
-        the first panel takes START_DEGREES a digit more.
+        Whether the fields are singular not far beyond ``d = 1``: at the other end of a zone of two
+        parts, at ``d = 2``, or across the rim of a disk, at ``d = -1``. The first panel takes
+        START_DEGREES a digit more then.
     """
     # rounded up, so that scenes that are much alike have the same space
     depth = ceil(2.0 * settling_depth) / 2.0
@@ -134,8 +135,8 @@ def slip_degree(tolerance: float) -> int:
 
     It is that of a first panel next to a singularity, rounded up to a multiple of four.
     """
-    degrees_per_digit = DEGREES_PER_DIGIT + START_DEGREES
-    return 4 * ceil((SPARE_DEGREES - degrees_per_digit * log(tolerance)) / 4)
+    first_panel = SPARE_DEGREES - (DEGREES_PER_DIGIT + START_DEGREES) * log(tolerance)
+    return 4 * ceil(first_panel / 4)
 
 
 def concatenate_spaces(spaces: Sequence[DiscreteSpace]) -> DiscreteSpace:

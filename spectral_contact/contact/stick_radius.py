@@ -29,8 +29,8 @@ class NoStickDiskError(ArithmeticError):
     Attributes
     ----------
     at_centre : bool
-        Whether the root lies below the range: the stick disk is smaller than 1e-54. Else the
-        slip annulus is narrower than that, or slip is not one annulus at the edge.
+        Whether the root lies below the range: the stick disk is too small to be looked for, and all
+        slips. Else the slip annulus is too narrow, or slip is not one annulus at the edge.
     """
 
     def __init__(self, at_centre: bool) -> None:
@@ -70,6 +70,7 @@ def enclosed_root(
     x = other = guess
     value = other_value = function(guess)
     step = 0.5
+    # from x to the other end the function has not changed its sign yet
     while other_value * value > 0.0:
         x = other
         value = other_value
@@ -81,16 +82,17 @@ def enclosed_root(
         other_value = function(other)
     root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
     difference = function(root + JACOBIAN_RANGE) - function(root - JACOBIAN_RANGE)
-    if difference <= 0.0:
+    if difference <= 0.0:  # a change of sign by noise, as at both ends of the range
         raise NoStickDiskError(at_centre=root < 0.0)
     return root, difference / (2.0 * JACOBIAN_RANGE)
 
 
 def min_logit(parameters: Parameters) -> float:
-    """Return the least logit of a stick disk that changes a result.
+    """Return the least logit of a stick disk that is solved for.
 
-    Under a layer p is constant up to a relative ``(c/alpha)**2`` within c: as a radius it is
-    ``ROUNDING * min(alpha, 1)``.
+    With a layer it is that of the radius ``ROUNDING * min(alpha, 1)``: within a radius c that is
+    small beside alpha, p is constant up to a relative ``(c/alpha)**2``, and no smaller disk changes
+    a result.
     """
     alpha = parameters.alpha
     return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else MIN_SMOOTH_LOGIT
@@ -100,12 +102,13 @@ def limiting_logit(parameters: Parameters) -> float:
     """Return a guess of the logit of the stick radius under a known pressure, from its limits.
 
     On a smooth surface ``1 - c`` falls like ``exp(-pi f/2)``, and c is ``4 exp(-2/f)`` as f
-    vanishes (docs/theory), for ``kappa = 1``. With normal compliance the pressure does not rise any
+    vanishes (docs/theory), for ``kappa = 1``; divided by ``1 + f``, that limit does not exceed the
+    other one. With normal compliance the pressure does not rise any
     more closer to the edge than alpha; with tangential compliance c is ``2 beta f`` at first.
     """
     alpha, beta, _, friction = parameters
-    at_centre = 2.0 * log(2.0) - log1p(friction) - 2.0 / friction
-    logit = 0.5 * pi * friction + 2.0 * at_centre
+    log_radius = 2.0 * log(2.0) - log1p(friction) - 2.0 / friction
+    logit = 0.5 * pi * friction + 2.0 * log_radius
     if alpha > 0.0:
         logit = min(logit, 2.0 - log(alpha))
     if beta > 0.0:

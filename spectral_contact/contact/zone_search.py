@@ -554,6 +554,7 @@ class CoupledSearch(ZoneSearch):
         solved = perf_counter()
         outcome = zones_outcome(refinement.best.value, self.parameters)
         if not outcome.violation_text:
+            # without the time of the verdict
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
             self.record(SLIP_FIELD, outcome, solved)
         return outcome
@@ -562,7 +563,9 @@ class CoupledSearch(ZoneSearch):
         """Return slip at the edge as narrow as full stick shows it, if a rough space has it wider.
 
         Next to the onset slip occupies the set where full stick violates ``|q| <= f p``. The larger
-        the logit of the stick radius, the narrower is the annulus.
+        the logit of the stick radius, the narrower is the annulus. NARROW_SLIP_BAND bounds the
+        distance from the critical friction, and the difference of logits that shows a rough space
+        to be wrong: at half that distance the set is right to 0.01 in the logit.
         """
         onset_distance = 1.0 - self.parameters.friction / self.stick.critical
         if zones.states != _DISK_STATES or onset_distance >= NARROW_SLIP_BAND:

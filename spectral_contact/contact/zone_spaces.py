@@ -3,23 +3,26 @@
 Every part of the disk has a mesh that is graded to one of its ends (depth ``x = -ln d``, with the
 distance d in units of the extent of the part). The first space of a part, see `graded_space`,
 follows from the kind of that end. With l the depth of a layer, ``-ln`` of its width in units of the
-extent, and r the ratio of the extent to that of the part across the end:
+extent, r the ratio of the extent to that of the part across the end, and
+``tan(pi theta) = 2 kappa f``:
 
 ========================  ===========================  ===========  ===========
 kind of end               settles from depth           rate         power of d
 ========================  ===========================  ===========  ===========
-edge, full stick          deepest l                    1            0
+edge, full stick          l of the thinner layer       1            0
 ... with one compliance   l                            1/2          0 or -1/2
 edge, smooth, full stick  LEADING_TERM_DEPTH           1            -1/2
 edge, alpha > 0           l + LAYER_REACH              1            0
 edge, alpha = 0 < beta    l                            1/2          -1/2
 edge, alpha = beta = 0    0 or LEADING_TERM_DEPTH      1            theta - 1/2
-boundary                  l, l/2 + LAYER_REACH, ln r   1 or 1/2     0
+boundary                  l or l/2 + LAYER_REACH, the  1, 1/2, or   0
+                          lesser; but ln r at least    1/2 - theta
 rim, beta = 0             ln r                         0            0
 ========================  ===========================  ===========  ===========
 
-A field settles like ``exp(-rate (x - depth))``. The rate 0 stands for square roots, which end in a
-tail of powers of ``sqrt(d)``.
+A field settles like ``exp(-rate (x - depth))``. At a boundary the rate is 1 if alpha > 0 and the
+zone slips or beta > 0, ``1/2 - theta`` on smooth surfaces, else 1/2. The rate 0 stands for square
+roots, which end in a tail of powers of ``sqrt(d)``.
 """
 
 from __future__ import annotations
@@ -68,7 +71,7 @@ def with_asymptotic_tail(
 
     A singular field is ``sqrt(y) p = a`` past `leading_depth`, and is evaluated so there. On smooth
     surfaces p and q are singular both and oscillate: ``sqrt(y) (p + i q)`` is a constant times
-    ``exp(-i theta ln y)``, with ``theta = ln(3 - 4 nu)/(2 pi)``.
+    ``exp(-i omega ln y)``, with ``omega = ln(3 - 4 nu)/(2 pi) = artanh(2 kappa)/pi``.
     """
     alpha, beta, kappa, _ = parameters
     fields = [pressure, shear]
@@ -78,17 +81,17 @@ def with_asymptotic_tail(
     p_end, q_end = (float(field.coefficients[count - 1].sum()) for field in fields)
     tails: list[tuple[float, ...]]
     if alpha == 0.0 == beta:
-        theta = atanh(2.0 * kappa) / pi
+        omega = atanh(2.0 * kappa) / pi
         tails = [(p_end, -q_end), (q_end, p_end)]
     else:
-        theta = 0.0
+        omega = 0.0
         tails = [(p_end,), (q_end,)]
     return [
         replace(
             field,
             coefficients=field.coefficients[:count],
             tail=np.array(tail),
-            oscillation=theta,
+            oscillation=omega,
         )
         if field.power
         else field
@@ -185,7 +188,7 @@ def first_spaces(
     for k, (state, extent) in enumerate(zip(states, extents, strict=True)):
         layer_of_shear = 0.0 if state else beta
         # the disk has a mesh toward its rim only
-        for bound in (k, k + 1)[k == 0 :]:
+        for bound in (k, k + 1) if k else (1,):
             if bounds[bound].from_edge == 0.0:
                 spaces.append(_edge_space(alpha, layer_of_shear, extent, power, tolerance))
                 continue
