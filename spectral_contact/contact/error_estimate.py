@@ -354,7 +354,7 @@ class ZoneEstimate:
         if not system.pressure_known:
             integral_floor += self.boundary_error
         field_floor = self.remaining + self.boundary_error
-        pressure_error = max(fields.pressure, FIELD_ROUNDING) + field_floor
+        pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
         traction_error = max(fields.traction, self._traction_rounding) + field_floor
         boundary_errors = tuple(
             radius_errors(float(error), radius)

@@ -23,6 +23,7 @@ from spectral_contact.contact.tuning import (
     SAMPLES,
     SPARE_DEGREES,
     START_DEGREES,
+    TAIL_DEPTH,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import bounded_cache
@@ -117,7 +118,8 @@ def _graded_space(
 ) -> DiscreteSpace:
     # four more than are wanted: the top degrees of the last panel are hardly determined
     mesh_digits = digits + 4.0
-    depth = settling_depth + (mesh_digits / rate if rate else ROOT_TAIL_DEPTH)
+    settling = max(mesh_digits / rate, TAIL_DEPTH) if rate else ROOT_TAIL_DEPTH
+    depth = settling_depth + settling
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
     unsettled = np.clip(1.0 - rate * (x - settling_depth) / mesh_digits, 0.0, 1.0)

@@ -43,7 +43,7 @@ def test_on_a_smooth_surface_it_is_hertz_at_every_radius():
     assert history.load([[0.5], [1.0]]).shape == (2, 1)
     assert isinstance(history.error("load", 0.5), float)
     for name in NAMES:
-        assert history.error(name)[-1] < 1e-9
+        assert history.error(name)[-1] < 2e-9
     assert (np.abs(history.load() / (16.0 / 3.0 * b**3) - 1.0) <= history.error("load")).all()
 
 

@@ -137,7 +137,7 @@ MUTANTS = (
     Mutant(
         "traction in stick may exceed friction",
         f"{_CONTACT}/slip_outcome.py",
-        "if not excess <= REFUTING_VIOLATION:",
+        "if not excess <= max(REFUTING_VIOLATION, allowed):",
         "if False:",
         _COUPLED,
     ),

@@ -277,11 +277,16 @@ def test_rough_normally_smooth_tangentially():
     assert solution.critical_friction == math.inf
 
 
-@pytest.mark.parametrize(("alpha", "beta", "rtol"), [(0.77, 7.9e-3, 3e-3), (5.6e-4, 7.0, 1e-2)])
-def test_at_the_onset_of_slip_the_estimates_leave_room_for_it(alpha, beta, rtol):
-    # slip at the edge, or in an annulus: the loose solve does not see it, and says so
-    critical = solve(Scene(0.2, alpha, beta, math.inf), 1e-11).critical_friction
-    scene = Scene(0.2, alpha, beta, critical * (1.0 - 3e-8))
+@pytest.mark.parametrize(
+    ("alpha", "beta", "distance"), [(0.77, 7.9e-3, 3e-13), (5.6e-4, 7.0, 3e-10)]
+)
+def test_at_the_onset_of_slip_the_estimates_leave_room_for_it(alpha, beta, distance, monkeypatch):
+    # slip at the edge, or in an annulus: the loose solve does not see it, and says so; at a closer
+    # tolerance, which would be tried next, it does
+    monkeypatch.setattr(solver, "closer_tolerance", lambda rtol: rtol)
+    rtol = 1e-2
+    critical = solve(Scene(0.2, alpha, beta, math.inf), 1e-12).critical_friction
+    scene = Scene(0.2, alpha, beta, critical * (1.0 - distance))
     loose, tight = solve(scene, rtol), solve(scene, 1e-12)
     assert [zone.kind for zone in loose.zones] == ["stick"]
     assert [zone.kind for zone in tight.zones][:2] == ["stick", "slip"]
@@ -366,7 +371,7 @@ def test_a_zone_narrower_than_the_errors_of_its_ends_is_not_claimed(monkeypatch,
     monkeypatch.setattr(slip_outcome, "DOUBTFUL_VIOLATION", doubtful)
     # at a closer tolerance, which would be tried next, it is known
     monkeypatch.setattr(solver, "closer_tolerance", lambda rtol: rtol)
-    solution = solve(Scene(0.3, 0.5, 0.5, friction=0.1010183145), 3e-5)
+    solution = solve(Scene(0.3, 0.5, 0.5, friction=0.1010183145), 3e-4)
     assert [zone.kind for zone in solution.zones] == ["stick", "slip"]
     assert solution.error.zones == math.inf
     # what has the wrong sense is noise, in which no zones are looked for
@@ -465,7 +470,8 @@ def test_what_continuity_cancels_is_not_taken_for_an_error(rtol):
     """At a fixed rim value the coarser space adds a singular response that the radius takes up."""
     scene = Scene(0.3, 1e-12, 1e-12, 1.0 / 7.0)
     solution, truth = solve(scene, rtol), solve(scene, 1e-11)
-    s = np.linspace(0.1, 1.0, 10) * truth.stick_radius
+    # up to a distance from the rim that the error of the radius does not change
+    s = np.append(np.linspace(0.1, 0.9, 9), 1.0 - 1e-6) * truth.stick_radius
     assert solution.converged
     error = np.abs(solution.traction(s) / truth.traction(s) - 1.0).max()
     assert error <= solution.error.traction + truth.error.traction

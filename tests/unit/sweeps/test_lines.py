@@ -163,7 +163,7 @@ def test_the_friction_of_a_radius_is_that_of_the_best_space_and_not_of_the_last(
 
     monkeypatch.setattr(_GivenRadius, "estimate", kept)
     contact = solve_normal(0.05, 1e-12, 1000, goal="traction").best.value
-    form = Parameters(0.05, 0.3, 1.0, 1.0), Radius.from_logit(0.5)
+    form = Parameters(0.05, 0.3, 1.0, 1.0), Radius.from_logit(1.0)
     solved, friction = solve_given_radius(contact, *form, 1e-16, 20_000)
     errors = [step.error for step in solved.history]
     best = errors.index(min(errors))
