@@ -345,8 +345,8 @@ EDGE_SAMPLING_MARGIN = 4.0
 #: The tolerance of an inner problem is this times what its error adds to, of which it is then a
 #: small part: a pressure that loads the tangential problem, whose error adds to that of the
 #: traction, and coupled full stick, whose critical friction decides whether ``1 - f/f_crit`` is
-#: below `ONSET_BAND`. With 0.1 full stick at alpha = 0.01, beta = 0 does not converge at rtol 1e-11,
-#: because the error of the pressure is 30 times as large in the traction at the centre.
+#: below `ONSET_BAND`. With 0.1 full stick at alpha = 0.01, beta = 0 does not converge at rtol
+#: 1e-11, because the error of the pressure is 30 times as large in the traction at the centre.
 INNER_TOLERANCE_FACTOR = 0.01
 #: Number of scenes of a path from which boundaries are extrapolated, and of stick radii of a
 #: growing contact from which another one is interpolated. Not measured again.
