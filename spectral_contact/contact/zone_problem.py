@@ -2,6 +2,8 @@
 
 With elastic coupling pressure and traction are unknown together; without it the pressure is known,
 and everything tangential is for kappa = 1. Full stick has no boundary, one stick disk has one.
+Parameters are alpha and beta, the normal and tangential compliance, the elastic coupling kappa and
+the friction f.
 
 `refine` chooses the spaces. In each, `FreeBoundary` moves the boundaries by Newton's method and
 corrects the fields, and `ZoneEstimate` estimates the errors.

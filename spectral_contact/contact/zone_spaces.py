@@ -4,7 +4,8 @@ Every part of the disk has a mesh that is graded to one of its ends (depth ``x =
 distance d in units of the extent of the part). The first space of a part, see `graded_space`,
 follows from the kind of that end. With l the depth of a layer, ``-ln`` of its width in units of the
 extent, r the ratio of the extent to that of the part across the end, and
-``tan(pi theta) = 2 kappa f``:
+``tan(pi theta) = 2 kappa f`` with the elastic coupling kappa and the friction f; alpha and beta are
+the normal and the tangential compliance:
 
 ========================  ===========================  ===========  ===========
 kind of end               settles from depth           rate         power of d
