@@ -37,6 +37,7 @@ from spectral_contact.solution import (
     Zone,
 )
 from spectral_contact.solving.planning import plan
+from spectral_contact.solving.pull_off import adhesion_cycle, pull_off
 from spectral_contact.solving.solver import solve
 from spectral_contact.spectral.cache import cache_sizes, clear_caches
 
@@ -76,6 +77,7 @@ __all__ = [
     "StepState",
     "Work",
     "Zone",
+    "adhesion_cycle",
     "asperities",
     "benchmarks",
     "cache_sizes",
@@ -91,6 +93,7 @@ __all__ = [
     "plotting",
     "precise",
     "profiles",
+    "pull_off",
     "reference",
     "solve",
     "studies",

@@ -13,6 +13,7 @@ from spectral_contact.io.choices import instance, one_of
 from spectral_contact.view.output import notebook_table
 
 __all__ = [
+    "ADHESION_QUANTITIES",
     "COUPLING",
     "FULL_STICK",
     "GROWTH",
@@ -48,6 +49,9 @@ QUANTITIES = (
 
 #: What else there is of a punch that is not flat.
 PROFILE_QUANTITIES = ("contact_radius", "load", "stiffness", "indentation_work")
+
+#: What else there is with adhesion.
+ADHESION_QUANTITIES = ("stiffness_on_branch",)
 
 #: Names of the steps, in plans and in records of work.
 COUPLING = "elastic coupling"
@@ -193,6 +197,11 @@ class ErrorEstimates:
     With a profile, `pressure` is relative to the larger of the pressure and its mean, and
     `traction` to its largest value. Where the pressure is infinite, at a tip or corner of a smooth
     surface, its estimate holds for distances above some 1e-17 of the square of the contact radius.
+
+    With adhesion, load and approach are differences of what they are without it and of what it
+    takes away, and may be 0: errors are relative to the sum of both, the work of indentation to the
+    sum of elastic and surface energy (`Solution.error_scales`), `stiffness_on_branch` to the larger
+    of itself and `stiffness`.
     """
 
     approach: float | None = None
@@ -209,6 +218,7 @@ class ErrorEstimates:
     load: float | None = None
     stiffness: float | None = None
     indentation_work: float | None = None
+    stiffness_on_branch: float | None = None
 
     def __post_init__(self) -> None:
         _make_plain(self)

@@ -72,7 +72,7 @@ _PHYSICAL = Record(
     dict.fromkeys(
         (
             *("contact_radius", "layer", "separation"),
-            *("punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus"),
+            *("punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus", "work_of_adhesion"),
         )
     ),
     **_maybe_floats("youngs_modulus radius load approach"),
@@ -80,6 +80,7 @@ _PHYSICAL = Record(
     contact_radius=Maybe(_FLOAT),
     layer=_LAYER,
     **_maybe_floats("separation punch_youngs_modulus punch_poisson_ratio reduced_modulus"),
+    work_of_adhesion=Maybe(_FLOAT),
 )
 _SCENE = Record(
     "Scene",
@@ -87,7 +88,8 @@ _SCENE = Record(
     {
         "coupling": False,
         **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
-        "mismatch": None,
+        **dict.fromkeys(("mismatch", "work_of_adhesion")),
+        "branch": 0,
     },
     poisson_ratio=Maybe(_FLOAT),
     **_floats("normal_compliance tangential_compliance"),
@@ -97,7 +99,8 @@ _SCENE = Record(
     profile=_PROFILE,
     **_maybe_floats("contact_radius load approach"),
     layer=_LAYER,
-    **_maybe_floats("separation mismatch"),
+    **_maybe_floats("separation mismatch work_of_adhesion"),
+    branch=_INT,
 )
 _STATE = Choice(
     "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED
@@ -126,9 +129,10 @@ _ZONE = Record(
 _ERRORS = Record(
     "ErrorEstimates",
     records.ErrorEstimates,
-    dict.fromkeys(records.PROFILE_QUANTITIES),
+    dict.fromkeys((*records.PROFILE_QUANTITIES, *records.ADHESION_QUANTITIES)),
     **_maybe_floats("approach pressure traction slip zones stick_radius total_shear edge_ratio"),
     **_maybe_floats("critical_friction violation contact_radius load stiffness indentation_work"),
+    stiffness_on_branch=Maybe(_FLOAT),
 )
 _REFINEMENT = Record(
     "RefinementStep",
@@ -189,7 +193,13 @@ _PIECE = Record(
     field=Maybe(Either(_DISK, _ANNULUS, _PRESSURE)),
     factor=_FLOAT,
 )
-_ZONAL = Record("ZonalField", series.ZonalField, pieces=Several(_PIECE))
+_ZONAL = Record(
+    "ZonalField",
+    series.ZonalField,
+    {"weight": None},
+    pieces=Several(_PIECE),
+    weight=Maybe(_WEIGHT),
+)
 _TANGENTIAL = Maybe(Either(_ZONAL, _DISK))
 _HISTORY = Record(
     "ContactHistory",
@@ -215,6 +225,8 @@ SOLUTION: Final = Record(
         zones=Several(_ZONE),
         **_maybe_floats("stick_radius opening"),
         **_floats("contact_radius load stiffness indentation_work domain_radius"),
+        **_floats("stiffness_on_branch load_scale approach_scale indentation_work_scale"),
+        stable_under=Several(_TEXT),
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,

@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
-from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
+from spectral_contact.solution import (
+    ADHESION_QUANTITIES,
+    PROFILE_QUANTITIES,
+    QUANTITIES,
+    Ending,
+    Solution,
+)
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 
 if TYPE_CHECKING:
@@ -89,8 +95,9 @@ def requested(
     from_edge: Any,
     *,
     shaped: bool = False,
+    adhesive: bool = False,
 ) -> Request:
-    """Check what is asked, of scenes with a profile if they are shaped.
+    """Check what is asked, of scenes with a profile if they are shaped, with adhesion if adhesive.
 
     Raises
     ------
@@ -99,12 +106,14 @@ def requested(
         a value out of its range.
     """
     if quantities is None:
-        asked = frozenset(_PROFILE_SCALARS if shaped else SCALARS)
+        scalars = _PROFILE_SCALARS if shaped else SCALARS
+        asked = frozenset((*scalars, *ADHESION_QUANTITIES * adhesive))
     else:
-        asked = asked_quantities(quantities, shaped=shaped)
+        asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive)
     if not asked:
         raise SceneError("quantities", [], "at least one name")
-    chosen = tuple(name for name in (*PROFILE_QUANTITIES, *QUANTITIES) if name in asked)
+    ordered = (*PROFILE_QUANTITIES, *ADHESION_QUANTITIES, *QUANTITIES)
+    chosen = tuple(name for name in ordered if name in asked)
     places = "s" if from_edge is None else "from_edge"
     return Request(
         chosen,

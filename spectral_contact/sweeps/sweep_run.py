@@ -69,6 +69,7 @@ def sweep(
     load: ArrayLike | None = None,
     approach: ArrayLike | None = None,
     separation: ArrayLike | None = None,
+    work_of_adhesion: ArrayLike | None = None,
     layer: Mapping[str, ArrayLike] | None = None,
     coupling: bool | None = None,
     quantities: Iterable[str] | None = None,
@@ -94,6 +95,9 @@ def sweep(
         scenes and makes no dimension. Scenes with SI data can vary friction only.
     contact_radius, load, approach, separation : array_like, optional
         The values of one of these for scenes with a profile; they replace that of the scene.
+    work_of_adhesion : array_like, optional
+        The values of the work of adhesion, for scenes with a profile. A load or an approach beyond
+        pull-off ends as ``"failed"``.
     layer : mapping of str to array_like, optional
         The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
         in E' and L. Their dimensions are the last, ``layer_exponent`` and so on.
@@ -150,10 +154,12 @@ def sweep(
     """
     needed()
     given = poisson_ratio, normal_compliance, tangential_compliance, friction
-    axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach, separation), strict=True))
+    pressed = contact_radius, load, approach, separation, work_of_adhesion
+    axes = dict(zip(PARAMETERS, (*given, *pressed), strict=True))
     axes[KAPPA] = kappa
     parameters = _parameters(scenes, axes, layer, coupling)
-    request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
+    kind = {"shaped": parameters.shaped, "adhesive": parameters.adhesive}
+    request = requested(quantities, rtol, max_unknowns, s, from_edge, **kind)
     _check_size(parameters, request)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):

@@ -102,6 +102,11 @@ class PhysicalSolution(choices.Suggesting):
         return self.solution.stiffness * (self._modulus or 1.0)
 
     @property
+    def stiffness_on_branch(self) -> float:
+        """With adhesion dP/dδ along the curve of states [N/m]."""
+        return self.solution.stiffness_on_branch * (self._modulus or 1.0)
+
+    @property
     def indentation_work(self) -> float:
         """Work ∫P dδ of pressing a profile in [J]."""
         return self.solution.indentation_work * (self._modulus or 1.0)

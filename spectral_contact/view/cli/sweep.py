@@ -125,7 +125,7 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
     """Run the sweep that the options ask for."""
     if arguments.plot is not None:
         plotting.require()
-    names = (*_PARAMETERS, "kappa", *ALL_CONTROLS)
+    names = (*_PARAMETERS, "kappa", *ALL_CONTROLS, "work_of_adhesion")
     lists = {name: vars(arguments)[name] for name in names if name in arguments}
     of_law = {name: vars(arguments)[name] for name in LAW_NUMBERS if name in arguments}
     axes = {name: several for name, several in lists.items() if len(several) > 1}
@@ -150,7 +150,8 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
 def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
     if profile_given(arguments):
         return profile_scene(argparse.Namespace(**vars(arguments) | first))
-    alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
+    others = "radius", *ALL_CONTROLS, "work_of_adhesion"
+    alien = [name for name in others if name in arguments]
     if alien:
         raise UsageError(f"--{alien[0]} needs --profile")
     values = {name: default for name, (default, _) in _PARAMETERS.items()} | first
