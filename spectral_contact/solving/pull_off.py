@@ -42,6 +42,8 @@ from spectral_contact.threads import one_thread
 
 #: Points of a cycle: at least, and at most.
 _FEWEST, _MOST = 2, 100_000
+#: Share of the points, as a divisor, that are beyond pull-off.
+_UNSTABLE = 4
 #: Radius at which the unstable part of a cycle ends, over that of pull-off.
 _SMALLEST = 0.02
 #: Tolerances of a cycle, which has no fields.
@@ -400,11 +402,12 @@ def _radii(
     asked = solve(scene, curve.tolerance, ("contact_radius",), max_unknowns=curve.max_unknowns)
     largest, least = max(asked.contact_radius, landed.radius), ends[-1][1].radius
     flat = curve.profile.flat_part
-    if flat == 0.0:
-        radii: list[float] = np.geomspace(largest, _SMALLEST * least, points).tolist()
-        return radii
-    past = np.geomspace(largest - flat, _SMALLEST * _SMALLEST * (largest - flat), points - 1)
-    return [*(flat + past).tolist(), flat]
+    if flat > 0.0:
+        past = np.geomspace(largest - flat, _SMALLEST * _SMALLEST * (largest - flat), points - 1)
+        return [*(flat + past).tolist(), flat]
+    few = points // _UNSTABLE
+    stable = np.geomspace(largest, least, points - few, endpoint=not few)
+    return [*stable.tolist(), *np.geomspace(least, _SMALLEST * least, few).tolist()]
 
 
 def _jumps_out(

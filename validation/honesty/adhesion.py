@@ -35,7 +35,7 @@ from spectral_contact.solving.adhesive import Stability, stability_on
 #: Each such scene is on a smooth surface, and each such one is followed to pull-off.
 SMOOTH, PULLED = 10, 3
 #: Of scenes with breaks each such one is followed along the curve.
-BROKEN = 9
+BROKEN = 40
 NONE = Stability((), None)
 #: Of the pull over the approach without adhesion, decades.
 PULL = 2.0
