@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -21,11 +21,11 @@ from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.errors import NotComputedError, SceneError
-from spectral_contact.fields import Array
 from spectral_contact.io.checks import flag, positive, whole, within
 from spectral_contact.io.choices import instance, one_of, suggesting
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.records import AdhesionCycle, CycleState, modulus_of
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.adhesive import (
@@ -116,94 +116,6 @@ def pull_off(
         _, fold = _ends(held, _folds(scene, curve, held))[-1]
         found = solve(_at_radius(scene, fold.radius), **options)
         return _with_errors(found, curve, fold)
-
-
-@dataclass(frozen=True, slots=True)
-class CycleState:
-    """A state at an end of a jump.
-
-    Attributes
-    ----------
-    contact_radius, approach, load : float
-        The radius is 0 where there is no contact.
-    """
-
-    contact_radius: float
-    approach: float
-    load: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AdhesionCycle:
-    """Approach and retraction of an adhesive contact, as `adhesion_cycle` returns them.
-
-    Lengths are in L, loads in E'L², energies in E'L³; `in_si` has them in SI units.
-
-    Attributes
-    ----------
-    scene : Scene
-    control : str
-        ``"load"`` or ``"approach"``.
-    machine_stiffness : float or None
-        In E'L.
-    contact_radius, approach, load : ndarray, shape (points,)
-        The curve of states, from the largest contact to the smallest.
-    stable : ndarray of bool, shape (points,)
-        Whether a state is stable under the control.
-    error : float
-        Largest error of a load or an approach, relative as in `ErrorEstimates`.
-    jump_in : tuple of two CycleState
-        Before and after the jump into contact, which is at the approach 0.
-    jump_out : tuple of CycleState
-        Before pull-off and after it; under control of the load the punch goes away, and there is no
-        state after it. Of states between them, to which it may jump first, there are two more each.
-    dissipated : float or None
-        Energy that the jumps dissipate, which is the area of the loop; None under control of the
-        load, whose work is not bounded.
-    dissipated_error : float or None
-        Estimate of its absolute error.
-    """
-
-    scene: Scene
-    control: str
-    machine_stiffness: float | None
-    contact_radius: Array
-    approach: Array
-    load: Array
-    stable: Array
-    error: float
-    jump_in: tuple[CycleState, CycleState]
-    jump_out: tuple[CycleState, ...]
-    dissipated: float | None
-    dissipated_error: float | None
-
-    def in_si(self) -> AdhesionCycle:
-        """Return the cycle in m, N, J and N/m.
-
-        Raises
-        ------
-        NotComputedError
-            If the scene was not made by `Scene.from_physical`.
-        """
-        modulus = _modulus(self.scene)
-        if modulus is None:
-            raise NotComputedError("in_si", "the scene was not made by Scene.from_physical")
-
-        def scaled(value: float | None) -> float | None:
-            return None if value is None else value * modulus
-
-        def states(jump: tuple[CycleState, ...]) -> Any:
-            return tuple(replace(one, load=one.load * modulus) for one in jump)
-
-        return replace(
-            self,
-            machine_stiffness=scaled(self.machine_stiffness),
-            load=self.load * modulus,
-            jump_in=states(self.jump_in),
-            jump_out=states(self.jump_out),
-            dissipated=scaled(self.dissipated),
-            dissipated_error=scaled(self.dissipated_error),
-        )
 
 
 @suggesting()
@@ -302,14 +214,8 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
     if control == "load":
         told = "None under control of the load, to which a machine adds nothing"
         raise SceneError("machine_stiffness", machine_stiffness, told)
-    stiffness /= _modulus(scene) or 1.0
+    stiffness /= modulus_of(scene) or 1.0
     return Control(1.0 / stiffness, 1.0)
-
-
-def _modulus(scene: Scene) -> float | None:
-    """Return E' [Pa]; None of a scene without SI data."""
-    data = scene.physical
-    return None if data is None else data.quarter_modulus(scene.poisson_ratio)
 
 
 def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int) -> Scene:
@@ -317,7 +223,7 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
     contact = pinned_of(scene, rtol, max_unknowns, pointwise=False)
     if control == "approach":
         return _changed(scene, "approach", contact.pull_off_approach)
-    return _changed(scene, "load", contact.pull_off_load * (_modulus(scene) or 1.0))
+    return _changed(scene, "load", contact.pull_off_load * (modulus_of(scene) or 1.0))
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:

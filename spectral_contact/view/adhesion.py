@@ -5,15 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.fields import Array
 from spectral_contact.io.choices import instance
-from spectral_contact.solving.pull_off import AdhesionCycle, CycleState
+from spectral_contact.records import AdhesionCycle, CycleState
 from spectral_contact.view.figures import BLACK, BLUE, VERMILION, new_figure, scene_title, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+Mask = NDArray[np.bool_]
 
 #: Of an axis that has no number on it, for a jump that does not end.
 _BEYOND = 0.1
@@ -42,7 +45,7 @@ def plot_adhesion_cycle(cycle: AdhesionCycle) -> Figure:
     with style():
         figure = new_figure(figsize=(6.4, 4.4), layout="constrained")
         axes: Axes = figure.subplots()
-        stable = np.asarray(cycle.stable)
+        stable: Mask = np.asarray(cycle.stable, dtype=bool)
         for kind, name, line in ((stable, "stable", "-"), (~stable, "not stable", "--")):
             approach, load = _shown(cycle.approach, kind), _shown(cycle.load, kind)
             axes.plot(approach, load, line, color=BLUE, label=name)
@@ -58,7 +61,7 @@ def plot_adhesion_cycle(cycle: AdhesionCycle) -> Figure:
     return figure
 
 
-def _shown(values: Array, kind: Array) -> Array:
+def _shown(values: Array, kind: Mask) -> Array:
     """Return values where they are of a kind, or next to one that is, and NaN elsewhere."""
     near = kind.copy()
     near[1:] |= kind[:-1] & ~kind[1:]

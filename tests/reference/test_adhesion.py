@@ -6,7 +6,16 @@ import numpy as np
 import pytest
 from oracles.adhesive_rings import Rings
 
-from spectral_contact import Scene, adhesion_cycle, closed_forms, profiles, pull_off, solve
+from spectral_contact import (
+    NotComputedError,
+    Scene,
+    adhesion_cycle,
+    closed_forms,
+    profiles,
+    pull_off,
+    reference,
+    solve,
+)
 from spectral_contact.testing import check_solution
 
 BALL = profiles.Parabola(1.0)
@@ -74,6 +83,17 @@ def test_famous_loads_of_pull_off_come_out():
     kendall = closed_forms.flat_pull_off(1.5, 0.2)
     assert flat.load == pytest.approx(kendall.load, rel=1e-14)
     assert flat.approach == pytest.approx(kendall.approach, rel=1e-14)
+
+
+def test_many_digits_on_a_smooth_surface_are_the_closed_form():
+    found = reference(sticky(0.0, 0.2, load=0.0), 20)
+    assert float(found.contact_radius**3) == pytest.approx(9.0 * math.pi * 0.2 / 8.0, rel=1e-15)
+    # P = 0 where 16 a**3/3 = 4 a sqrt(2 pi a w)
+    mp = found.approach.context
+    a = (9 * mp.pi * mp.mpf(0.2) / 8) ** (mp.mpf(1) / 3)
+    assert abs(found.approach - (a**2 - mp.sqrt(mp.pi * a * mp.mpf(0.2) / 2))) < 1e-20
+    with pytest.raises(NotComputedError, match="without profile"):
+        reference(sticky(0.1, 0.2, profiles.Flat(1.0), load=0.0))
 
 
 # --- with a layer ---------------------------------------------------------------------------------

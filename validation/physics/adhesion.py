@@ -111,9 +111,9 @@ def pull_offs() -> None:
     lines = [
         "# Pull-off of a ball",
         "",
-        "By validation/physics/adhesion.py: P/(π w R) at pull-off under control of the load, with a "
-        "layer of the parameter Λ = αE'/(wR²/E')^(1/3), and by Maugis at the same largest tension, "
-        "which is his λ.",
+        "By validation/physics/adhesion.py: P/(π w R) at pull-off under control of the load, with "
+        "a layer of the parameter Λ = αE'/(wR²/E')^(1/3), and by Maugis at the same largest "
+        "tension, which is his λ.",
         "",
         "| Λ | λ | layer | Maugis | error estimate of the layer's |",
         "|---|---|---|---|---|",
