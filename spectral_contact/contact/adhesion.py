@@ -50,7 +50,7 @@ _FEWER = 1e-2
 #: After so many steps towards a corner they grow by a factor.
 _EVEN, _LONGER = 6, 1.25
 #: Beyond a radius at which the approach without adhesion is so many times the pull, the curve is
-#: stable: 5/2 is proved for what it is compared with (`AdhesiveCurve.top`).
+#: taken for stable (`AdhesiveCurve.top`).
 _MARGIN = 2.5
 #: Logarithms of the radius between which the modelled curve is sampled.
 _REACH = 250.0
@@ -313,9 +313,10 @@ class AdhesiveCurve:
     def top(self, control: Control, value: float = -inf) -> float:
         """Return a radius beyond which a control grows with the radius, and is above a value.
 
-        ``delta_0 / a`` grows with a, so that it does where ``delta_0`` is 5/2 of the pull: the load
-        of a flat punch per approach grows like the square of the radius at most, the pull like its
-        root.
+        On a smooth surface ``delta_0 / a`` grows with a, since profiles are convex, the stiffness
+        like a and the pull like its root, so that it does where ``delta_0`` is 3/2 of the pull.
+        With a layer the stiffness grows like the square at most, and 5/2 does if ``delta_0 / a``
+        still grows, which is not proved.
 
         Raises
         ------
@@ -326,17 +327,16 @@ class AdhesiveCurve:
         flat, reach = self.profile.flat_part, self.profile.reach
         for _ in range(_STEPS):
             one = self.glance(radius)
-            far = one.approach + one.pull >= _MARGIN * one.pull
-            if far and control.value(one) > value:
+            stable = control.rate(self.rates(one)) > 0.0 and control.value(one) > value
+            at_end = not isinf(reach) and reach - radius <= _NEXT * reach
+            if stable and (at_end or one.approach + one.pull >= _MARGIN * one.pull):
                 return radius
+            if at_end:
+                break
             if isinf(reach):
                 radius = flat + exp(_STEP) * (radius - flat)
-            elif reach - radius > _NEXT * reach:
-                radius = reach - exp(-_STEP) * (reach - radius)
-            elif control.rate(self.rates(one)) > 0.0 and control.value(one) > value:
-                return radius
             else:
-                break
+                radius = reach - exp(-_STEP) * (reach - radius)
         raise NoState(0)
 
     def _modelled_top(self, control: Control, value: float) -> float:
