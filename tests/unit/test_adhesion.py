@@ -16,6 +16,7 @@ from spectral_contact import (
     compare,
     layers,
     plan,
+    plotting,
     profiles,
     pull_off,
     solve,
@@ -338,3 +339,17 @@ def test_a_contact_that_finds_its_hold_again_jumps_twice():
     assert (cycle.dissipated, cycle.dissipated_error) == (None, None)
     # through a stiff machine it comes off at once
     assert len(adhesion_cycle(scene, "approach", points=40).jump_out) == 2
+
+
+@pytest.mark.parametrize("control", ["load", "approach"])
+def test_cycles_are_drawn_with_their_stable_part_and_both_jumps(control):
+    pytest.importorskip("matplotlib")
+    cycle = adhesion_cycle(sticky(load=1.0), control, points=30)
+    [axes] = plotting.plot_adhesion_cycle(cycle).axes
+    lines = {line.get_label(): line for line in axes.get_lines()}
+    assert {"stable", "not stable", "jump into contact", "jump out of contact"} <= set(lines)
+    drawn = lines["stable"].get_ydata()
+    assert np.array_equal(drawn[cycle.stable], cycle.load[cycle.stable])
+    assert np.isnan(drawn[~cycle.stable][1:]).all()
+    with pytest.raises(SceneError, match="cycle"):
+        plotting.plot_adhesion_cycle(cycle.scene)
