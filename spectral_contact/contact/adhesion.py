@@ -42,6 +42,8 @@ _SAMPLED = 25
 #: Where a fold is first located, in the same logarithm, and how far from the middle of a piece of
 #: the curve it may be.
 _NEARLY, _OFF_CENTRE = 0.02, 0.5
+#: Pieces on which it is looked for.
+_PIECES = 8
 #: A rate that is less than this share of the value has no digits (`AdhesiveCurve.rates` at layers
 #: 1e10 times as soft as the half-space).
 _ROUNDED = 1e-9
@@ -425,15 +427,22 @@ class AdhesiveCurve:
 
         places = log(low - base), log(high - base)
         radius = base + exp(brentq(rate, *places, xtol=_NEARLY, rtol=_NEARLY))
-        curve = self.local(radius)
-        turns = curve.fold(control, radius)
-        if turns is None or abs(curve.offset(turns)) > _OFF_CENTRE:
-            curve = self.local(radius if turns is None else turns)
-            turns = curve.fold(control, radius) or radius
-        bend = control.rate(curve.rates(turns, 2))
-        off = control.rate(curve.rate_errors(turns)) / abs(bend) if bend else inf
-        error = off * (turns - curve.base) / turns + ROUNDING
-        return Fold(turns, error, value_of(self.at(turns)), curve)
+        for _ in range(_PIECES):
+            curve = self.local(radius)
+            turns = curve.fold(control, radius)
+            if turns is not None and abs(curve.offset(turns)) <= _OFF_CENTRE:
+                radius = turns
+                break
+            if turns is None:  # the rates to some digits were wrong: a step of Newton's
+                slope, bend = (control.rate(curve.rates(radius, k)) for k in (1, 2))
+                step = min(max(-slope / bend if bend else 0.0, -_STEP), _STEP)
+                turns = curve.base + exp(step) * (radius - curve.base)
+            radius = min(max(turns, low), high)
+        bend = control.rate(curve.rates(radius, 2))
+        missed = abs(control.rate(curve.rates(radius)))
+        off = (missed + control.rate(curve.rate_errors(radius))) / abs(bend) if bend else inf
+        error = off * (radius - curve.base) / radius + ROUNDING
+        return Fold(radius, error, value_of(self.at(radius)), curve)
 
     def stretch(self, control: Control, value: float, branch: int) -> tuple[float, float]:
         """Return two radii between which the control has a value, on a stretch of the curve.
