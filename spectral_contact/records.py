@@ -39,7 +39,6 @@ __all__ = [
     "StepWork",
     "Work",
     "Zone",
-    "modulus_of",
 ]
 
 #: Everything that can be asked of `solve`, in the order of a report.
@@ -365,9 +364,11 @@ class AdhesionCycle:
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
-        modulus = modulus_of(self.scene)
-        if modulus is None:
+        data = self.scene.physical
+        if data is None:
             raise NotComputedError("in_si", "the scene was not made by Scene.from_physical")
+
+        modulus = data.quarter_modulus(self.scene.poisson_ratio)
 
         def scaled(value: float | None) -> float | None:
             return None if value is None else value * modulus
@@ -384,9 +385,3 @@ class AdhesionCycle:
             dissipated=scaled(self.dissipated),
             dissipated_error=scaled(self.dissipated_error),
         )
-
-
-def modulus_of(scene: Scene) -> float | None:
-    """Return E' [Pa]; None of a scene without SI data."""
-    data = scene.physical
-    return None if data is None else data.quarter_modulus(scene.poisson_ratio)

@@ -25,7 +25,7 @@ from spectral_contact.io.checks import flag, positive, whole, within
 from spectral_contact.io.choices import instance, one_of, suggesting
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
-from spectral_contact.records import AdhesionCycle, CycleState, modulus_of
+from spectral_contact.records import AdhesionCycle, CycleState
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.adhesive import (
@@ -214,8 +214,14 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
     if control == "load":
         told = "None under control of the load, to which a machine adds nothing"
         raise SceneError("machine_stiffness", machine_stiffness, told)
-    stiffness /= modulus_of(scene) or 1.0
+    stiffness /= _modulus(scene) or 1.0
     return Control(1.0 / stiffness, 1.0)
+
+
+def _modulus(scene: Scene) -> float | None:
+    """Return E' [Pa]; None of a scene without SI data."""
+    data = scene.physical
+    return None if data is None else data.quarter_modulus(scene.poisson_ratio)
 
 
 def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int) -> Scene:
@@ -223,7 +229,7 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
     contact = pinned_of(scene, rtol, max_unknowns, pointwise=False)
     if control == "approach":
         return _changed(scene, "approach", contact.pull_off_approach)
-    return _changed(scene, "load", contact.pull_off_load * (modulus_of(scene) or 1.0))
+    return _changed(scene, "load", contact.pull_off_load * (_modulus(scene) or 1.0))
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:
