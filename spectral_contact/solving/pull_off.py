@@ -21,11 +21,11 @@ from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.errors import NotComputedError, SceneError
+from spectral_contact.fields.cycle import AdhesionCycle, CycleState
 from spectral_contact.io.checks import flag, positive, whole, within
 from spectral_contact.io.choices import instance, one_of, suggesting
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
-from spectral_contact.records import AdhesionCycle, CycleState
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.adhesive import (

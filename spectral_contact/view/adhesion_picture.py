@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields import Array
+from spectral_contact.fields.cycle import AdhesionCycle, CycleState
 from spectral_contact.io.choices import instance
-from spectral_contact.records import AdhesionCycle, CycleState
 from spectral_contact.view.figures import BLACK, BLUE, VERMILION, new_figure, scene_title, style
 
 if TYPE_CHECKING:
