@@ -347,7 +347,8 @@ class AdhesiveCurve:
         v = np.arange(-_REACH, _REACH, _STEP / 2.0)
         with np.errstate(all="ignore"):
             a = flat + np.exp(v) if isinf(reach) else flat + (reach - flat) / (1.0 + np.exp(-v))
-            a = a[(a > flat) & (a < reach)]
+            # nearer to its end radii round to it, and no space resolves the slope of a sphere
+            a = a[(a > flat) & (a < reach * (1.0 - _NEXT))]
             c = self.compliance / a
             softness = 1.0 / 8.0 + c / pi
             half = self.profile._transform(a) / 16.0

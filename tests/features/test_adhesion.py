@@ -240,6 +240,33 @@ def test_continuations_and_sweeps_solve_what_solve_does():
     assert float(one.work_of_adhesion) == 1.0
 
 
+def test_sweeps_in_si_units_vary_it_and_have_the_stiffness():
+    gel = Scene.from_physical(load=0.0, **GEL)
+    found = sweep(gel, work_of_adhesion=["50 uJ/m^2", "0.1 mJ/m^2"])
+    assert found.work_of_adhesion_si.values.tolist() == [5e-5, 1e-4]
+    assert found.work_of_adhesion_si.units == "J/m^2"
+    one = solve(gel.replace(work_of_adhesion=1e-4)).physical
+    assert float(found.contact_radius_si[1]) == pytest.approx(one.contact_radius, rel=1e-8)
+    stiffness = found.stiffness_on_branch_si
+    assert float(stiffness[1]) == pytest.approx(one.stiffness_on_branch, rel=1e-8)
+    assert stiffness.units == "N/m"
+    table = sweep(gel, table={"load": [0.0, 1e-9], "work_of_adhesion": [5e-5, 1e-4]})
+    last = solve(gel.replace(load=1e-9, work_of_adhesion=1e-4))
+    assert float(table.contact_radius[1]) == pytest.approx(last.contact_radius, rel=1e-8)
+
+
+def test_pull_off_of_a_sphere_is_found_where_the_curve_begins_next_to_its_equator():
+    """The search began so close to it that radii were rounded to that of the sphere."""
+    ball = {"profile": profiles.Sphere(8.28), "normal_compliance": 1060.0, "work_of_adhesion": 0.08}
+    scene = Scene(0.3, load=0.0, **ball)
+    found = pull_off(scene, rtol=1e-8)
+    assert found.error.load <= 1e-6
+    for factor in (0.98, 1.02):
+        radius = factor * found.contact_radius
+        beside = solve(scene.replace(load=None, contact_radius=radius), quantities=["load"])
+        assert beside.load > found.load * (1.0 - found.error.load)
+
+
 def test_reports_have_what_a_reader_asks(capsys):
     text = solve(sticky(approach=-0.5)).summary()
     for told in ("w = 1.0", "stiffness on branch", "pressure, edge", "-1.41421356", "taken back"):
