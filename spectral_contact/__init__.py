@@ -51,6 +51,8 @@ if TYPE_CHECKING:
     from spectral_contact.calibration import fit as fit
     from spectral_contact.gold import benchmarks as benchmarks
     from spectral_contact.precise.reference import reference as reference
+    from spectral_contact.solving.pull_off import adhesion_cycle as adhesion_cycle
+    from spectral_contact.solving.pull_off import pull_off as pull_off
     from spectral_contact.studies import compare as compare
     from spectral_contact.sweeps import sweep as sweep
     from spectral_contact.view import plotting as plotting
@@ -76,6 +78,7 @@ __all__ = [
     "StepState",
     "Work",
     "Zone",
+    "adhesion_cycle",
     "asperities",
     "benchmarks",
     "cache_sizes",
@@ -91,6 +94,7 @@ __all__ = [
     "plotting",
     "precise",
     "profiles",
+    "pull_off",
     "reference",
     "solve",
     "studies",
@@ -105,10 +109,12 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     **{name: (name, None) for name in ("gold", "precise", "studies", "testing")},
     "benchmarks": ("gold.benchmarks", None),
     "PhysicalSolution": ("view.physical_solution", "PhysicalSolution"),
+    "adhesion_cycle": ("solving.pull_off", "adhesion_cycle"),
     "compare": ("studies", "compare"),
     "explore": ("view.explorer", "explore"),
     "fit": ("calibration", "fit"),
     "plotting": ("view.plotting", None),
+    "pull_off": ("solving.pull_off", "pull_off"),
     "reference": ("precise", "reference"),
     "sweep": ("sweeps", "sweep"),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 __all__ = [
+    "ADHESION_QUANTITIES",
     "FIELDS",
     "FLAT_QUANTITIES",
     "NUMBERS",
@@ -39,7 +40,8 @@ class OutputQuantity:
         ``"normal"`` if it takes no traction where nothing couples it to the pressure, or
         ``"tangential"``.
     scenes : str
-        Which scenes have it: ``"all"``, with a ``"profile"`` alone, or ``"flat"`` punches alone.
+        Which scenes have it: ``"all"``, with a ``"profile"`` alone, with ``"adhesion"`` alone, or
+        ``"flat"`` punches alone.
     """
 
     name: str
@@ -89,6 +91,15 @@ OUTPUTS = (
         si_factor="force",
         contact="normal",
         scenes="profile",
+    ),
+    OutputQuantity(
+        "stiffness_on_branch",
+        "stiffness dP/dδ along the curve of states",
+        "E'L",
+        si_unit="N/m",
+        si_factor="force",
+        contact="normal",
+        scenes="adhesion",
     ),
     OutputQuantity(
         "approach",
@@ -154,10 +165,13 @@ OUTPUTS = (
 )
 
 #: Names of what can be asked of any scene, in the order of a report.
-QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes != "profile")
+QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes in ("all", "flat"))
 
 #: What else there is of a punch that is not flat.
 PROFILE_QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes == "profile")
+
+#: What else there is with adhesion.
+ADHESION_QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes == "adhesion")
 
 #: Those that are functions of the radius, and those that are a number.
 FIELDS = tuple(one.name for one in OUTPUTS if one.kind == "field")

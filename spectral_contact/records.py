@@ -10,10 +10,11 @@ import numpy as np
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
-from spectral_contact.quantities import PROFILE_QUANTITIES, QUANTITIES
+from spectral_contact.quantities import ADHESION_QUANTITIES, PROFILE_QUANTITIES, QUANTITIES
 from spectral_contact.view.output import notebook_table
 
 __all__ = [
+    "ADHESION_QUANTITIES",
     "COUPLING",
     "FULL_STICK",
     "GROWTH",
@@ -178,6 +179,11 @@ class ErrorEstimates:
     With a profile, `pressure` is relative to the larger of the pressure and its mean, and
     `traction` to its largest value. Where the pressure is infinite, at a tip or corner of a smooth
     surface, its estimate holds for distances above some 1e-17 of the square of the contact radius.
+
+    With adhesion, load and approach are differences of what they are without it and of what it
+    takes away, and may be 0: errors are relative to the sum of both, the work of indentation to the
+    sum of elastic and surface energy (`Solution.error_scales`), `stiffness_on_branch` to the larger
+    of itself and `stiffness`.
     """
 
     approach: float | None = None
@@ -194,6 +200,7 @@ class ErrorEstimates:
     load: float | None = None
     stiffness: float | None = None
     indentation_work: float | None = None
+    stiffness_on_branch: float | None = None
 
     def __post_init__(self) -> None:
         _make_plain(self)

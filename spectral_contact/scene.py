@@ -39,6 +39,7 @@ from spectral_contact.profiles.control import (
     simplified,
     summed,
 )
+from spectral_contact.profiles.work_of_adhesion import checked_adhesion, checked_branch
 from spectral_contact.view.output import notebook_table
 
 __all__ = ["PhysicalData", "Scene", "same_problem"]
@@ -96,6 +97,14 @@ class Scene(Suggesting):
     mismatch : float or None
         κ of two elastic bodies, which `from_kappa` sets. None, the default, is that of
         ``poisson_ratio``. Keyword only.
+    work_of_adhesion : float or None
+        Energy w per area that separates the surfaces, in E'L, in [1e-100, 1e100]; with a profile,
+        which may be ``profiles.Flat``, and without friction (docs/adhesion). Load and approach may
+        then be 0 or negative. None, the default, is no adhesion. Keyword only.
+    branch : int
+        Which of several states with adhesion that have this load, or this approach: 0, the
+        default, is the one that is reached by unloading from a large contact, 1 that on the next
+        stretch of the curve to smaller contacts, and so on. Keyword only.
 
     Raises
     ------
@@ -123,6 +132,8 @@ class Scene(Suggesting):
     layer: Layer | None = field(default=None, kw_only=True, metadata=YOUNGER)
     separation: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     mismatch: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    work_of_adhesion: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
+    branch: int = field(default=0, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
@@ -144,6 +155,8 @@ class Scene(Suggesting):
         put(self, "profile", simplified(self.profile))
         given = {name: getattr(self, name) for name in self.__slots__}
         check_layer(given)
+        put(self, "work_of_adhesion", checked_adhesion(given))
+        put(self, "branch", checked_branch(given))
         for name, number in checked_controls(given).items():
             put(self, name, number)
         if self.physical is not None:
@@ -168,6 +181,8 @@ class Scene(Suggesting):
         approach: float | None = None,
         layer: Layer | None = None,
         separation: float | None = None,
+        work_of_adhesion: float | None = None,
+        branch: int = 0,
     ) -> Self:
         """Make a dimensionless scene of two elastic bodies from their coupling constant κ.
 
@@ -185,6 +200,8 @@ class Scene(Suggesting):
             As of `Scene`, with E' of both bodies in place of E/(4(1−ν²)).
         coupling, profile, contact_radius, load, approach, layer, separation
             As of `Scene`; the profile is the gap between the two.
+        work_of_adhesion, branch
+            As of `Scene`.
 
         Raises
         ------
@@ -209,6 +226,8 @@ class Scene(Suggesting):
             approach=approach,
             layer=layer,
             separation=separation,
+            work_of_adhesion=work_of_adhesion,
+            branch=branch,
             mismatch=kappa,
         )
 
@@ -234,6 +253,8 @@ class Scene(Suggesting):
         punch_poisson_ratio: float | None = None,
         punch_profile: Profile | None = None,
         reduced_modulus: Measured | None = None,
+        work_of_adhesion: Measured | None = None,
+        branch: int = 0,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
 
@@ -284,6 +305,11 @@ class Scene(Suggesting):
         reduced_modulus : float, optional
             E* [Pa], finite and > 0, in place of all moduli and Poisson's ratios, where friction is
             not asked for; 1/E* is the sum of (1−ν²)/E of both bodies.
+        work_of_adhesion : float, optional
+            w [J/m²], finite and > 0, with a profile and without friction; load and approach may
+            then be 0 or negative.
+        branch : int
+            As of `Scene`.
 
         Raises
         ------
@@ -324,6 +350,7 @@ class Scene(Suggesting):
             punch_youngs_modulus=in_si("punch_youngs_modulus", punch_youngs_modulus, "Pa"),
             punch_poisson_ratio=punch_poisson_ratio,
             reduced_modulus=in_si("reduced_modulus", reduced_modulus, "Pa"),
+            work_of_adhesion=in_si("work_of_adhesion", work_of_adhesion, "J/m^2"),
         )
         profile = summed(profile, punch_profile)
         alpha, beta = physical.dimensionless_compliances(poisson_ratio)
@@ -340,6 +367,8 @@ class Scene(Suggesting):
             physical=physical,
             coupling=coupling,
             mismatch=physical.kappa(poisson_ratio),
+            work_of_adhesion=physical.dimensionless_adhesion(poisson_ratio),
+            branch=branch,
             **shape,
         )
 
@@ -398,7 +427,7 @@ class Scene(Suggesting):
         if self.physical is None:
             kappa = own.pop("mismatch")
             return own if kappa is None else {"kappa": kappa, **own}
-        implied = (*ALL_CONTROLS, "layer", "mismatch")
+        implied = (*ALL_CONTROLS, "layer", "mismatch", "work_of_adhesion")
         rest = {name: value for name, value in own.items() if name not in implied}
         return {**rest, **{name: getattr(self.physical, name) for name in _names(PhysicalData)}}
 
@@ -413,7 +442,7 @@ class Scene(Suggesting):
             f"{name}={value!r}"
             for name, value in self._arguments().items()
             if (unknown and name == "poisson_ratio")
-            or not (value is None or value is False or (name.endswith("compliance") and not value))
+            or not (value is None or value is False or (name in _OFF_AT_ZERO and not value))
         )
         return f"{made_by}({given})"
 
@@ -545,6 +574,7 @@ class Scene(Suggesting):
         names = ("normal_compliance", "tangential_compliance")
         implied: dict[str, Any] = dict(zip(names, compliances, strict=True))
         implied["mismatch"] = self.physical.kappa(self.poisson_ratio)
+        implied["work_of_adhesion"] = self.physical.dimensionless_adhesion(self.poisson_ratio)
         if self.profile is not None:
             implied |= self.physical.drive(self.poisson_ratio)
         law = self.physical.layer
@@ -559,6 +589,8 @@ class Scene(Suggesting):
                 )
 
 
+#: What is left out of `repr` where it is 0.
+_OFF_AT_ZERO: Final = ("normal_compliance", "tangential_compliance", "branch")
 _NAMES_OF_SCENE: Final = tuple(one.name for one in fields(Scene))
 _SI: Final = "data in SI units go to Scene.from_physical(...)"
 # `dataclass` generates the constructor, so it can only be wrapped here.
@@ -572,10 +604,11 @@ def same_problem(one: Scene, other: Scene) -> bool:
     """Return whether two scenes have one solution by definition.
 
     It does not matter whether κ is given or that of a Poisson's ratio. Without friction normal
-    contact decides: the compliance, the profile and how far it is pressed.
+    contact decides: the compliance, the profile, how far it is pressed, and adhesion.
     """
     if one.friction is None and other.friction is None:
-        normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS)
+        adhesion = "work_of_adhesion", "branch"
+        normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS, *adhesion)
         return all(getattr(one, name) == getattr(other, name) for name in normal)
     if one.friction is None or other.friction is None:
         return False

@@ -14,6 +14,7 @@ from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import DiskSeries, PressureField, ZonalField
 from spectral_contact.io import checks
 from spectral_contact.records import (
+    ADHESION_QUANTITIES,
     COUPLING,
     FULL_STICK,
     GROWTH,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from spectral_contact.scene import Scene
 
 __all__ = [
+    "ADHESION_QUANTITIES",
     "COUPLING",
     "FULL_STICK",
     "GROWTH",
@@ -111,6 +113,8 @@ class Solution(Output):
             reasons = dict(self.plan.missing)
             if quantity in PROFILE_QUANTITIES and self.scene.profile is None:
                 reasons[quantity] = "the punch is flat: its radius and load are the units"
+            if quantity in ADHESION_QUANTITIES and self.scene.work_of_adhesion is None:
+                reasons[quantity] = "the scene has no adhesion"
             raise NotComputedError(quantity, reasons.get(quantity, "it was not asked for"))
 
     def _value(self, quantity: str) -> Any:
@@ -133,8 +137,52 @@ class Solution(Output):
         return float(self._value("stiffness"))
 
     @property
+    def stiffness_on_branch(self) -> float:
+        """With adhesion dP/dδ along the curve of states, in E'L: what an instrument measures.
+
+        `stiffness` is that of the same contact radius. Negative on a stretch that is stable under
+        control of the approach alone, and infinite where that ends.
+
+        Raises
+        ------
+        NotComputedError
+            Without adhesion, and where the contact is the flat part of a profile and no more.
+        """
+        return float(self._value("stiffness_on_branch"))
+
+    @property
+    def stable_under(self) -> tuple[str, ...]:
+        """With adhesion what may be held without the contact running away.
+
+        A subset of ``("load", "approach")``, empty if it does in any case. The last stable state
+        counts as stable.
+
+        Raises
+        ------
+        NotComputedError
+            Without adhesion, or if `stiffness_on_branch` was not asked for.
+        """
+        if "stable_under" not in self.values:
+            self._require("stiffness_on_branch")
+        return tuple(self.values["stable_under"])
+
+    @property
+    def error_scales(self) -> dict[str, float]:
+        """With adhesion what errors of load, approach and work of indentation are relative to.
+
+        Of load and approach it is the sum of what they are without adhesion and of what adhesion
+        takes away. Empty without adhesion.
+        """
+        names = ("load", "approach", "indentation_work")
+        return {k: self.values[f"{k}_scale"] for k in names if f"{k}_scale" in self.values}
+
+    @property
     def indentation_work(self) -> float:
-        """Work ∫P dδ of pressing a profile in, in E'L³."""
+        """Work ∫P dδ of pressing a profile in, in E'L³.
+
+        With adhesion it is along the curve of states from no contact to this one: elastic energy
+        less that of the surfaces in contact.
+        """
         return float(self._value("indentation_work"))
 
     @property

@@ -7,8 +7,8 @@ reported. When a figure falls, lower its gate with it. Needs radon, which the ex
 What is counted, of the flat core unless a figure says more:
 
 flat core
-    All modules of contact/ and spectral/ but those that came with profiles, nonlinear layers and
-    sensitivities (`CAME_WITH`).
+    All modules of contact/ and spectral/ but those that came with profiles, nonlinear layers,
+    sensitivities and adhesion (`CAME_WITH`).
 tokens
     Tokens of Python's `tokenize`: names, keywords, operators, brackets, numbers and strings. Not
     counted are comments, docstrings, ends of lines and indentation. An f-string is one token
@@ -67,8 +67,9 @@ LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
 #: How many of the worst are named.
 NAMED = 5
-#: Modules of the core that came with profiles, nonlinear layers and sensitivities. The goals are
-#: those of flat punches, without them. A module that is not listed is part of the flat core.
+#: Modules of the core that came with profiles, nonlinear layers, sensitivities and adhesion. The
+#: goals are those of flat punches, without them. A module that is not listed is part of the flat
+#: core.
 CAME_WITH = {
     "profiles": (
         "contact.contact_radius",
@@ -87,6 +88,7 @@ CAME_WITH = {
         "spectral.pointwise",
     ),
     "sensitivities": ("contact.zone_derivatives",),
+    "adhesion": ("contact.adhesion", "contact.pinned"),
 }
 
 
@@ -105,7 +107,7 @@ class Gate:
 
 GATES = (
     Gate("tokens of the flat core", 60_671, 56_280, 42_000),
-    Gate("tokens of contact, spectral and solving", 108_742, 109_500, 108_742),
+    Gate("tokens of contact, spectral and solving", 108_742, 118_357, 108_742),
     Gate("code lines of the flat core", 5_200, None, 3_800),
     Gate("named numeric constants", 167, 139, 95),
     Gate("tuned constants", 122, 130, 50),

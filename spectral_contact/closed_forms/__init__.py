@@ -11,11 +11,19 @@ the load 1.
 ``coupled``          no roughness, coupled, stuck everywhere: Mossakovskij and Spence
 ``eigenpairs``       eigenvalues and eigenfunctions of the half-space operators
 ``indentation``      frictionless contact under profiles, in units of E'
+``adhesion``         the same with adhesion
 ``series``           rough normal problem, very rough or nearly smooth
 ===================  ===============================================================================
 """
 
 from ._stick_radius import StickRadius, stick_radius
+from .adhesive_contacts import (
+    PullOff,
+    adhesive_contact,
+    adhesive_winkler_contact,
+    flat_pull_off,
+    power_law_pull_off,
+)
 from .compliance_limits import (
     approach_large_compliance,
     approach_small_compliance,
@@ -47,8 +55,11 @@ from .partial_slip import partial_slip_shear, partial_slip_traction, slip_displa
 from .smooth import full_stick_shear, full_stick_traction, smooth_approach, smooth_pressure
 
 __all__ = [
+    "PullOff",
     "SmoothContact",
     "StickRadius",
+    "adhesive_contact",
+    "adhesive_winkler_contact",
     "approach_large_compliance",
     "approach_small_compliance",
     "cone_contact",
@@ -62,6 +73,7 @@ __all__ = [
     "eigenfunction",
     "eigenfunction_image",
     "eigenvalue",
+    "flat_pull_off",
     "flat_punch_displacement",
     "flat_punch_stress",
     "full_stick_shear",
@@ -72,6 +84,7 @@ __all__ = [
     "partial_slip_shear",
     "partial_slip_traction",
     "power_law_contact",
+    "power_law_pull_off",
     "rounded_flat_contact",
     "slip_displacement",
     "smooth_approach",

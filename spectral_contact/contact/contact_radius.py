@@ -66,13 +66,14 @@ class RadiusScale:
         return (radius - low) * room
 
 
-def indenter(profile: Profile, compliance: float, max_unknowns: int) -> Solver:
+def indenter(
+    profile: Profile, compliance: float, max_unknowns: int, adhesion: float = 0.0
+) -> Solver:
     """Return what solves normal contact with a linear layer at a radius, to a tolerance."""
 
     def solve(radius: float, tolerance: float, pointwise: bool) -> Contact:
-        return solve_indentation(
-            profile, radius, compliance, tolerance, max_unknowns, pointwise=pointwise
-        )
+        given = profile, radius, compliance, tolerance, max_unknowns
+        return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
 
     return solve
 

@@ -4,12 +4,16 @@ On the unit disk ``(alpha/a) p + N p = (delta - h(a s))/a``, whose half-integral
 ``[H(1) - H(t)] + 2 eps``: the bracket is known exactly, and the pressure is that of the bracket
 plus ``eps`` times that of a flat punch, which the same factors give. ``eps`` is what makes the
 pressure vanish at the edge (docs/theory, profiles).
+
+With adhesion it is what makes the pressure at the edge ``-sqrt(2 w / alpha)``, at which the energy
+release rate ``alpha p**2 / 2`` is the work of adhesion w; on a smooth surface the pressure is
+infinite there, and its intensity is given (docs/theory, adhesion).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import inf, pi
+from math import inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +31,7 @@ from spectral_contact.contact.on_parts import (
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine, within_budget
 from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
-from spectral_contact.fields.series import LogSeries
+from spectral_contact.fields.series import EdgeWeight, LogSeries
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.regularised import Regularised
@@ -66,6 +70,10 @@ class _TwoPressures:
         What the half-integral of the pressure should be.
     shift : float
         ``eps``.
+    pull : float
+        By how much adhesion lowers ``eps``.
+    pull_error : float
+        Relative error of that in the coarser space.
     flat_edge : float
         Pressure of the flat punch at the edge.
     """
@@ -77,6 +85,8 @@ class _TwoPressures:
     whole_half: Array
     target: Array
     shift: float
+    pull: float
+    pull_error: float
     flat_edge: float
 
 
@@ -91,8 +101,11 @@ class _IndentationProblem(PartedProblem):
         tolerance: float,
         *,
         pointwise: bool,
+        adhesion: float = 0.0,
     ) -> None:
         self.profile, self.radius = profile, radius
+        #: suction at the edge
+        self.suction = sqrt(2.0 * adhesion / compliance)
         #: in units of the contact radius
         self.compliance = compliance / radius
         parts, thin = profile_parts(profile, radius), min(self.compliance, 1.0)
@@ -111,10 +124,31 @@ class _IndentationProblem(PartedProblem):
         own = factored.solve(bracket)
         flat = factored.solve(2.0)
         at_edge = edge_value(edge, flat)
-        shift = -edge_value(edge, own) / at_edge
-        whole, half = own + shift * flat, space.half_integral
+        half = space.half_integral
+        flat_half = half(flat)
+        pull, pull_error = self._pull(factored, flat, float(space.weights @ flat_half))
+        shift = -edge_value(edge, own) / at_edge - pull
+        whole = own + shift * flat
         target = bracket + 2.0 * shift
-        return _TwoPressures(factored, flat, whole, half(flat), half(whole), target, shift, at_edge)
+        halves = flat_half, half(whole)
+        pulled = pull, pull_error
+        return _TwoPressures(factored, flat, whole, *halves, target, shift, *pulled, at_edge)
+
+    def _pull(self, factored: Regularised, flat: Array, flat_moment: float) -> tuple[float, float]:
+        """Return by how much adhesion lowers ``eps``, and the relative error in a coarser space.
+
+        The pressure of the flat punch at the edge, which the suction is divided by, follows from
+        integrals, which superconverge (docs/theory, exact identities).
+        """
+        if self.suction == 0.0:
+            return 0.0, 0.0
+        space = factored.space
+        index = space.index
+        change = factored.change(flat).coefficients
+        image = space.mass @ (2.0 * flat + change)[index]
+        moment = 2.0 / (pi * self.compliance) * flat_moment
+        square = moment + float(flat[index] @ (space.mass @ flat[index]))
+        return self.suction / sqrt(square), abs(float(change[index] @ image)) / (2.0 * square)
 
     def glance(self, max_unknowns: int) -> Indentation:
         """Return the contact in the first space, whatever its errors are: they are 0."""
@@ -128,15 +162,19 @@ class _IndentationProblem(PartedProblem):
         """Return the contact without its errors."""
         a, weights = self.radius, space.weights
         series, flat = (series_on_parts(used, one) for one in (solved.whole, solved.flat))
+        unpulled = series[-1]
+        if solved.pull > 0.0:
+            unpulled = series_on_parts(used, solved.whole + solved.pull * solved.flat)[-1]
         return Indentation(
             a,
             a * (self._whole_height + solved.shift),
             4 * a**2 * float(weights @ solved.whole_half),
             a**3 * float(weights @ (solved.whole_half * solved.target)),
             4 * a * float(weights @ solved.flat_half),
-            self._growth(series[-1], self.parts.ends[-1][2], solved.flat_edge),
+            self._growth(unpulled, self.parts.ends[-1][2], solved.flat_edge),
             field_of(self.parts, series) if self.pointwise else None,
             field_of(self.parts, flat) if self.pointwise else None,
+            pull=a * solved.pull,
         )
 
     @property
@@ -149,20 +187,27 @@ class _IndentationProblem(PartedProblem):
     ) -> SpaceSolution[Indentation]:
         """Return the contact with its errors."""
         a, found = self.radius, self._contact(space, used, solved)
-        moment, flat_moment = found.load / (4 * a**2), found.stiffness / (4 * a)
-        energy, approach, whole_height = found.work / a**3, found.approach / a, self._whole_height
+        moment, flat_moment = found.load_size / (4 * a**2), found.stiffness / (4 * a)
+        energy, whole_height = found.work / a**3, self._whole_height
+        approach = found.approach_size / a
         change, mean = solved.factored.change(solved.whole), 4 / pi * moment
         indicators = pointwise_errors(self.parts, used, solved.whole, change, mean)
         own = change.energies
-        flat = _INTEGRATED * solved.factored.change(solved.flat).energies
+        flat_change = solved.factored.change(solved.flat)
+        flat = _INTEGRATED * flat_change.energies
         load_lost = pi / 2.0 * float(np.sqrt(_INTEGRATED * own * flat).sum())
         work_lost = _INTEGRATED * pi * float(own.sum())
-        lost = float(np.abs(change.coefficients[-used[-1].panels.tail_terms :]).sum())
+        # of what has no suction at the edge
+        regular = change.coefficients + solved.pull * flat_change.coefficients
+        lost = float(np.abs(regular[-used[-1].panels.tail_terms :]).sum())
         noise = _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
         shifted = _EDGE * lost / solved.flat_edge + noise
         pressure_error = float(indicators.max()) + _ROUNDINGS * FIELD_ROUNDING
         place = ROUNDING * max((a / (a - b) for b in self.profile.breaks if b < a), default=0.0)
         shifted += _PLACE * place * approach
+        if solved.pull > 0.0:
+            from_moment = pi / 2.0 * float(flat.sum()) / flat_moment
+            shifted += solved.pull * (solved.pull_error + from_moment + ROUNDING)
         pressure_error += _PLACE_POINTWISE * place
         if len(used) > 1:
             pressure_error += _LAYER_ROUNDING * whole_height / (self.compliance * mean)
@@ -187,27 +232,34 @@ class _IndentationProblem(PartedProblem):
         return 2.0 * edge.value(y / reach) / y / flat_edge
 
 
-def _smooth(profile: Profile, radius: float, *, pointwise: bool) -> Indentation:
-    """Return the contact on a smooth surface, where the half-integral is known."""
+def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float) -> Indentation:
+    """Return the contact on a smooth surface, where the half-integral is known.
+
+    With adhesion that of a flat punch is taken away, by Johnson, Kendall and Roberts (1971).
+    """
     parts, a = profile_parts(profile, radius), radius
     found = smooth_contact(profile, a, parts, pointwise=pointwise)
     pressure = found.pressure
+    pull = sqrt(pi * a * adhesion / 2.0)
+    less = 2.0 * pull / a
+    weight = EdgeWeight(-2.0 / pi * less, 0.0) if adhesion else None
     last = max((b for b in profile.breaks if b < a), default=0.0)
     past = (a - last) * (a + last) if last else 0.0
     return Indentation(
         a,
-        float(profile._transform(np.asarray(a))) / 2.0,
-        4 * a**2 * found.moment,
-        a**3 * found.energy,
+        float(profile._transform(np.asarray(a))) / 2.0 - pull,
+        4 * a**2 * (found.moment - less),
+        a**3 * (found.energy - less * (2.0 * found.moment - less)),
         8 * a,
         float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
-        None if pressure is None else field_of(parts, pressure.series),
+        None if pressure is None else field_of(parts, pressure.series, weight),
         None,
         ROUNDING,
         2.0 * ROUNDING,
         2.0 * ROUNDING,
         ROUNDING,
         inf if pressure is None else pressure.error + FIELD_ROUNDING,
+        pull=pull,
     )
 
 
@@ -219,6 +271,7 @@ def solve_indentation(
     max_unknowns: int,
     *,
     pointwise: bool = True,
+    adhesion: float = 0.0,
 ) -> Indentation | Refinement[Indentation]:
     """Solve normal contact under a profile on a contact of a given radius.
 
@@ -226,7 +279,8 @@ def solve_indentation(
     ----------
     profile : Profile
     radius : float
-        Larger than the flat part of the profile, smaller than its reach.
+        Larger than the flat part of the profile, smaller than its reach; with adhesion it may be
+        that of the flat part.
     compliance : float
         ``alpha*`` in the profile's unit of length.
     tolerance : float
@@ -235,6 +289,8 @@ def solve_indentation(
         Most unknowns of a space.
     pointwise : bool
         Whether the pressure is wanted.
+    adhesion : float
+        Work of adhesion, 0 without.
 
     Returns
     -------
@@ -242,16 +298,26 @@ def solve_indentation(
         On a smooth surface the half-integral is known, and there is nothing to refine.
     """
     if compliance == 0.0:
-        return _smooth(profile, radius, pointwise=pointwise)
-    problem = _IndentationProblem(profile, radius, compliance, tolerance, pointwise=pointwise)
+        return _smooth(profile, radius, pointwise=pointwise, adhesion=adhesion)
+    problem = _IndentationProblem(
+        profile, radius, compliance, tolerance, pointwise=pointwise, adhesion=adhesion
+    )
     return refine(problem, tolerance, max_unknowns)
 
 
 def glance(
-    profile: Profile, radius: float, compliance: float, tolerance: float, max_unknowns: int
+    profile: Profile,
+    radius: float,
+    compliance: float,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    adhesion: float = 0.0,
 ) -> Indentation:
     """Return the integrals of such a contact in the first space, without estimates."""
     if compliance == 0.0:
-        return _smooth(profile, radius, pointwise=False)
-    problem = _IndentationProblem(profile, radius, compliance, tolerance, pointwise=False)
+        return _smooth(profile, radius, pointwise=False, adhesion=adhesion)
+    problem = _IndentationProblem(
+        profile, radius, compliance, tolerance, pointwise=False, adhesion=adhesion
+    )
     return problem.glance(max_unknowns)

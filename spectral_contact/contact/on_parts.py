@@ -18,6 +18,7 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
+    EdgeWeight,
     LogSeries,
     PressureField,
     Radius,
@@ -72,6 +73,9 @@ class Indentation:
         The pressure under a flat punch as it drives a traction, if that is wanted.
     bends : tuple of Bend
         Where the law of a nonlinear layer bends.
+    pull : float
+        By how much adhesion lowers the approach at this radius; the load it lowers by `stiffness`
+        times as much. The work is then the elastic energy that is stored.
     """
 
     radius: float
@@ -90,11 +94,19 @@ class Indentation:
     overclosure: float = 0.0
     normal: NormalContact | None = None
     bends: tuple[Bend, ...] = ()
+    pull: float = 0.0
 
     @property
     def approach_size(self) -> float:
         """What the error of the approach is relative to."""
+        if self.pull > 0.0:
+            return self.approach + 2.0 * self.pull
         return max(abs(self.approach), self.approach - self.overclosure)
+
+    @property
+    def load_size(self) -> float:
+        """What the error of the load is relative to: with adhesion the sum of its two parts."""
+        return self.load + 2.0 * self.stiffness * self.pull
 
 
 class PartedProblem:
@@ -190,11 +202,14 @@ def series_on_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> lis
     ]
 
 
-def field_of(parts: DiskPartition, series: Sequence[LogSeries]) -> PressureField | ZonalField:
-    """Return the pressure with these series on the parts."""
+def field_of(
+    parts: DiskPartition, series: Sequence[LogSeries], weight: EdgeWeight | None = None
+) -> PressureField | ZonalField:
+    """Return the pressure with these series on the parts, and a weight that is added to them."""
     if len(parts.ends) == 1:
-        return PressureField(None, series[0])
-    return ZonalField.on_parts((CENTRE, *parts.breaks, EDGE), series, pointed=parts.pointed)
+        return PressureField(weight, series[0])
+    bounds = (CENTRE, *parts.breaks, EDGE)
+    return replace(ZonalField.on_parts(bounds, series, pointed=parts.pointed), weight=weight)
 
 
 def split_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> list[Array]:

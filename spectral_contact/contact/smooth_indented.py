@@ -195,7 +195,7 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
             series = sampled_series(panels, 2.0 / pi * values / np.sqrt(distances))
             found.append(replace(series, power=0.5))
             # what is deeper does not feel it
-            felt = np.maximum(found[-1].at_ends()[1:], mean)
+            felt = np.maximum(found[-1].at_ends()[1:], max(mean, TINY))
             worst = max(worst, _unresolved(series), 2.0 / pi * float((density.lost / felt).max()))
             continue
         clear = k + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from typing import TYPE_CHECKING, Any
@@ -44,6 +45,10 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     moved = np.zeros(len(past))
     field = solution.pressure_field
     assert field is not None
+    weight = field.weight
+    apart = weight if weight is not None and weight.shift == 0.0 else None  # infinite at the edge
+    if apart is not None:
+        field = replace(field, weight=None)
     graded, weights = _graded()
     for inner, outer in pairwise([0.0, *(b / a for b in profile.breaks if b < a), 1.0]):
         half = (outer - inner) / 2.0
@@ -53,6 +58,9 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
             m1 = (past[:, None] + inward) * (1.0 + past[:, None] + eta) / (1.0 + past[:, None]) ** 2
             moved += ellipkm1(m1) @ strength
     moved /= pi * (1.0 + past)
+    if apart is not None:
+        # a pressure A/sqrt(1 - s**2) moves the surface by A arcsin(1/s)/2 of the radius
+        moved += apart.amplitude / 2.0 * np.arctan2(1.0, np.sqrt(past * (2.0 + past)))
     gap = profile.height(a * (1.0 + past)) - solution.approach + a * moved
     return gap.reshape(places.shape)[()]
 

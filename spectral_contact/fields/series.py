@@ -348,9 +348,13 @@ class ZonePiece:
 
 @dataclass(frozen=True, slots=True)
 class ZonalField:
-    """A field that has its own expression in every zone, ordered from the centre to the edge."""
+    """A field that has its own expression in every zone, ordered from the centre to the edge.
+
+    A weight is added in all of them.
+    """
 
     pieces: tuple[ZonePiece, ...]
+    weight: EdgeWeight | None = None
 
     @classmethod
     def on_parts(
@@ -376,6 +380,8 @@ class ZonalField:
             todo &= ~inside
             if piece.field is not None and piece.factor != 0.0 and inside.any():
                 result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
+        if self.weight is not None:
+            result = result + self.weight(from_edge * (1.0 + s))
         return result
 
     def evaluate(self, y: Array) -> Array:
@@ -385,7 +391,8 @@ class ZonalField:
 
     def times(self, factor: float) -> ZonalField:
         """Return the field multiplied by a number."""
-        return ZonalField(tuple(replace(p, factor=p.factor * factor) for p in self.pieces))
+        weight = None if self.weight is None else self.weight.times(factor)
+        return ZonalField(tuple(replace(p, factor=p.factor * factor) for p in self.pieces), weight)
 
 
 def central_value(field: PressureField | ZonalField) -> float:

@@ -316,13 +316,18 @@ class _GoldEntry:
         layered = isinstance(body, dict) and "layer" in body
         more = ("coupling",) * coupled + ("profile", *CONTROLS) * self.pressed
         more += ("layer",) * layered
+        adhesive = isinstance(body, dict) and "work_of_adhesion" in body
+        more += ("work_of_adhesion", "branch") * adhesive
         check_keys(where, body, (*_PARAMETERS, *more))
+        numbers = (*_PARAMETERS, *CONTROLS * self.pressed, *("work_of_adhesion",) * adhesive)
         values: dict[str, Any] = {
             name: None
             if body[name] is None and name in ("friction", *CONTROLS)
             else _double(f"{where}, {name}", body[name])
-            for name in (*_PARAMETERS, *CONTROLS * self.pressed)
+            for name in numbers
         }
+        if adhesive:
+            values["branch"] = body["branch"]
         if coupled:
             values["coupling"] = body["coupling"]
         try:

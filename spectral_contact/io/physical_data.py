@@ -72,6 +72,9 @@ class PhysicalData:
         ν of the punch, in (−1, 0.5]; None if it is rigid.
     reduced_modulus : float or None
         E* [Pa], finite and > 0, with 1/E* the sum of (1−ν²)/E of both bodies.
+    work_of_adhesion : float or None
+        w [J/m²], finite and > 0; only under a profile. Load and approach may then be any finite
+        number here.
 
     Raises
     ------
@@ -92,13 +95,17 @@ class PhysicalData:
     punch_youngs_modulus: float | None = field(default=None, metadata={"younger": True})
     punch_poisson_ratio: float | None = field(default=None, metadata={"younger": True})
     reduced_modulus: float | None = field(default=None, metadata={"younger": True})
+    work_of_adhesion: float | None = field(default=None, metadata={"younger": True})
 
     def __post_init__(self) -> None:
         moduli = self._check_materials()
         drives = ("contact_radius", "load", "approach", "separation")
         given = [name for name in drives if getattr(self, name) is not None]
+        if self.work_of_adhesion is not None:
+            adhesion = positive("work_of_adhesion", self.work_of_adhesion, "J/m^2")
+            object.__setattr__(self, "work_of_adhesion", adhesion)
         if self.radius is not None:
-            for name in ("contact_radius", "separation"):
+            for name in ("contact_radius", "separation", "work_of_adhesion"):
                 if getattr(self, name) is not None:
                     told = "None with a radius, that of a flat punch"
                     raise SceneError(name, getattr(self, name), told)
@@ -108,6 +115,7 @@ class PhysicalData:
             raise SceneError(", ".join(drives), values, "one value, the others None: give one")
         for name in (*moduli, *given, *(() if self.radius is None else ("radius",))):
             signed = name in ("approach", "separation") and self.layer is not None
+            signed |= name in ("approach", "load") and self.work_of_adhesion is not None
             value = getattr(self, name)
             value = real(name, value, allowed="finite") if signed else positive(name, value)
             object.__setattr__(self, name, value)
@@ -190,6 +198,20 @@ class PhysicalData:
             ),
         )
 
+    def dimensionless_adhesion(self, nu: float | None) -> float | None:
+        """Return the work of adhesion in E' m; None if there is no adhesion.
+
+        Raises
+        ------
+        SceneError
+            If ν is out of range, or the result is beyond the normal doubles.
+        """
+        quarter = self._quarter(nu)
+        if self.work_of_adhesion is None:
+            return None
+        adhesion = Fraction(self.work_of_adhesion) / quarter
+        return _representable("work_of_adhesion", self.work_of_adhesion, "w/E'", "m", adhesion)
+
     def drive(self, nu: float | None) -> dict[str, float]:
         """Return what is given of a contact under a profile, lengths in m, loads in E' m².
 
@@ -200,6 +222,8 @@ class PhysicalData:
         """
         if self.load is not None:
             load = Fraction(self.load) / self._quarter(nu)
+            if self.load == 0.0:
+                return {"load": 0.0}
             return {"load": _representable("load", self.load, "P/E'", "m²", load)}
         given = {name: getattr(self, name) for name in ("approach", "contact_radius", "separation")}
         return {name: value for name, value in given.items() if value is not None}
@@ -418,7 +442,7 @@ def _dimensionless(name: str, compliance: float, formula: str, unit: Fraction) -
 
 def _representable(name: str, value: float, meaning: str, unit: str, exact: Fraction) -> float:
     """Return the nearest double, refusing what would overflow or lose digits to underflow."""
-    if sys.float_info.min <= exact <= sys.float_info.max:
+    if sys.float_info.min <= abs(exact) <= sys.float_info.max:
         return float(exact)
     allowed = f"such that {meaning} is a normal double, which is {_short(exact)} {unit} here"
     raise SceneError(name, value, allowed)

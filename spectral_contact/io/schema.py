@@ -75,7 +75,7 @@ _PHYSICAL = Record(
     dict.fromkeys(
         (
             *("contact_radius", "layer", "separation"),
-            *("punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus"),
+            *("punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus", "work_of_adhesion"),
         )
     ),
     **_maybe_floats("youngs_modulus radius load approach"),
@@ -83,6 +83,7 @@ _PHYSICAL = Record(
     contact_radius=Maybe(_FLOAT),
     layer=_LAYER,
     **_maybe_floats("separation punch_youngs_modulus punch_poisson_ratio reduced_modulus"),
+    work_of_adhesion=Maybe(_FLOAT),
 )
 _SCENE = Record(
     "Scene",
@@ -90,7 +91,8 @@ _SCENE = Record(
     {
         "coupling": False,
         **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
-        "mismatch": None,
+        **dict.fromkeys(("mismatch", "work_of_adhesion")),
+        "branch": 0,
     },
     poisson_ratio=Maybe(_FLOAT),
     **_floats("normal_compliance tangential_compliance"),
@@ -100,7 +102,8 @@ _SCENE = Record(
     profile=_PROFILE,
     **_maybe_floats("contact_radius load approach"),
     layer=_LAYER,
-    **_maybe_floats("separation mismatch"),
+    **_maybe_floats("separation mismatch work_of_adhesion"),
+    branch=_INT,
 )
 _STATE = Choice(
     "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED
@@ -195,7 +198,13 @@ _PIECE = Record(
     field=Maybe(Either(_DISK, _ANNULUS, _PRESSURE)),
     factor=_FLOAT,
 )
-_ZONAL = Record("ZonalField", series.ZonalField, pieces=Several(_PIECE))
+_ZONAL = Record(
+    "ZonalField",
+    series.ZonalField,
+    {"weight": None},
+    pieces=Several(_PIECE),
+    weight=Maybe(_WEIGHT),
+)
 _TANGENTIAL = Maybe(Either(_ZONAL, _DISK))
 _HISTORY = Record(
     "ContactHistory",
@@ -221,7 +230,8 @@ SOLUTION: Final = Record(
         zones=Several(_ZONE),
         **_maybe_floats("stick_radius opening"),
         **dict.fromkeys(_YOUNGER, _FLOAT),
-        domain_radius=_FLOAT,
+        **_floats("domain_radius load_scale approach_scale indentation_work_scale"),
+        stable_under=Several(_TEXT),
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),
     traction_field=_TANGENTIAL,

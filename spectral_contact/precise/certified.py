@@ -167,6 +167,9 @@ def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
     """Return the contact radius in double precision, or the approach where it is the unknown."""
     if scene.friction:
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
+    if isinstance(scene.profile, Flat) and scene.layer is None:
+        told = "the flat punch with a linear layer is a scene without profile"
+        raise NotComputedError("the reference", told)
     if scene.contact_radius is not None:
         return scene.contact_radius
     if begin is not None:

@@ -114,9 +114,14 @@ class RoughContact(Contact):
 
     def law(self) -> tuple[Any, Any]:
         """Return the least pressure inside over its mean, and the least gap over the approach."""
-        f, mp, places = self.fixed, self.fixed.mp, self.geometry
+        f, mp = self.fixed, self.fixed.mp
         mean = self.load / (mp.pi * self.radius**2)
         least = min(v.min() for v in self.values)
+        return f.numbers(least) / mean, self._least_gap() / self._moved
+
+    def _least_gap(self) -> Any:
+        """Return the least gap outside."""
+        f, mp, places = self.fixed, self.fixed.mp, self.geometry
         gaps = []
         weights = [
             f.over(f.times(w, m.weights), 2 * f.sqrt(z))
@@ -133,8 +138,21 @@ class RoughContact(Contact):
             if r >= self.heights.reach:
                 break
             lifted = f.numbers(moved) / mp.pi * self.radius
-            gaps.append((self.heights.height(r) - self._moved + lifted) / self._moved)
-        return f.numbers(least) / mean, min(gaps, default=mp.one)
+            gaps.append(self.heights.height(r) - self._moved + lifted)
+        return min(gaps, default=self._moved)
+
+
+@dataclass(frozen=True)
+class AdhesiveContact(RoughContact):
+    """A contact on a layer with adhesion."""
+
+    @property
+    def _vanishes(self) -> bool:
+        return False
+
+    def law(self) -> tuple[Any, Any]:
+        """Return one, as the pressure may be negative, and the least gap over the radius."""
+        return self.fixed.mp.one, self._least_gap() / self.radius
 
 
 #: Distances from the edge over the radius where the gap is looked at.
@@ -240,6 +258,8 @@ class RoughIndented:
         Relative accuracy aimed at.
     width : float
         Panel width.
+    adhesion : float
+        Work of adhesion, 0 without.
 
     Raises
     ------
@@ -248,8 +268,15 @@ class RoughIndented:
     """
 
     def __init__(
-        self, profile: Profile, compliance: float, radius: float, digits: int, width: float
+        self,
+        profile: Profile,
+        compliance: float,
+        radius: float,
+        digits: int,
+        width: float,
+        adhesion: float = 0.0,
     ) -> None:
+        self._adhesion = adhesion
         self._profile, self._compliance, self.digits = profile, compliance, digits
         pairs = self._panels(radius, width)
         points = panel_points(digits, width)
@@ -315,11 +342,19 @@ class RoughIndented:
             places, alpha, [f.over(f.of(smooth) - v, f.of(radius)) for v in h], flat
         )
         approach = smooth + f.numbers(share) * radius
+        growth = self._growth(places, p[-1], flat[-1])
+        kind = RoughContact
+        if self._adhesion:  # the pressure at the edge is the suction
+            suction = mp.sqrt(2 * mp.mpf(self._adhesion) / mp.mpf(self._compliance))
+            pull = f.over(f.of(suction), self._meshes[-1].limits(flat[-1])[1])
+            p = [v - f.times(pull, one) for v, one in zip(p, flat, strict=True)]
+            approach -= f.numbers(pull) * radius
+            kind = AdhesiveContact
         flat_load = 2 * mp.pi * places.integral(flat)
         load = 2 * mp.pi * radius**2 * places.integral(p)
         lowered = [f.times(v, f.of(approach) - w) for v, w in zip(p, h, strict=True)]
         work = mp.pi * radius**2 * places.integral(lowered)
-        return RoughContact(
+        return kind(
             f,
             places,
             tuple(mesh.series(v) for mesh, v in zip(self._meshes, p, strict=True)),
@@ -331,7 +366,7 @@ class RoughIndented:
             load,
             radius * flat_load,
             work,
-            self._growth(places, p[-1], flat[-1]),
+            growth,
             places.size,
         )
 

@@ -32,17 +32,22 @@ class SmoothIndented(Contact):
     mp : MPContext
     profile : Profile
     radius : mpf
+    adhesion : float
+        Work of adhesion, 0 without.
     """
 
     unknowns = 0
 
-    def __init__(self, mp: Any, profile: Profile, radius: Any) -> None:
+    def __init__(self, mp: Any, profile: Profile, radius: Any, adhesion: float = 0.0) -> None:
         self._mp, self.radius = mp, mp.mpf(radius)
+        self._adhesive = adhesion > 0.0
+        #: by how much adhesion lowers the approach, Johnson, Kendall and Roberts (1971)
+        self._pull = mp.sqrt(mp.pi * self.radius * mp.mpf(adhesion) / 2)
         self.heights = heights(mp, profile)
         self._top = self.heights.transform(self.radius)
         self._breaks = [b for b in self.heights.breaks if b < self.radius]
-        self.approach, self.stiffness = self._top / 2, 8 * self.radius
-        self.load = 4 * self._integral(self.heights.rate)
+        self.approach, self.stiffness = self._top / 2 - self._pull, 8 * self.radius
+        self.load = 4 * self._integral(self.heights.rate) - self.stiffness * self._pull
         self.growth = self.heights.rate(self.radius) / self.heights.root(self.radius) / 2
 
     @property
@@ -50,9 +55,18 @@ class SmoothIndented(Contact):
         """The work ``int P ddelta``."""
         return self._integral(lambda t: self._half(t) ** 2 * self.heights.root(t) / t)
 
+    def _suction(self, s: Any, from_edge: Any) -> Any:
+        """Return what adhesion takes from the pressure."""
+        if not self._adhesive:
+            return self._mp.zero
+        if from_edge == 0:
+            return self._mp.inf
+        root = self._mp.sqrt(from_edge * (1 + s))
+        return 4 * self._pull / (self._mp.pi * self.radius * root)
+
     def _half(self, t: Any) -> Any:
-        """Return F."""
-        return self._top - self.heights.transform(t)
+        """Return F, that of adhesion included."""
+        return self._top - self.heights.transform(t) - 2 * self._pull
 
     def _integral(self, function: Callable[[Any], Any]) -> Any:
         """Return the integral of a function of t over ``v``, with ``t^2 = b^2 + v^2``."""
@@ -65,7 +79,8 @@ class SmoothIndented(Contact):
     def pressures(self, s: Any, from_edge: Any) -> Any:
         """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
         found = np.empty(len(s), dtype=object)
-        found[:] = [self._pressure(v, y) for v, y in zip(s, from_edge, strict=True)]
+        pairs = zip(s, from_edge, strict=True)
+        found[:] = [self._pressure(v, y) - self._suction(v, y) for v, y in pairs]
         return found
 
     def _pressure(self, s: Any, from_edge: Any) -> Any:
@@ -137,14 +152,15 @@ class SmoothIndented(Contact):
         mp = self._mp
         mean = self.load / (mp.pi * self.radius**2)
         rests = [mp.mpf(k) / _INSIDE for k in range(1, _INSIDE)] + [mp.mpf(10) ** -8]
-        inside = min(self._pressure(1 - rest, rest) for rest in rests) / mean
+        inside = min(self._pressure(1 - rest, rest) for rest in rests) / abs(mean or 1)
         gaps = []
         for beyond in OUTSIDE:
             r = self.radius * (1 + mp.mpf(beyond))
             if r >= self.heights.reach:
                 break
             lifted = self._integral(partial(self._lift, r))
-            gaps.append((self.heights.height(r) - self.approach + lifted / mp.pi) / self.approach)
+            size = self.radius if self._adhesive else self.approach
+            gaps.append((self.heights.height(r) - self.approach + lifted / mp.pi) / size)
         return inside, min(gaps, default=mp.one)
 
     def _lift(self, r: Any, t: Any) -> Any:

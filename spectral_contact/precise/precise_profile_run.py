@@ -22,7 +22,9 @@ from spectral_contact.scene import Scene
 
 #: What a contact under a profile has; all but the radius are attributes of `Contact`, too.
 PRESSED = ("approach", "contact_radius", "load", "stiffness", "indentation_work")
-_MOST_STEPS = 8
+_MOST_STEPS = 10
+#: The first two radii of an adhesive contact, relatively.
+_APART = 1e-9
 #: Digits of mpmath beyond those aimed at, on a smooth surface.
 _GUARD = 12
 #: Where the pressure of two solutions is compared: distances from the edge, and from breaks.
@@ -65,6 +67,7 @@ class PreciseProfileRun:
     ) -> None:
         self.scene, self.digits, self._tell = scene, digits, tell
         profile, alpha = scene.profile, scene.normal_compliance
+        adhesion = scene.work_of_adhesion or 0.0
         assert profile is not None
         self._given_radius = isinstance(profile, Flat) or endless(scene)
         if scene.layer is not None:
@@ -77,10 +80,10 @@ class PreciseProfileRun:
             mp = self.mp = MPContext()
             mp.dps = digits + _GUARD
             self.bits = mp.prec
-            self._contact = lambda a: SmoothIndented(mp, profile, a)
+            self._contact = lambda a: SmoothIndented(mp, profile, a, adhesion)
         else:
             tell("operators")
-            solver = RoughIndented(profile, alpha, float(guess), digits, width)
+            solver = RoughIndented(profile, alpha, float(guess), digits, width, adhesion)
             self.mp, self.bits = solver.fixed.mp, solver.fixed.bits
             self._contact = solver.solve
         self.contact = self._found(guess)
@@ -102,6 +105,8 @@ class PreciseProfileRun:
         if scene.contact_radius is not None:
             self._tell("contact")
             return self._contact(mp.mpf(scene.contact_radius))
+        if scene.work_of_adhesion is not None:
+            return self._between(mp.mpf(guess))
         a = mp.mpf(guess)
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
@@ -117,6 +122,26 @@ class PreciseProfileRun:
             a += change
         raise ConvergenceError("the contact radius does not settle", "ask for fewer digits")
 
+    def _between(self, a: Any) -> Contact:
+        """Return the adhesive contact of a load or an approach, by secants from a radius.
+
+        Its rate in the radius is not known.
+        """
+        scene, mp = self.scene, self.mp
+        name = "load" if scene.load is not None else "approach"
+        before, b = self._contact(a), a * (1 + mp.mpf(_APART))
+        for step in range(_MOST_STEPS):
+            self._tell(f"contact radius, step {step + 1}")
+            contact = self._contact(b)
+            value, other = getattr(contact, name), getattr(before, name)
+            if abs(b - a) <= abs(b) * mp.mpf(10) ** -self.digits or value == other:
+                return contact
+            change = (mp.mpf(getattr(scene, name)) - value) * (b - a) / (value - other)
+            a = b
+            before = contact
+            b = b + change
+        raise ConvergenceError("the contact radius does not settle", "ask for fewer digits")
+
     @property
     def place(self) -> Any:
         """What was looked for: the radius, or the approach where the radius is no unknown."""
@@ -125,8 +150,11 @@ class PreciseProfileRun:
     @property
     def values(self) -> dict[str, Any]:
         """Approach, radius, load, stiffness and work."""
-        found = self.contact
-        of = (found.approach, found.radius, found.load, found.stiffness, found.work)
+        found, mp = self.contact, self.mp
+        work = found.work
+        if self.scene.work_of_adhesion is not None and not isinstance(self.scene.profile, Flat):
+            work -= mp.pi * mp.mpf(self.scene.work_of_adhesion) * found.radius**2
+        of = (found.approach, found.radius, found.load, found.stiffness, work)
         given = {name: getattr(self.scene, name) for name in CONTROLS}
         exact = {name: self.mp.mpf(one) for name, one in given.items() if one is not None}
         values = dict(zip(PRESSED, of, strict=True)) | exact

@@ -16,7 +16,7 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     """Solve a scene to any number of digits.
 
     Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones; with elastic
-    coupling full stick; under a profile normal contact.
+    coupling full stick; under a profile normal contact, with adhesion, too.
 
     Parameters
     ----------

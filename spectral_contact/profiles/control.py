@@ -59,8 +59,10 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     if type(profile) not in KINDS.values():
         raise SceneError("profile", profile, f"None or one of profiles: {', '.join(KINDS)}")
     assert isinstance(profile, Profile)
-    if isinstance(profile, Flat) and layer is None:
-        told = "None for a flat punch on a linear layer, whose radius and load are the units"
+    adhesive = scene["work_of_adhesion"] is not None
+    if isinstance(profile, Flat) and layer is None and scene["friction"] is not None:
+        told = "None for a flat punch on a linear layer with friction, whose radius and load are "
+        told += "the units: leave the profile out, and divide the compliances by its radius"
         raise SceneError("profile", profile, told)
     if len(given) != 1:
         told = "one value, the others None: give one of them with a profile"
@@ -69,17 +71,19 @@ def checked_controls(scene: Mapping[str, Any]) -> dict[str, float]:
     if name == "separation":
         return {name: _separated(value, layer)}
     if name == "contact_radius":
-        return {name: _reached(value, profile, layer, scene["normal_compliance"])}
-    return {name: _pressed(name, value, layer)}
+        return {name: _reached(value, profile, layer, scene["normal_compliance"], adhesive)}
+    return {name: _pressed(name, value, layer, adhesive)}
 
 
-def _reached(value: Any, profile: Profile, layer: Any, compliance: float) -> float:
-    if layer is not None and (isinf(layer.start) or isinstance(profile, Flat)):
+def _reached(value: Any, profile: Profile, layer: Any, compliance: float, adhesive: bool) -> float:
+    if isinstance(profile, Flat) or (layer is not None and isinf(layer.start)):
         told = "None: the contact has no edge that moves; give a load or an approach"
         raise SceneError("contact_radius", value, told)
     low, high = profile.flat_part, profile.reach
     told = f"finite, and in ({low:.6g}, {high:.6g}), the range of the profile"
     limits: dict[str, Any] = {"low": low, "high": high, "low_open": True, "high_open": True}
+    if adhesive and low > 0.0:  # the contact may be the flat part alone
+        told, limits["low_open"] = told.replace("(", "[", 1), False
     radius = real("contact_radius", value, allowed=told, **limits)
     if compliance and not SMALLEST_COMPLIANCE <= compliance / radius <= LARGEST_COMPLIANCE:
         told = "such that normal_compliance / contact_radius is in [1e-14, 1e14]"
@@ -87,7 +91,9 @@ def _reached(value: Any, profile: Profile, layer: Any, compliance: float) -> flo
     return radius
 
 
-def _pressed(name: str, value: Any, layer: Any) -> float:
+def _pressed(name: str, value: Any, layer: Any, adhesive: bool) -> float:
+    if adhesive:
+        return real(name, value, allowed="finite")
     if name == "approach" and layer is not None:
         told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
         return real(name, value, allowed=told, low=layer.start, low_open=True)

@@ -267,7 +267,8 @@ class _FlatEnded(Profile):
         """Return the `_outside` of the radius, and by how much that of ``radius t`` is less."""
         whole = float(self._outside(np.asarray(radius)))
         inner = np.sqrt(past)
-        return whole, np.where(inner > 0.0, radius**2 * y / (whole + inner), whole)
+        beyond = inner > 0.0
+        return whole, np.where(beyond, radius**2 * y / np.where(beyond, whole + inner, 1.0), whole)
 
 
 @dataclass(frozen=True, slots=True)

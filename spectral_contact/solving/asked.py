@@ -7,12 +7,12 @@ from collections.abc import Iterable
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
 from spectral_contact.io.choices import names
-from spectral_contact.records import PROFILE_QUANTITIES, QUANTITIES
+from spectral_contact.records import ADHESION_QUANTITIES, PROFILE_QUANTITIES, QUANTITIES
 
 #: Integral quantities, which may be asked for at 1e-13.
-_INTEGRAL = frozenset({"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES})
-#: Everything, of a flat punch and under a profile.
-_ALL = frozenset(QUANTITIES), frozenset({*QUANTITIES, *PROFILE_QUANTITIES})
+_INTEGRAL = frozenset(
+    {"approach", "total_shear", "stick_radius", *PROFILE_QUANTITIES, *ADHESION_QUANTITIES}
+)
 #: The tightest tolerance of fields.
 _TIGHTEST = 1e-12
 #: Zones that are not known are looked for at so much of the tolerance, where there is something to
@@ -20,12 +20,12 @@ _TIGHTEST = 1e-12
 _CLOSER, _LOOSE = 1e-3, 1e-11
 
 
-def asked_quantities(quantities: Iterable[str] | None, *, shaped: bool = False) -> frozenset[str]:
+def asked_quantities(
+    quantities: Iterable[str] | None, *, shaped: bool = False, adhesive: bool = False
+) -> frozenset[str]:
     """Return what is asked for, known names; everything is the default."""
-    if quantities is None:
-        return _ALL[shaped]
-    known = (*PROFILE_QUANTITIES, *QUANTITIES) if shaped else QUANTITIES
-    return frozenset(names("quantities", quantities, known))
+    known = (*PROFILE_QUANTITIES * shaped, *ADHESION_QUANTITIES * adhesive, *QUANTITIES)
+    return frozenset(known if quantities is None else names("quantities", quantities, known))
 
 
 def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:

@@ -11,6 +11,7 @@ from spectral_contact.profiles import Flat
 from spectral_contact.quantities import FLAT_QUANTITIES, TANGENTIAL_QUANTITIES
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
+    ADHESION_QUANTITIES,
     COUPLING,
     FULL_STICK,
     GROWTH,
@@ -40,8 +41,8 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     ----------
     scene : Scene
     quantities : iterable of str, optional
-        Names out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, too; the default is
-        everything that the scene has.
+        Names out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, with adhesion out of
+        `ADHESION_QUANTITIES`, too; the default is everything that the scene has.
 
     Returns
     -------
@@ -54,7 +55,8 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         For a name that is no quantity.
     """
     shaped = instance("scene", scene, Scene).profile is not None
-    asked, friction = asked_quantities(quantities, shaped=shaped), scene.friction
+    adhesive, friction = scene.work_of_adhesion is not None, scene.friction
+    asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive)
     kind: tuple[object, ...] = (
         friction if friction in (None, 0.0, math.inf) else "finite",
         _undriven(scene),
@@ -63,7 +65,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         scene.coupling,
     )
     if shaped:  # only then there may be a layer
-        kind = *kind, scene.layer is None, endless(scene), isinstance(scene.profile, Flat)
+        kind = *kind, scene.layer is None, endless(scene), isinstance(scene.profile, Flat), adhesive
     return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
 
 
@@ -95,7 +97,10 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
 
 def _present(scene: Scene) -> tuple[str, ...]:
     """Return what scenes of this kind may have."""
-    return QUANTITIES if scene.profile is None else (*PROFILE_QUANTITIES, *QUANTITIES)
+    if scene.profile is None:
+        return QUANTITIES
+    more = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
+    return (*PROFILE_QUANTITIES, *more, *QUANTITIES)
 
 
 def _undriven(scene: Scene) -> str:
@@ -143,13 +148,15 @@ def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
 def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
     bare = scene.normal_compliance == 0.0 and scene.layer is None
     smooth = "; closed form, the surface is smooth" if bare else ""
+    if scene.work_of_adhesion is not None:
+        smooth += "; adhesion pulls at the edge"
     if scene.couples and _needs_tangential(scene, present):
         return PlannedStep(NORMAL, StepState.SKIPPED, "the pressure is found with the traction")
     if "pressure" in present:
         return PlannedStep(NORMAL, StepState.RUN, "the pressure is asked for" + smooth)
     if _needs_tangential(scene, present):
         return PlannedStep(NORMAL, StepState.RUN, "the pressure drives the traction" + smooth)
-    if {"approach", *PROFILE_QUANTITIES}.intersection(present):
+    if {"approach", *PROFILE_QUANTITIES, *ADHESION_QUANTITIES}.intersection(present):
         what = "the approach" if scene.profile is None else "integrals"
         return PlannedStep(NORMAL, StepState.RUN, f"{what} alone, at low degree" + smooth)
     return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")

@@ -15,6 +15,7 @@ from spectral_contact.contact.indented import glance
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.layers.scene_layer import endless
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import (
     COUPLING,
@@ -133,6 +134,14 @@ class ProfileRun(Run):
             solved = self._at(scene.contact_radius, self.rtol, pointwise)
         elif scene.layer is not None:
             solved, error = self._through_layer(scene.layer, pointwise, drives)
+        elif isinstance(profile, Flat):
+            from spectral_contact.solving.adhesive import pinned
+
+            solved = pinned(scene, self.rtol, self.max_unknowns, pointwise=pointwise)
+        elif scene.work_of_adhesion is not None:
+            from spectral_contact.solving.adhesive import adhesive
+
+            solved, error = adhesive(scene, self.rtol, self.max_unknowns, pointwise=pointwise)
         else:
             path, along, alpha = self._path, self._along, scene.normal_compliance
             solved, error = find_radius(
@@ -147,6 +156,8 @@ class ProfileRun(Run):
             )
             path.add(along, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
+        if scene.work_of_adhesion is not None:
+            found = self._adhere(found, scene.work_of_adhesion)
         self._check(found)
         self.pressure, self._driving = found.pressure, found.normal
         if endless(scene):
@@ -166,6 +177,29 @@ class ProfileRun(Run):
             indentation_work=found.work_error,
             pressure=found.pressure_error,
         )
+
+    def _adhere(self, found: Indentation, adhesion: float) -> Indentation:
+        """Return a state with the work of the curve, and store what adhesion adds to it."""
+        from spectral_contact.solving.adhesive import CONTROLS_HELD, stability, with_surface_energy
+
+        if isinstance(self.scene.profile, Flat):  # linear, and its area stays what it is
+            self.values.update(stable_under=CONTROLS_HELD, stiffness_on_branch=found.stiffness)
+            self.errors["stiffness_on_branch"] = found.stiffness_error
+            return found
+        self.values.update(
+            load_scale=found.load_size,
+            approach_scale=found.approach_size,
+            indentation_work_scale=found.work + math.pi * adhesion * found.radius**2,
+        )
+        if "stiffness_on_branch" in self.plan.quantities:
+            along = stability(self.scene, found, self.rtol, self.max_unknowns)
+            self.values["stable_under"] = along.stable_under
+            if along.stiffness is None:
+                self.unavailable["stiffness_on_branch"] = along.reason
+            else:
+                self.values["stiffness_on_branch"] = along.stiffness
+                self.errors["stiffness_on_branch"] = along.error
+        return with_surface_energy(found, adhesion)
 
     def _stick_on_layer(self) -> None:
         """Solve full stick under a flat punch, in units of its radius."""
@@ -242,7 +276,8 @@ class ProfileRun(Run):
 
             setting = setting_at_radius(scene.profile, scene.layer, radius)
             return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
-        solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns)
+        adhesion = scene.work_of_adhesion or 0.0
+        solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns, adhesion)
         return solve(radius, tolerance, pointwise)
 
     def _check(self, found: Indentation) -> None:

@@ -47,7 +47,10 @@ if TYPE_CHECKING:
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
 #: Values of a solution that are there although no quantity asks for them.
-_UNREQUESTED_VALUES = ("opening", "domain_radius")
+_UNREQUESTED_VALUES = (
+    *("opening", "domain_radius", "stable_under"),
+    *("load_scale", "approach_scale", "indentation_work_scale"),
+)
 
 
 class Run:

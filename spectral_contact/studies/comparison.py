@@ -304,7 +304,9 @@ class _ComparedScene:
             raise SceneError(name, value, f"None, as the truth about {self.scene} has none")
         given = checks.real(name, value, allowed="finite")
         true = checks.scalar(f"truth.{name}", found) * self.scale[name]
-        error = abs(given - true) / (abs(true) or 1.0)
+        # with adhesion a load or an approach may be zero
+        of = getattr(self.truth, "error_scales", {}).get(name, 0.0) * self.scale[name]
+        error = abs(given - true) / (of or abs(true) or 1.0)
         self._note_factor(name, given / true if true else 1.0, every=False)
         return Agreement(name, error, estimate_of(self.truth, name), given, true)
 
@@ -496,7 +498,9 @@ class _ComparedScene:
             if endless(self.scene):  # there is no edge, within which a mean could be taken
                 raise
             return self._mean_size("pressure")
-        return load / (np.pi * a**2)
+        scales: dict[str, float] = getattr(self.truth, "error_scales", {})
+        # with adhesion it may be zero
+        return scales.get("load", abs(load)) / (np.pi * a**2)
 
     def _sizes(self, name: str, true: Array, places: Array) -> Array:
         """Return what errors are relative to."""

@@ -31,6 +31,8 @@ _MEANINGS: Final = {
     "s": ("radius s = r/a", "1"),
     "from_edge": ("distance from the edge 1 − r/a", "1"),
     "separation": ("separation at the deformed centre", "L"),
+    "work_of_adhesion": ("work of adhesion w", "E'L"),
+    "branch": ("stretch of the curve of states, from large contacts", ""),
     "profile": ("shape of the punch", ""),
     "layer": ("law of the layer", ""),
     "coupling": ("whether the traction acts back on the pressure", ""),
@@ -46,6 +48,8 @@ _WITH_PROFILE: Final = {
     "normal_compliance": ("normal compliance αE'/L", "1"),
     "tangential_compliance": ("tangential compliance βE'/L", "1"),
 }
+#: Parameters that scenes do not have, or that are results.
+_MAY_BE_ABSENT: Final = (*ALL_CONTROLS, "work_of_adhesion")
 
 
 class Collected:
@@ -137,8 +141,9 @@ def of_solution(
         radii = graded_radii(solution)
         request = Request(quantities, solution.rtol, 1, "s", radii.s, radii.from_edge)
     else:
-        shaped = scene.profile is not None
-        request = requested(quantities, solution.rtol, 1, s, from_edge, shaped=shaped)
+        kind = {"shaped": scene.profile is not None}
+        kind["adhesive"] = scene.work_of_adhesion is not None
+        request = requested(quantities, solution.rtol, 1, s, from_edge, **kind)
     rows = Rows(1, request)
     rows.take(0, solution)
     outcome = rows.outcome()
@@ -157,7 +162,7 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
         values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
         values = parameters.axes.get(name, values)
         # a load or radius that is not given of every contact is a result
-        if name not in ALL_CONTROLS or np.isfinite(values).all():
+        if name not in _MAY_BE_ABSENT or np.isfinite(values).all():
             dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)
             found[name] = dims, values, _about(name, parameters.shaped)
     if parameters.shaped:
@@ -170,6 +175,11 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
         each = np.array([one.coupling for one in parameters.forms])
         own = (parameters.dims, each) if len(each) > 1 else ((), True)
         found["coupling"] = *own, _about("coupling")
+    branches: Any = np.array([one.branch for one in parameters.forms])
+    if branches.any():
+        several = len(branches) > 1
+        dims, value = (parameters.dims, branches) if several else ((), int(branches[0]))
+        found["branch"] = dims, value, _about("branch")
     if request.places:
         for name in ("s", "from_edge"):
             found[name] = (request.places, getattr(request, name), _about(name))

@@ -18,7 +18,7 @@ from spectral_contact.contact.contact_radius import RadiusScale
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST, WORTH, Curves, nodes_needed
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles import Flat, Profile
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import Request, Served
 from spectral_contact.sweeps.sweep_parameters import PARAMETERS, Columns, Indices
@@ -34,6 +34,7 @@ CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
 _NORMAL: Final = frozenset({*CURVED, "contact_radius"})
 _FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
 _GIVEN: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
+_ADHESION: Final = PARAMETERS.index("work_of_adhesion")
 
 
 def pressed_alone(columns: Columns, request: Request) -> Mask:
@@ -41,7 +42,8 @@ def pressed_alone(columns: Columns, request: Request) -> Mask:
     asked = frozenset(request.quantities)
     if columns.law or len(columns.values) <= max(_GIVEN.values()) or not asked <= _FRICTIONLESS:
         return np.zeros(len(columns), dtype=bool)
-    linear = np.broadcast_to([one.layer is None for one in columns.forms], len(columns))
+    kinds = [one.layer is None and not isinstance(one.profile, Flat) for one in columns.forms]
+    linear = np.broadcast_to(kinds, len(columns)) & np.isnan(columns.values[_ADHESION])
     alone = np.isnan(columns.values[3]) if asked - _NORMAL else ~columns.coupled
     return np.asarray(linear & alone)
 

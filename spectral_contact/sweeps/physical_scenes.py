@@ -50,6 +50,7 @@ SI_UNITS: Final[Mapping[str, str]] = {
     "load": "N",
     "approach": "m",
     "separation": "m",
+    "work_of_adhesion": "J/m^2",
 }
 #: Those that no dimensionless scene has.
 OF_SI_ALONE: Final = tuple(name for name in SI_UNITS if name not in PARAMETERS)
@@ -59,6 +60,7 @@ _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
     "load": ("load P", "N"),
     "approach": ("approach δ", "m"),
     "stiffness": ("stiffness dP/dδ", "N/m"),
+    "stiffness_on_branch": ("stiffness dP/dδ along the curve of states", "N/m"),
     "indentation_work": ("work of the load", "J"),
     "stick_radius": ("stick radius c", "m"),
     "total_shear": ("total shear Q", "N"),
@@ -382,9 +384,8 @@ def _profile_scales(
     known: dict[str, Array], given: dict[str, Array], modulus: Array
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the units of results under profiles, and the errors that these have."""
-    scales = dict.fromkeys(
-        ("load", "stiffness", "indentation_work", "total_shear", "pressure", "traction"), modulus
-    )
+    of_force = "load", "stiffness", "stiffness_on_branch", "indentation_work", "total_shear"
+    scales = dict.fromkeys((*of_force, "pressure", "traction"), modulus)
     scales |= dict.fromkeys(("approach", "contact_radius", "slip"), np.ones(len(modulus)))
     if "contact_radius" in known:
         given_radius = given["contact_radius"]

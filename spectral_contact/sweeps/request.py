@@ -13,7 +13,7 @@ from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
 from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS
-from spectral_contact.solution import PROFILE_QUANTITIES, QUANTITIES, Ending, Solution
+from spectral_contact.solution import ADHESION_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 SCALARS: Final = tuple(name for name in NUMBERS if name in QUANTITIES)
 #: The same with a profile.
 _PROFILE_SCALARS: Final = tuple(
-    one.name for one in OUTPUTS if one.kind == "number" and one.scenes != "flat"
+    one.name for one in OUTPUTS if one.kind == "number" and one.scenes in ("all", "profile")
 )
 #: How a scene can end, by code: the endings of `solve` in small letters, and failure.
 ENDINGS: Final = ("converged", "unknowns", "rounding", "zones", "failed")
@@ -90,8 +90,9 @@ def requested(
     from_edge: Any,
     *,
     shaped: bool = False,
+    adhesive: bool = False,
 ) -> Request:
-    """Check what is asked, of scenes with a profile if they are shaped.
+    """Check what is asked, of scenes with a profile if they are shaped, with adhesion if adhesive.
 
     Raises
     ------
@@ -100,12 +101,13 @@ def requested(
         a value out of its range.
     """
     if quantities is None:
-        asked = frozenset(_PROFILE_SCALARS if shaped else SCALARS)
+        scalars = _PROFILE_SCALARS if shaped else SCALARS
+        asked = frozenset((*scalars, *ADHESION_QUANTITIES * adhesive))
     else:
-        asked = asked_quantities(quantities, shaped=shaped)
+        asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive)
     if not asked:
         raise SceneError("quantities", [], "at least one name")
-    chosen = tuple(name for name in (*PROFILE_QUANTITIES, *QUANTITIES) if name in asked)
+    chosen = tuple(one.name for one in OUTPUTS if one.name in asked)
     places = "s" if from_edge is None else "from_edge"
     return Request(
         chosen,

@@ -32,6 +32,7 @@ PARAMETERS: Final = (
     "tangential_compliance",
     "friction",
     *ALL_CONTROLS,
+    "work_of_adhesion",
 )
 #: What takes the place of Poisson's ratio, the first parameter, in scenes of two bodies.
 KAPPA: Final = "kappa"
@@ -39,8 +40,8 @@ KAPPA: Final = "kappa"
 _LAW: Final = "layer_"
 #: How many of them a flat punch has.
 _FLAT: Final = 4
-#: What varies slowest when scenes are solved: alpha, beta, nu, friction.
-_SLOWEST: Final = (1, 2, 0, 3, 4, 5, 6, 7)
+#: What varies slowest when scenes are solved: alpha, adhesion, beta, nu, friction.
+_SLOWEST: Final = (1, 8, 2, 0, 3, 4, 5, 6, 7)
 
 
 class SceneForm(NamedTuple):
@@ -51,11 +52,13 @@ class SceneForm(NamedTuple):
     coupling: bool = False
     #: whether the first parameter is kappa
     by_kappa: bool = False
+    branch: int = 0
 
     @classmethod
     def of(cls, scene: Scene) -> SceneForm:
         """Return that of a scene."""
-        return cls(scene.profile, scene.layer, scene.coupling, scene.mismatch is not None)
+        by_kappa = scene.mismatch is not None
+        return cls(scene.profile, scene.layer, scene.coupling, by_kappa, scene.branch)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,11 +98,10 @@ class Columns:
         if self.law:
             own = dict(zip(self.law, self.values[len(PARAMETERS) :, index].tolist(), strict=True))
             form = form._replace(layer=replace(form.layer, **own))  # type: ignore[type-var]
-        *kinds, by_kappa = form
-        if by_kappa:
+        kinds = form._asdict()
+        if kinds.pop("by_kappa"):
             given["mismatch"] = given.pop("poisson_ratio")
-        given = {"poisson_ratio": None, **given, **dict(zip(form._fields, kinds, strict=False))}
-        return Scene(**given)
+        return Scene(**{"poisson_ratio": None, **given, **kinds})
 
     @property
     def coupled(self) -> NDArray[np.bool_]:
@@ -144,6 +146,15 @@ class SweepParameters:
     def shaped(self) -> bool:
         """Whether there are profiles."""
         return self.forms[0].profile is not None
+
+    @property
+    def adhesive(self) -> bool:
+        """Whether some scenes have adhesion."""
+        if not self.shaped:
+            return False
+        last = len(PARAMETERS) - 1
+        known = self.fixed[last] if self.table is None else self.table[last]
+        return PARAMETERS[last] in self.axes or not bool(np.isnan(known).all())
 
     @property
     def coupled(self) -> bool:
@@ -207,6 +218,8 @@ class SweepParameters:
             digest.update("".join(map(repr, kinds)).encode())
         if self.coupled:
             digest.update(repr([one.coupling for one in self.forms]).encode())
+        if any(one.branch for one in self.forms):
+            digest.update(repr([one.branch for one in self.forms]).encode())
         if any(one.by_kappa for one in self.forms):
             digest.update(repr([one.by_kappa for one in self.forms]).encode())
         return digest.hexdigest()
@@ -275,8 +288,8 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
     """Return a changed scene, in which a load takes the place of an approach, and so on."""
-    dropped = dict.fromkeys(ALL_CONTROLS if any(changes.get(name) for name in ALL_CONTROLS) else ())
-    changes = {**dropped, **changes}
+    given = any(changes.get(name) is not None for name in ALL_CONTROLS)
+    changes = {**dict.fromkeys(ALL_CONTROLS if given else ()), **changes}
     if scene.physical is None:
         return scene.replace(**changes)
     if KAPPA in changes:

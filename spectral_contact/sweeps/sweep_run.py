@@ -82,6 +82,7 @@ def sweep(
     load: ArrayLike | None = None,
     approach: ArrayLike | None = None,
     separation: ArrayLike | None = None,
+    work_of_adhesion: ArrayLike | None = None,
     layer: Mapping[str, ArrayLike] | None = None,
     coupling: bool | None = None,
     youngs_modulus: ArrayLike | None = None,
@@ -115,6 +116,9 @@ def sweep(
     contact_radius, load, approach, separation : array_like, optional
         The values of one of these for scenes with a profile, or of load or approach in SI units;
         they replace that of the scene.
+    work_of_adhesion : array_like, optional
+        The values of the work of adhesion, for scenes with a profile. A load or an approach beyond
+        pull-off ends as ``"failed"``.
     layer : mapping of str to array_like, optional
         The values that parameters of the layer's law take, by name, as in ``{"exponent": [2, 3]}``,
         in E' and L. Their dimensions are the last, ``layer_exponent`` and so on.
@@ -180,7 +184,8 @@ def sweep(
     """
     needed()
     given = poisson_ratio, normal_compliance, tangential_compliance, friction
-    axes = dict(zip(PARAMETERS, (*given, contact_radius, load, approach, separation), strict=True))
+    pressed = contact_radius, load, approach, separation, work_of_adhesion
+    axes = dict(zip(PARAMETERS, (*given, *pressed), strict=True))
     axes[KAPPA] = kappa
     of_si = (youngs_modulus, radius, reduced_modulus, punch_youngs_modulus, punch_poisson_ratio)
     si_axes = dict(zip(_SI_AXES, of_si, strict=True))
@@ -195,9 +200,9 @@ def sweep(
         which = None
     else:
         every, parameters, which = physical.different()
-        wanted = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=every.shaped)
+        wanted = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(every))
         quantities = quantities_for(physical, wanted.quantities)
-    request = requested(quantities, rtol, max_unknowns, s, from_edge, shaped=parameters.shaped)
+    request = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(parameters))
     _check_size(every, request)
     tell = ProgressLine(progress)
     if executor is not None and not isinstance(executor, Executor):
@@ -254,6 +259,11 @@ def _physical_scenes(
     for name, values in several.items():
         raise SceneError(name, values, "one number, or None, with a table")
     return table_of(base, table)
+
+
+def _kind(parameters: SweepParameters) -> dict[str, bool]:
+    """Return of what kind the scenes are, as `requested` needs it."""
+    return {"shaped": parameters.shaped, "adhesive": parameters.adhesive}
 
 
 def _check_size(parameters: SweepParameters, request: Request) -> None:

@@ -21,6 +21,7 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import flag, real, scalar, values_at, within
 from spectral_contact.io.choices import instance, listed
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.testing.attributes import computed
@@ -286,14 +287,17 @@ class _Indented:
         assert profile is not None
         self.solution, self.scene, self.rtol, self.profile = solution, scene, rtol, profile
         self.layered = LayerConditions(scene) if scene.layer is not None else None
-        if self.layered is None:
+        self.pinned, self.adhesive = isinstance(profile, Flat), scene.work_of_adhesion is not None
+        if self.pinned:
+            radius: Any = profile.reach
+        elif self.layered is None:
             radius = computed(solution, "contact_radius") or scene.contact_radius
         else:
             radius = self.layered.radius(solution)
         low, high = profile.flat_part, profile.reach
-        pinned = self.layered is not None and self.layered.flat
         limits: dict[str, Any] = {"low": low, "high": high}
-        limits |= {"low_open": not pinned, "high_open": not pinned}
+        least_open = not (self.pinned or (self.adhesive and low > 0.0))
+        limits |= {"low_open": least_open, "high_open": not self.pinned}
         told = f"a number in ({low:.6g}, {high:.6g}), the range of the profile"
         self.radius = real("solution.contact_radius", radius, allowed=told, **limits)
         self.cuts = [*cuts, *self._around_breaks()]
@@ -339,25 +343,28 @@ class _Indented:
         mean = float(np.mean(under)) if self.layered is None else float(under[np.argmax(p)])
         approach = _number(self.solution, "approach", mean)
         size = abs(approach) if self.layered is None else max(abs(approach), a * moved.max())
+        if self.adhesive:
+            size = max(size, a * np.abs(moved).max(), np.abs(w).max())
         off = np.abs(under - approach) / size
         if self.layered is not None:
             off = self.layered.misfits(p, w, under - approach, size)
         borne = 2.0 * pi * a**2 * load(pressure, breaks=cuts)
+        told = _number(self.solution, "load", borne)
+        of_load = abs(told)
+        if self.adhesive:
+            of_load = 2.0 * pi * a**2 * load(lambda d: np.abs(pressure(d)), breaks=cuts)
         checks = [
-            _worst(
-                "pressure is not negative",
-                np.maximum(-p, 0.0) / np.mean(np.abs(p)),
-                0.0 if self.layered is None else _FLOOR,  # a law has it as small as it likes
-                _PLACES,
-            ),
-            Check(
-                "pressure bears the load",
-                abs(borne / _number(self.solution, "load", borne) - 1.0),
-                rtol,
-            ),
+            Check("pressure bears the load", abs(borne - told) / (of_load or 1.0), rtol),
             _worst("surface follows the punch", off, rtol, _PLACES),
         ]
-        if not (self.layered is not None and self.layered.flat):
+        if self.adhesive:
+            checks += self._edge(pressure)
+        else:
+            # a law has it as small as it likes
+            allowed, below = 0.0 if self.layered is None else _FLOOR, np.maximum(-p, 0.0)
+            negative = "pressure is not negative", below / np.mean(np.abs(p))
+            checks.insert(0, _worst(*negative, allowed, _PLACES))
+        if not self.pinned:
             checks.append(self._outside(pressure, approach, size, borne / (pi * a**2)))
         found = {"load": borne, "approach": approach, "contact_radius": a}
         if self.layered is not None:
@@ -365,10 +372,24 @@ class _Indented:
         for name in ALL_CONTROLS:
             given = getattr(scene, name)
             if given is not None:
-                of = {"approach": size, "separation": size}.get(name, given)
+                of = {"approach": size, "separation": size, "load": of_load}.get(name, given)
                 missed = abs(found[name] - given) / of
                 checks.append(Check(f"{name} is the one given", missed, rtol))
         return checks if traction is None else checks + self._friction(pressure, traction)
+
+    def _edge(self, pressure: Field) -> list[Check]:
+        """Return the check of the energy release rate with a layer, ``alpha p**2 / 2``.
+
+        Under a flat punch it is not more than the work of adhesion.
+        """
+        alpha, adhesion = self.scene.normal_compliance, self.scene.work_of_adhesion
+        assert adhesion is not None
+        if alpha == 0.0:
+            return []
+        edge = float(pressure(np.zeros(1))[0])
+        off = -edge * sqrt(alpha / (2.0 * adhesion)) - 1.0
+        missed = max(off, 0.0) if self.pinned else abs(off)
+        return [Check("energy release rate is the work of adhesion", missed, self.rtol)]
 
     def _outside(self, pressure: Field, approach: float, size: float, mean: float) -> Check:
         room = min(self.profile.reach / self.radius - 1.0, 1.0)

@@ -33,6 +33,7 @@ _SYMBOLS: Final = {
     "approach": ("approach", "δ", "m"),
     "contact_radius": ("contact radius", "a", "m"),
     "separation": ("separation", "d", "m"),
+    "work_of_adhesion": ("work of adhesion", "w", "J/m²"),
 }
 _WIDTH, _HEIGHT = 360.0, 26.0
 #: A zone is drawn no narrower, so that it is seen.
@@ -69,6 +70,8 @@ def of_scene(scene: Scene) -> str:
     if scene.layer is not None:
         law = scene.layer if physical is None else physical.layer
         rows.append(("layer", "", law.brief))
+    if scene.branch:
+        rows.append(("branch", "", str(scene.branch)))
     if scene.coupling:
         rows.append(("elastic coupling", "", "yes"))
     return table_html(rows)

@@ -118,6 +118,11 @@ class PhysicalSolution(choices.Suggesting):
         return float(self._in_si("stiffness"))
 
     @property
+    def stiffness_on_branch(self) -> float:
+        """With adhesion dP/dδ along the curve of states [N/m]."""
+        return float(self._in_si("stiffness_on_branch"))
+
+    @property
     def indentation_work(self) -> float:
         """Work ∫P dδ of pressing a profile in [J]."""
         return float(self._in_si("indentation_work"))

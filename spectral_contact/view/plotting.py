@@ -15,6 +15,7 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
 from spectral_contact.io.choices import instance
 from spectral_contact.solution import ErrorEstimates, Plan, Solution
+from spectral_contact.view.adhesion_picture import plot_adhesion_cycle
 from spectral_contact.view.coefficients import plot_coefficients
 from spectral_contact.view.figures import (
     BLACK,
@@ -54,6 +55,7 @@ __all__ = [
     "Radii",
     "check",
     "graded_radii",
+    "plot_adhesion_cycle",
     "plot_coefficients",
     "plot_fit",
     "plot_history",

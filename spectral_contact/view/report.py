@@ -13,6 +13,7 @@ import numpy as np
 from spectral_contact.errors import NotComputedError
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.processes import VERSION
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.scene import PhysicalData, Scene
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
     from spectral_contact.view.physical_solution import PhysicalSolution
 
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
+_RETRACTED = (
+    "the approach is negative: adhesion holds the contact while it is taken back; on the way in it "
+    "begins at the approach 0"
+)
 _PROFILE_UNITS = "s = r/a, lengths in L, p in E' = E / (4 (1 - nu^2)), loads in E' L^2"
 
 
@@ -38,7 +43,7 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     parts = [_scene_text(solution), table(quantity_cells(solution))]
     if solution.scene.physical is not None:
         parts.append(table(si_cells(solution)))
-    remarks = [*remarks, *solution.remarks]
+    remarks = [*remarks, *solution.remarks, *_on_adhesion(solution)]
     if remarks:
         parts.append("\n".join(["remarks", *map(_indented, remarks)]))
     if "zones" in solution.plan.quantities:
@@ -51,6 +56,18 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
     verdict = "yes" if solution.converged else f"no. {why[:1].upper()}{why[1:]}"
     parts.append(f"converged: {verdict}")
     return "\n\n".join(parts)
+
+
+def _on_adhesion(solution: Solution) -> list[str]:
+    """Return under what control an adhesive contact is stable, and whether it is taken back."""
+    told = []
+    stable = solution.values.get("stable_under")
+    if stable is not None:
+        held = " and of the ".join(stable)
+        told = [f"stable under control of the {held}" if stable else "stable under no control"]
+    if solution.scene.work_of_adhesion is not None and solution.values.get("approach", 0.0) < 0.0:
+        told.append(_RETRACTED)
+    return told
 
 
 def _less_certain(solution: Solution) -> str:
@@ -107,6 +124,13 @@ class _Row:
     value: float | None
     unit: str
     error: float | None
+    #: what the error is relative to, over the value
+    scale: float = 1.0
+
+    @property
+    def own_error(self) -> float | None:
+        """The error relative to the value."""
+        return None if self.error is None else self.error * self.scale
 
 
 def _rows(solution: Solution) -> list[_Row]:
@@ -151,12 +175,28 @@ def _scalars(
         unit, error = units.get(name, ""), getattr(solution.error, name)
         if name == "pressure":
             rows.append(_Row("pressure, centre", float(source.pressure(0.0)), unit, error))
-        if name in FIELDS and solution.scene.profile is None:  # under a profile it is zero
+        if name in FIELDS and _has_edge_value(name, solution.scene):
             edge = float(getattr(source, name)(from_edge=0.0))
             rows.append(_Row(f"{name}, edge", edge, unit, error))
         elif name not in (*FIELDS, "zones"):
-            rows.append(_Row(name.replace("_", " "), getattr(source, name), unit, error))
+            value = getattr(source, name)
+            scale = _relative_to(name, solution)
+            rows.append(_Row(name.replace("_", " "), value, unit, error, scale))
     return rows
+
+
+def _has_edge_value(name: str, scene: Scene) -> bool:
+    """Return whether a field is told at the edge; under most profiles the pressure is 0 there."""
+    if scene.profile is None:
+        return True
+    loaded = isinstance(scene.profile, Flat) or scene.work_of_adhesion is not None
+    return name == "pressure" and loaded
+
+
+def _relative_to(name: str, solution: Solution) -> float:
+    """Return what an error is relative to, over the value; 1 unless that may vanish."""
+    scale, value = solution.error_scales.get(name), solution.values.get(name)
+    return scale / abs(value) if scale and value else 1.0
 
 
 def scene_text(scene: Scene) -> str:
@@ -198,6 +238,9 @@ def _shape_text(scene: Scene) -> str:
     given = {name: getattr(scene, name) for name in ALL_CONTROLS}
     [control] = [f"{name} = {one!r}" for name, one in given.items() if one is not None]
     layer = "" if scene.layer is None else f", {scene.layer.brief}"
+    if scene.work_of_adhesion is not None:
+        layer += f", w = {scene.work_of_adhesion!r}"
+        layer += f", branch {scene.branch}" * bool(scene.branch)
     return f", {scene.profile.brief}{layer}, {control.replace('_', ' ')}"
 
 
@@ -217,6 +260,8 @@ def _scene_text(solution: Solution) -> str:
             layer = f"{data.layer.brief} in Pa and m"
         text += f"\n{_moduli_text(solution.scene, data)}, {', '.join(given)}, {layer}, "
         text += f"beta = {data.tangential_compliance!r} m/Pa"
+        if data.work_of_adhesion is not None:
+            text += f", w = {data.work_of_adhesion!r} J/m^2"
     return text
 
 
@@ -234,7 +279,7 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
         unit = "" if row.value is None else row.unit
-        value = f"{_digits(row.value, row.error)} {unit}".rstrip()
+        value = f"{_digits(row.value, row.own_error)} {unit}".rstrip()
         cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
     return cells
 

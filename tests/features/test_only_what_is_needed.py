@@ -31,6 +31,7 @@ ZONES = {
 FULL_STICK = NORMAL | ZONES | {"full_stick", "ratio"}
 SLIP = FULL_STICK | {"friction_law", "slip_outcome", "zone_fields", "zone_search"}
 PROFILE = NORMAL | {"contact_radius", "indented", "on_parts", "smooth_indented"}
+ADHESION = PROFILE | {"adhesion", "pinned"}
 ONSET = FULL_STICK | {"onset"}
 LAYERED = PROFILE | {
     "layered",
@@ -161,6 +162,11 @@ def test_a_profile_imports_nothing_tangential():
     assert imported_by(f"Scene(0.3, 0.0, {given})") == PROFILE
 
 
+def test_adhesion_imports_its_curve():
+    given = "profile=profiles.Parabola(1.0), load=1.0, work_of_adhesion=1.0"
+    assert imported_by(f"Scene(0.3, 0.5, {given})") == ADHESION
+
+
 def test_a_nonlinear_layer_imports_what_solves_it():
     layer = "layer=sc.layers.PowerLaw(1.0, 1.5)"
     assert imported_by(f"Scene(0.3, {layer}, profile=profiles.Parabola(1.0), load=1.0)") == LAYERED
@@ -172,7 +178,7 @@ def test_every_module_is_loaded_by_something():
     # derivatives are for fits and sensitivities
     others = {"little_friction", "tuning", "zone_derivatives"}
     assert coupled > RINGS
-    assert coupled | SLIP | LAYERED | others == CONTACT
+    assert coupled | SLIP | LAYERED | ADHESION | others == CONTACT
 
 
 @pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])

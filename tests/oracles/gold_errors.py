@@ -39,10 +39,17 @@ def errors(double, true):
             )
     for name in PRESSED if true.scene.profile is not None else ():
         found[name] = relative(getattr(double, name), getattr(true, name))
+    for name, scale in double.error_scales.items():  # with adhesion a load may be zero
+        found[name] = float(abs(getattr(double, name) - getattr(true, name))) / scale
     if true.edge_ratio is not None:
         found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
     for name in fields:
         values = getattr(double, name)(from_edge=depths)
+        if double.error_scales:
+            mean = double.error_scales["load"] / (math.pi * double.contact_radius**2)
+            pairs = zip(values, true.points, strict=True)
+            found[name] = worst(against_size(value, point, mean) for value, point in pairs)
+            continue
         if any(min(point.pressure, point.traction) < 0 for point in true.points):
             found[name] = worst(map(against_both(name, true.scene), values, true.points))
             continue
@@ -76,6 +83,13 @@ def unmet(double, true, rtol):
 def worst(several):
     """Return the largest; what is no number is larger than all."""
     return float(np.max(list(several)))
+
+
+def against_size(value, point, mean):
+    """Return the error of p relative to its size or a mean, whichever is larger."""
+    if isinf(point.pressure):
+        return relative(value, point.pressure)
+    return float(abs(float(value) - point.pressure) / max(abs(point.pressure), mean))
 
 
 def against_mean(value, point, true):

@@ -11,7 +11,8 @@ import spectral_contact as sc
 
 MODULES = ["asperities", "benchmarks", "calibration", "closed_forms", "gold", "plotting"]
 MODULES += ["precise", "studies", "testing"]
-FUNCTIONS = ["compare", "explore", "fit", "plan", "reference", "solve", "sweep"]
+FUNCTIONS = ["adhesion_cycle", "compare", "explore", "fit", "plan", "pull_off", "reference"]
+FUNCTIONS += ["solve", "sweep"]
 
 
 def python(code):

@@ -14,7 +14,13 @@ from spectral_contact import (
     Solution,
     solve,
 )
-from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS, PROFILE_QUANTITIES
+from spectral_contact.quantities import (
+    ADHESION_QUANTITIES,
+    FIELDS,
+    NUMBERS,
+    OUTPUTS,
+    PROFILE_QUANTITIES,
+)
 from spectral_contact.solving.planning import plan
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -33,13 +39,13 @@ def test_a_quantity_is_in_the_file_format_and_has_known_kinds(quantity):
     assert quantity.si_factor in ("", "radius", "displacement", "stress", "force")
     assert quantity.kind in ("number", "field", "zones")
     assert quantity.contact in ("normal", "tangential")
-    assert quantity.scenes in ("all", "profile", "flat")
+    assert quantity.scenes in ("all", "profile", "adhesion", "flat")
     assert bool(quantity.si_unit) >= bool(quantity.si_factor)
 
 
 def test_names_are_in_the_order_of_a_report():
     assert QUANTITIES[:3] == ("approach", *FIELDS[:2])
-    assert {*NUMBERS, *FIELDS, "zones"} == {*QUANTITIES, *PROFILE_QUANTITIES}
+    assert {*NUMBERS, *FIELDS, "zones"} == {*QUANTITIES, *PROFILE_QUANTITIES, *ADHESION_QUANTITIES}
 
 
 def test_a_plan_lists_all_that_a_scene_may_have():

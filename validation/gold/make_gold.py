@@ -65,6 +65,14 @@ def pressed(*rows: tuple[float, Profile, dict[str, float]]) -> list[Scene]:
     return [Scene(0.3, alpha, profile=shape, **given) for alpha, shape, given in rows]
 
 
+def sticky(*rows: tuple[float, float, Profile, dict[str, Any]]) -> list[Scene]:
+    """Return scenes of a compliance, a work of adhesion, a profile and what is given."""
+    return [
+        Scene(0.3, alpha, profile=shape, work_of_adhesion=adhesion, **given)
+        for alpha, adhesion, shape, given in rows
+    ]
+
+
 #: Slopes of polynomials: ``h = r**2 / 2 + r**4 / 8``; and a parabola that a steeper cone continues.
 BALL = profiles.Parabola(1.0)
 BOWL = profiles.Sampled((0.0, 2.0), ((2.25, 2.875, 0.75, 0.125),), rounded=True)
@@ -290,6 +298,23 @@ REGIMES: dict[str, tuple[str, list[Scene]]] = {
             (0.01, KINKED, {"contact_radius": 1.0}),
         ),
     ),
+    "adhesion": (
+        "contact with adhesion, on smooth surfaces and on layers, by radius, load or approach",
+        sticky(
+            (0.0, 1.0, BALL, {"contact_radius": 1.0}),
+            (0.0, 0.1, BALL, {"load": 0.0}),
+            (0.0, 0.1, BALL, {"load": -0.4, "branch": 1}),
+            (0.0, 0.1, BALL, {"approach": -0.1}),
+            (0.0, 0.1, profiles.Cone(1.2), {"load": -0.1}),
+            (0.0, 0.1, profiles.PowerLaw(0.3, 4.0), {"approach": 0.1}),
+            (0.0, 0.1, profiles.RoundedFlat(0.5, 2.0), {"contact_radius": 1.0}),
+            (1.0, 1.0, BALL, {"contact_radius": 1.0}),
+            (0.01, 0.1, BALL, {"contact_radius": 1.0}),
+            (1e-6, 0.1, BALL, {"contact_radius": 1.0}),
+            (1.0, 1.0, BALL, {"load": -3.0}),
+            (0.1, 0.1, profiles.PowerLaw(0.3, 4.0), {"contact_radius": 1.0}),
+        ),
+    ),
     "layers_edge": (
         "normal contact through a nonlinear layer that begins at an overclosure",
         layered(
@@ -334,6 +359,8 @@ def named(scene: Scene) -> str:
         given = {name: getattr(scene, name) for name in CONTROLS}
         told = " ".join(f"{name}={value:g}" for name, value in given.items() if value is not None)
         law = "" if scene.layer is None else f"{scene.layer.brief} "
+        if scene.work_of_adhesion is not None:
+            law = f"w={scene.work_of_adhesion:g} branch={scene.branch} "
         return f"{text} {law}{scene.profile.brief} {told}"
     if scene.friction is None:
         return text
@@ -363,7 +390,9 @@ def inputs(scene: Scene) -> dict[str, Any]:
     values = {name: double(getattr(scene, name)) for name in names}
     if scene.profile is not None:
         given = {name: double(getattr(scene, name)) for name in CONTROLS}
-        law = {} if scene.layer is None else {"layer": kind_tree(scene.layer)}
+        law: dict[str, Any] = {} if scene.layer is None else {"layer": kind_tree(scene.layer)}
+        if scene.work_of_adhesion is not None:
+            law = {"work_of_adhesion": double(scene.work_of_adhesion), "branch": scene.branch}
         return {**values, "profile": kind_tree(scene.profile), **law, **given}
     return {**values, "coupling": True} if scene.coupling else values
 

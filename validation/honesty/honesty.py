@@ -25,6 +25,7 @@ STRATA = {
     "thresholds": ("thresholds", "frictions next to where slip begins, by the friction law"),
     "thresholds_precise": ("thresholds", "the same, nearer than doubles can judge"),
     "profiles": ("profiles", "frictionless contact under profiles"),
+    "adhesion": ("adhesion", "adhesive contact under profiles, and its pull-off"),
     "growing": ("growing", "friction under growing contacts"),
     "growing_together": ("growing_together", "the same with elastic coupling"),
     "layers": ("layers", "nonlinear layers"),

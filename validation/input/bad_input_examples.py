@@ -22,6 +22,7 @@ from spectral_contact import (
 )
 from spectral_contact.asperities import greenwood_williamson
 from spectral_contact.calibration.setting import Setting
+from spectral_contact.closed_forms import SmoothContact
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
 from spectral_contact.studies import (
@@ -37,6 +38,7 @@ from spectral_contact.view.plotting import graded_radii
 
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 NORMAL = Scene(0.1, 0.5)
+STICKY = Scene(0.1, 0.5, profile=profiles.Parabola(1.0), load=0.0, work_of_adhesion=0.1)
 QUICK = Stopwatch(repeats=1, seconds=0.0, longest=0.0, processes=1)
 
 
@@ -106,9 +108,12 @@ ARGUMENTS: dict[str, Any] = {
     **{"depth": [0.3], "stiffness": [1.0], "area": [1.0], "fitted": CURVE_FIT},
     **{"first": profiles.Cone(1.0), "second": profiles.Parabola(1.0), "material": None},
     **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
+    **{"work_of_adhesion": 0.1, "contact": SmoothContact(0.5, 1.0), "points": 20},
 }
 #: By name of the callable's parameter, where the name alone does not say it.
 SPECIAL: dict[str, Any] = {
+    "adhesion_cycle.scene": STICKY,
+    "pull_off.scene": STICKY,
     "asperities.greenwood_williamson.pressure": 1e7,
     "calibration.IndentationData.load": [1.0],
     "calibration.contact_depth.load": [1.0],

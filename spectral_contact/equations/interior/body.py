@@ -145,7 +145,8 @@ class Inside:
         if solution.scene.profile is None:
             return 0.0, 0.0
         s = np.linspace(0.0, 1.0, _LOOKS)
-        mean = solution.load / (np.pi * solution.contact_radius**2)
+        load = solution.error_scales.get("load", abs(solution.load))
+        mean = load / (np.pi * solution.contact_radius**2)
         return mean, float(np.abs(solution.traction(s)).max())
 
     def _points(

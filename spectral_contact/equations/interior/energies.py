@@ -11,6 +11,7 @@ from spectral_contact.equations.interior.mesh import BodyMesh, BodyPoints
 from spectral_contact.equations.interior.results import Displacement, Energies
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
+from spectral_contact.profiles import Flat
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
@@ -48,11 +49,14 @@ def energies(
         Is told how far it is.
     """
     external, doubt = _external(solution)
+    surface, size = _surface(solution, external)
     parts, missing = _parts(solution, mesh, move, tell)
-    error = missing + abs(external - parts.sum()) + doubt * external
+    error = missing + abs(external - surface - parts.sum()) + doubt * size
     error += (solution.error.slip or 0.0) * abs(parts[2])
     strain, layer, friction, defect = (float(one) * unit for one in parts)
-    return Energies(external * unit, strain, layer, friction, defect, float(error / external))
+    share = float(error / size) if size else 0.0
+    given = external * unit, strain, layer, friction, defect, share
+    return Energies(*given, surface * unit)
 
 
 def _external(solution: Solution) -> tuple[float, float]:
@@ -64,6 +68,19 @@ def _external(solution: Solution) -> tuple[float, float]:
         raise NotComputedError("energies", told)
     work = solution.indentation_work / solution.contact_radius**2
     return work, solution.error.indentation_work or 0.0
+
+
+def _surface(solution: Solution, external: float) -> tuple[float, float]:
+    """Return the energy of the surfaces in contact, and what errors are relative to.
+
+    It is counted along the curve of states that grow from no contact. Under a flat punch the
+    contact is there at any load, so that nothing is gained by a load.
+    """
+    scene = solution.scene
+    if scene.work_of_adhesion is None or isinstance(scene.profile, Flat):
+        return 0.0, external
+    size = solution.error_scales["indentation_work"] / solution.contact_radius**2
+    return -np.pi * scene.work_of_adhesion, size
 
 
 def _parts(

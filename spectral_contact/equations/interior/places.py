@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from spectral_contact.equations.interior.mesh import BodyPoints, Evaluator, Grading, graded
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
+from spectral_contact.profiles import Flat
 
 if TYPE_CHECKING:
+    from spectral_contact.scene import Scene
     from spectral_contact.solution import Solution
 
 #: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
@@ -52,23 +54,31 @@ def grading(solution: Solution) -> Grading:
     scene = solution.scene
     smooth = scene.normal_compliance == 0.0
     smooth |= solution.traction_field is not None and scene.tangential_compliance == 0.0
-    infinite = smooth and scene.profile is None
+    infinite = smooth and loaded_edge(scene)
     folds = _SINGULAR_FOLDS if infinite else _BOUNDED_FOLDS
     return graded(boundaries(solution), folds, folds if pointed(solution) else 0)
+
+
+def loaded_edge(scene: Scene) -> bool:
+    """Return whether the pressure does not vanish at the edge: a flat punch, or adhesion."""
+    flat = scene.profile is None or isinstance(scene.profile, Flat)
+    return flat or scene.work_of_adhesion is not None
 
 
 def singular(solution: Solution) -> list[Radius]:
     """Return where stress is infinite, or depends on the direction.
 
-    That is the edge of a flat punch; under a profile, where pressure goes to zero at the edge, the
-    tip of a cone or the corner of a truncated one, on a smooth surface.
+    That is the edge of a flat punch, or with adhesion; under a profile, where pressure goes to zero
+    at the edge, the tip of a cone or the corner of a truncated one, on a smooth surface.
     """
+    edge = [EDGE] * loaded_edge(solution.scene)
     if solution.scene.profile is None:
-        return [EDGE]
+        return edge
     field = solution.pressure_field
     assert field is not None
     inner = boundaries(solution)[:-1]
-    return [b for b in inner if not np.isfinite(field(np.array(b.value), np.array(b.from_edge)))]
+    values = [field(np.array(b.value), np.array(b.from_edge)) for b in inner]
+    return edge + [b for b, value in zip(inner, values, strict=True) if not np.isfinite(value)]
 
 
 def finite(load: Evaluator) -> Evaluator:

@@ -125,7 +125,11 @@ class Energies:
         Energy that the model without coupling loses, ``kappa / 2 int q g dA``, because it neglects
         the normal displacement by the traction. Zero with coupling.
     error : float
-        Estimated error of each, relative to `external`.
+        Estimated error of each, relative to `external`; with adhesion to strain, layer and surface
+        energy together.
+    surface : float
+        With adhesion under a profile that is not flat, the energy of the surfaces that are in
+        contact, which is negative; else 0.
     """
 
     external: float
@@ -134,11 +138,13 @@ class Energies:
     friction: float
     defect: float
     error: float
+    surface: float = 0.0
 
     @property
     def balance(self) -> float:
         """What is left of `external` after the others; zero but for errors."""
-        return self.external - self.strain - self.layer - self.friction - self.defect
+        stored = self.strain + self.layer + self.surface
+        return self.external - stored - self.friction - self.defect
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,14 @@ from spectral_contact.profiles import Profile, Sampled, hull_of_points
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.layer_options import add_layer, law, layer_given
-from spectral_contact.view.cli.options import UsageError, add_option, flag, measured, number
+from spectral_contact.view.cli.options import (
+    UsageError,
+    add_option,
+    flag,
+    measured,
+    number,
+    whole,
+)
 from spectral_contact.view.cli.scene_options import (
     MATERIALS,
     add_physical,
@@ -45,6 +52,11 @@ _OWN: Final = {
     "flat_radius": "radius of the flat end of a rounded flat or truncated cone",
     "coefficient": "coefficient of a power-law profile",
     "exponent": "exponent of a power-law profile",
+}
+#: What adhesion adds; `branch` is a whole number.
+_ADHESION: Final = {
+    "work_of_adhesion": "work of adhesion, in E' L or J/m^2; load and approach may be negative",
+    "branch": "which of several states: 0 is that reached from a large contact (default: 0)",
 }
 #: Numbers that may have a unit where the scene is in SI units. An angle may have one in any scene.
 _UNITS: Final = {
@@ -97,7 +109,7 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         "--profile",
         choices=_NAMED,
         default=argparse.SUPPRESS,
-        help="shape of the punch (default: flat; give flat only with --layer); 'points FILE' takes "
+        help="shape of the punch (default: flat, with its load as the unit); 'points FILE' takes "
         "radii and heights of a text file",
     )
     add_option(group, "profile_file", str, "the same FILE", "FILE")
@@ -115,12 +127,16 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         if name in ALL_CONTROLS and control is not number:
             kind = control
         add_option(group, name, kind, meaning)
+    kinds = {"work_of_adhesion": measured if si else control, "branch": whole}
+    for name, meaning in _ADHESION.items():
+        add_option(group, name, kinds[name], meaning)
 
 
 def profile_given(arguments: argparse.Namespace) -> bool:
     """Return whether the scene has a profile, or at least an option of one or of a layer."""
     given = vars(arguments)
-    return layer_given(given) or not {"profile", *_OWN, *_OF_FILE}.isdisjoint(given)
+    own = {"profile", *_OWN, *_OF_FILE, *_ADHESION}
+    return layer_given(given) or not own.isdisjoint(given)
 
 
 def in_si_units(arguments: argparse.Namespace) -> bool:
@@ -163,6 +179,7 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         else KINDS[kind](**{name: values[name] for name in needed}),
         "coupling": arguments.coupling,
         "layer": law(given, si),
+        **_adhesion(given, si),
         **rest,
     }
     return Scene.from_physical(**known) if si else Scene(**known)
@@ -191,6 +208,14 @@ def _of_points(given: dict[str, Any], si: bool) -> Profile:
     away = f"the hull lies {hull.largest:.3g} from the points at most, {hull.rms:.3g} rms"
     given["profile_remark"] = f"{table}; {away}{f' [{unit}]' if unit else ''}"
     return Sampled.from_points(*points, convex_hull=True)
+
+
+def _adhesion(given: dict[str, Any], si: bool) -> dict[str, Any]:
+    """Return what is given of adhesion."""
+    found = {name: given[name] for name in _ADHESION if name in given}
+    if "work_of_adhesion" in found and not si:
+        found["work_of_adhesion"] = _plain("work_of_adhesion", found["work_of_adhesion"])
+    return found
 
 
 def _check_si(given: dict[str, Any]) -> None:

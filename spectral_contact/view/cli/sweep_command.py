@@ -148,7 +148,7 @@ def run(arguments: argparse.Namespace) -> xarray.Dataset:
         plotting.require()
     given = vars(arguments)
     si = not set(_SI_ONLY).isdisjoint(given)
-    names = (*_PARAMETERS, "kappa", "radius", *ALL_CONTROLS, *_SI_ONLY)
+    names = (*_PARAMETERS, "kappa", "radius", *ALL_CONTROLS, "work_of_adhesion", *_SI_ONLY)
     lists = {name: given[name] for name in names if name in given}
     of_law = {name: given[name] for name in LAW_NUMBERS if name in given}
     axes = {
@@ -203,7 +203,8 @@ def _base(arguments: argparse.Namespace, first: dict[str, Any]) -> Scene:
     first = {name: _plain([value], False)[0] for name, value in first.items()}
     if profile_given(arguments):
         return profile_scene(argparse.Namespace(**vars(arguments) | first))
-    alien = [name for name in ("radius", *ALL_CONTROLS) if name in arguments]
+    others = "radius", *ALL_CONTROLS, "work_of_adhesion"
+    alien = [name for name in others if name in arguments]
     if alien:
         raise UsageError(f"--{alien[0]} needs --profile or --youngs-modulus")
     values = {name: default for name, (default, _) in _PARAMETERS.items()} | first

@@ -170,9 +170,9 @@ def test_friction_is_refused_with_the_reason():
         Scene(0.3, tangential_compliance=0.1, **flat)
 
 
-def test_a_flat_profile_is_for_layers():
+def test_a_flat_profile_has_no_friction_on_a_linear_layer_and_no_edge_that_moves():
     with pytest.raises(SceneError, match="units"):
-        Scene(0.3, profile=profiles.Flat(1.0), load=1.0)
+        Scene(0.3, profile=profiles.Flat(1.0), load=1.0, friction=0.1)
     with pytest.raises(SceneError, match="edge"):
         Scene(0.3, layer=POWER, profile=profiles.Flat(1.0), contact_radius=0.5)
 

@@ -21,7 +21,12 @@ from spectral_contact import (
     solve,
 )
 from spectral_contact.contact import slip_outcome
-from spectral_contact.records import PROFILE_QUANTITIES, RefinementStep, Zone
+from spectral_contact.records import (
+    ADHESION_QUANTITIES,
+    PROFILE_QUANTITIES,
+    RefinementStep,
+    Zone,
+)
 from spectral_contact.solving import solver
 
 ROUGH = Scene(0.1, 0.5, 0.5, 0.1)
@@ -569,7 +574,7 @@ def test_estimates_are_there(rough):
     values = {
         one.name: getattr(rough.error, one.name)
         for one in fields(rough.error)
-        if one.name not in PROFILE_QUANTITIES
+        if one.name not in (*PROFILE_QUANTITIES, *ADHESION_QUANTITIES)
     }
     assert all(isinstance(value, float) for value in values.values())
     assert all(0.0 <= value < 1e-4 for value in values.values())

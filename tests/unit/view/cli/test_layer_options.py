@@ -146,8 +146,8 @@ FAULTS = [
     ((*BALL, "--layer", "table", "--layer-table", __file__), "text that names no column"),
     ((*BALL, "--layer", "power"), "invalid choice: 'power'"),
     (
-        ("--profile", "flat", "--radius", "1", "--load", "1"),
-        "must be None for a flat punch on a linear layer",
+        ("--profile", "flat", "--radius", "1", "--load", "1", "--friction", "0.1"),
+        "must be None for a flat punch on a linear layer with friction",
     ),
 ]
 

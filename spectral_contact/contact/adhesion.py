@@ -1,0 +1,629 @@
+r"""States of adhesive contact, and the curve on which they lie.
+
+A contact radius has one state: `indented` solves it, with a suction at the edge. Over the radius
+load and approach make a curve. Those that a load, an approach or a machine between the two gives
+are where a combination of both, the control, has a value; the curve is stable where the control
+grows with the radius. It is followed from large contacts, where it does, to smaller ones: it is cut
+at its *folds*, where the control turns, into stretches that have one state of a value each.
+
+Rates in the radius are not solved for. To some digits they follow from how the pressure falls to
+the edge and from a formula for the flat punch; to many digits from a polynomial through states
+nearby, on which folds are located, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import exp, inf, isinf, log, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from spectral_contact.contact.contact_radius import Contact, value_of
+from spectral_contact.contact.indented import glance, solve_indentation
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.refine import Refinement
+from spectral_contact.contact.tuning import ROUNDING
+from spectral_contact.profiles.profile_base import Profile
+
+Array = NDArray[np.float64]
+
+#: States through which the curve is a polynomial, and half of what they span in the logarithm of
+#: the distance from the last break: its terms, as those of ``exp(3 x)``, fall to 1e-14.
+_NODES, _HALF_WIDTH = 10, 0.12
+#: Steps along the curve, in the same logarithm, and most of them.
+_STEP, _STEPS = 0.5, 200
+#: Of so many states one is solved with estimates.
+_SAMPLED = 25
+#: Where a fold is first located, in the same logarithm, and how far from the middle of a piece of
+#: the curve it may be.
+_NEARLY, _OFF_CENTRE = 0.02, 0.5
+#: Pieces on which it is looked for.
+_PIECES = 8
+#: A rate that is less than this share of the value has no digits (`AdhesiveCurve.rates` at layers
+#: 1e10 times as soft as the half-space).
+_ROUNDED = 1e-9
+#: Radii below a fold, over its own, at which no other one is looked for.
+_FEWER = 1e-2
+#: After so many steps towards a corner they grow by a factor.
+_EVEN, _LONGER = 6, 1.25
+#: Beyond a radius at which the approach without adhesion is so many times the pull, the curve is
+#: taken for stable (`AdhesiveCurve.top`).
+_MARGIN = 2.5
+#: Logarithms of the radius between which the modelled curve is sampled.
+_REACH = 250.0
+#: How far, relatively, from a corner or the end of the profile the curve is looked at next to it.
+_NEXT = 1e-9
+#: The half-integral next to a jump of the slope is steeper by more than this just past it.
+_STEEPER = 2.0
+#: Share of the tolerance that the control may be off.
+_SHARE = 0.02
+#: Errors of the radius are this times what rates to some digits make of those of the control.
+_SAFETY = 1.5
+#: A control that changes with the logarithm of the radius by less than this share of its size is
+#: next to a fold.
+_NEAR_FOLD = 0.3
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """What is held: the load, the approach, or by a machine of stiffness k ``delta + P/k``.
+
+    Attributes
+    ----------
+    of_load, of_approach : float
+        Factors of load and approach in it.
+    """
+
+    of_load: float
+    of_approach: float
+
+    def value(self, one: Indentation) -> float:
+        """Return it in a state."""
+        return self.of_load * one.load + self.of_approach * one.approach
+
+    def size(self, one: Indentation) -> float:
+        """Return what errors of it are relative to."""
+        return self.of_load * one.load_size + self.of_approach * one.approach_size
+
+    def error(self, one: Indentation) -> float:
+        """Return the absolute error of it."""
+        load = self.of_load * one.load_error * one.load_size
+        return load + self.of_approach * one.approach_error * one.approach_size
+
+    def rate(self, rates: Rates) -> float:
+        """Return its rate."""
+        return self.of_load * rates.load + self.of_approach * rates.approach
+
+
+BY_LOAD = Control(1.0, 0.0)
+BY_APPROACH = Control(0.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """Derivatives of load and approach along the curve, in a coordinate of the radius."""
+
+    load: float
+    approach: float
+
+
+@dataclass(frozen=True, slots=True)
+class Fold:
+    """Where a control turns, or where the curve ends.
+
+    Attributes
+    ----------
+    radius : float
+    error : float
+        Relative error of the radius.
+    state : Indentation
+    curve : LocalCurve or None
+        The curve around it, on which the control has a horizontal tangent; None at a corner of the
+        profile, or at the rim of its flat part.
+    """
+
+    radius: float
+    error: float
+    state: Indentation
+    curve: LocalCurve | None = None
+
+
+class NoState(Exception):
+    """The control does not have a value on a stretch of the curve.
+
+    Parameters
+    ----------
+    stretches : int
+        Stretches that there are, up to the one asked for; 0 if no contact is stable that is smaller
+        than the profile.
+    limit : float or None
+        Value at which the stretch ends on this side; None if there is no such stretch.
+    """
+
+    def __init__(self, stretches: int, limit: float | None = None) -> None:
+        super().__init__(stretches, limit)
+        self.stretches, self.limit = stretches, limit
+
+
+class LocalCurve:
+    """Load and approach near a radius, as polynomials in the logarithm of its distance from a base.
+
+    Parameters
+    ----------
+    states_at : callable
+        Returns the states of some radii.
+    radius : float
+    base : float
+        Radius of the last break of the profile before it, or 0.
+    limit : float
+        Radius up to which the curve is smooth.
+    """
+
+    def __init__(
+        self,
+        states_at: Callable[[Sequence[float]], list[Indentation]],
+        radius: float,
+        base: float,
+        limit: float,
+    ) -> None:
+        self.base = base
+        place = log(radius - base)
+        # a singularity at the limit is as far as one at the base, which is pi away
+        room = (limit - radius) / (radius - base)
+        high = place + min(_HALF_WIDTH, room / 2.0)
+        self._middle, self._half = high - _HALF_WIDTH, _HALF_WIDTH
+        nodes = chebyshev.chebpts1(_NODES)
+        states = states_at((base + np.exp(self._middle + self._half * nodes)).tolist())
+        self._to_terms = np.linalg.inv(chebyshev.chebvander(nodes, _NODES - 1))
+        self._values = np.array([[one.load, one.approach] for one in states])
+        self._errors = np.array(
+            [
+                [
+                    (one.load_error + ROUNDING) * one.load_size,
+                    (one.approach_error + ROUNDING) * one.approach_size,
+                ]
+                for one in states
+            ]
+        )
+        self._terms = self._to_terms @ self._values
+
+    def offset(self, radius: float) -> float:
+        """Return where a radius is on the piece, from -1 to 1."""
+        return (log(radius - self.base) - self._middle) / self._half
+
+    def rates(self, radius: float, order: int = 1) -> Rates:
+        """Return derivatives of an order in the logarithm."""
+        t = self.offset(radius)
+        found: Any = chebyshev.chebval(t, chebyshev.chebder(self._terms, order))
+        slopes = found / self._half**order
+        return Rates(float(slopes[0]), float(slopes[1]))
+
+    def rate_errors(self, radius: float) -> Rates:
+        """Return the absolute errors of the first derivatives."""
+        t = self.offset(radius)
+        powers = chebyshev.chebder(np.eye(_NODES))
+        row = chebyshev.chebval(t, powers) @ self._to_terms / self._half
+        # the first term left out, by how the last ones fall, and its slope
+        last, before = np.abs(self._terms[-1]), np.abs(self._terms[-3])
+        left_out = last * np.sqrt(last / np.maximum(before, last))
+        slopes = 2.0 * _NODES * left_out / self._half
+        errors = np.abs(row) @ self._errors + slopes
+        return Rates(float(errors[0]), float(errors[1]))
+
+    def fold(self, control: Control, radius: float) -> float | None:
+        """Return the radius at which a control turns next to one, None if not on this piece."""
+        terms = self._terms @ np.array([control.of_load, control.of_approach])
+        roots = chebyshev.chebroots(chebyshev.chebder(terms))
+        real = roots.real[(np.abs(roots.imag) < ROUNDING) & (np.abs(roots.real) <= 1.0)]
+        if not len(real):
+            return None
+        nearest = float(real[np.argmin(np.abs(real - self.offset(radius)))])
+        return self.base + exp(self._middle + self._half * nearest)
+
+
+class AdhesiveCurve:
+    """The states of a profile on a surface, by their contact radius.
+
+    Parameters
+    ----------
+    profile : Profile
+        Not flat.
+    compliance : float
+        ``alpha*``.
+    adhesion : float
+        Work of adhesion.
+    tolerance : float
+    max_unknowns : int
+        Most unknowns of a space.
+    """
+
+    def __init__(
+        self,
+        profile: Profile,
+        compliance: float,
+        adhesion: float,
+        tolerance: float,
+        max_unknowns: int,
+    ) -> None:
+        self.profile, self.compliance, self.adhesion = profile, compliance, adhesion
+        self.tolerance, self.max_unknowns = tolerance, max_unknowns
+        self._glances: dict[float, Indentation] = {}
+        self.corners = _corners(profile)
+
+    def at(self, radius: float, *, pointwise: bool = False) -> Contact:
+        """Return the state of a radius, with the pressure or without."""
+        given = self.profile, radius, self.compliance, self.tolerance, self.max_unknowns
+        return solve_indentation(*given, pointwise=pointwise, adhesion=self.adhesion)
+
+    def glance(self, radius: float) -> Indentation:
+        """Return the state of a radius in the first space, without estimates."""
+        known = self._glances.get(radius)
+        if known is None:
+            given = self.profile, radius, self.compliance, self.tolerance, self.max_unknowns
+            known = self._glances[radius] = glance(*given, adhesion=self.adhesion)
+        return known
+
+    def rates(self, one: Indentation) -> Rates:
+        r"""Return derivatives in the logarithm of the radius, to some digits.
+
+        With the stiffness S and the pull d, ``dP = S d(delta) - d dS``, where
+        ``dS/dln a = 4 pi w a**2 / d**2`` since the energy release rate is w (docs/theory,
+        adhesion). How the pull grows follows from the pressure of a flat punch at its edge, whose
+        square is ``1/pi**2 + 1/(16 pi c)`` to 2 % at a compliance c.
+        """
+        a, pull = one.radius, one.pull
+        stiffening = 4.0 * pi * self.adhesion * (a / pull) ** 2
+        edge = 1.0 / (2.0 + 32.0 / pi * self.compliance / a)
+        pulling = pull * (2.0 - edge - stiffening / one.stiffness)
+        approach = a * one.growth - pulling
+        return Rates(one.stiffness * approach - stiffening * pull, approach)
+
+    def states(self, radii: Sequence[float]) -> list[Indentation]:
+        """Return the states of some radii, with estimates of their errors.
+
+        Where the first space does for a sample of them, it does for all, with the errors of the
+        nearest one.
+        """
+        sample = range(0, len(radii), _SAMPLED)
+        solved = [self.at(radii[k]) for k in sample]
+        if any(isinstance(one, Refinement) and len(one.history) > 1 for one in solved):
+            return [value_of(self.at(one)) for one in radii]
+        found = []
+        for k, radius in enumerate(radii):
+            nearest = value_of(solved[k // _SAMPLED])
+            one = nearest if k % _SAMPLED == 0 else self.glance(radius)
+            names = ("load_error", "approach_error", "work_error", "stiffness_error")
+            found.append(replace(one, **{name: getattr(nearest, name) for name in names}))
+        return found
+
+    def local(self, radius: float) -> LocalCurve:
+        """Return the curve near a radius."""
+        breaks = [b for b in (self.profile.flat_part, *self.profile.breaks) if b < radius]
+        base = max(breaks, default=0.0)
+        beyond = [b for b in (*self.profile.breaks, self.profile.reach) if b > radius]
+        return LocalCurve(self.states, radius, base, min(beyond, default=inf))
+
+    def past_flat_part(self) -> Indentation:
+        """Return a state next to the one in which the contact is the flat part."""
+        return self.glance(self.profile.flat_part * (1.0 + _NEXT))
+
+    def top(self, control: Control, value: float = -inf) -> float:
+        """Return a radius beyond which a control grows with the radius, and is above a value.
+
+        On a smooth surface ``delta_0 / a`` grows with a, since profiles are convex, the stiffness
+        like a and the pull like its root, so that it does where ``delta_0`` is 3/2 of the pull.
+        With a layer the stiffness grows like the square at most, and 5/2 does if ``delta_0 / a``
+        still grows, which is not proved.
+
+        Raises
+        ------
+        NoState
+            If the profile ends before.
+        """
+        radius = self._modelled_top(control, value)
+        flat, reach = self.profile.flat_part, self.profile.reach
+        for _ in range(_STEPS):
+            one = self.glance(radius)
+            stable = control.rate(self.rates(one)) > 0.0 and control.value(one) > value
+            at_end = not isinf(reach) and reach - radius <= _NEXT * reach
+            if stable and (at_end or one.approach + one.pull >= _MARGIN * one.pull):
+                return radius
+            if at_end:
+                break
+            if isinf(reach):
+                radius = flat + exp(_STEP) * (radius - flat)
+            else:
+                radius = reach - exp(-_STEP) * (reach - radius)
+        raise NoState(0)
+
+    def _modelled_top(self, control: Control, value: float) -> float:
+        """Return where `top` may be, from interpolation between no layer and a layer alone."""
+        flat, reach = self.profile.flat_part, self.profile.reach
+        v = np.arange(-_REACH, _REACH, _STEP / 2.0)
+        with np.errstate(all="ignore"):
+            a = flat + np.exp(v) if isinf(reach) else flat + (reach - flat) / (1.0 + np.exp(-v))
+            # nearer to its end radii round to it, and no space resolves the slope of a sphere
+            a = a[(a > flat) & (a < reach * (1.0 - _NEXT))]
+            c = self.compliance / a
+            softness = 1.0 / 8.0 + c / pi
+            half = self.profile._transform(a) / 16.0
+            high = half if self.compliance == 0.0 else half + self.profile._height(a) * c / pi
+            unpulled, stiffness = high / softness, a / softness
+            # the square of what a flat punch per unit load has at the edge, times the compliance
+            edge = c / pi**2 + 1.0 / (16.0 * pi)
+            pull = softness * np.sqrt(2.0 * self.adhesion * a / edge)
+            gained = stiffness[1:] * np.diff(unpulled)
+            load = np.concatenate([[0.0], np.cumsum(gained)]) - stiffness * pull
+            held = control.of_load * load + control.of_approach * (unpulled - pull)
+            enough = (unpulled >= _MARGIN * pull) & (held > value)
+        return float(a[np.argmax(enough)] if enough.any() else a[-1])
+
+    def _downward(self, radius: float) -> Iterator[float]:
+        """Yield smaller and smaller radii, to both sides of every corner, to the flat part.
+
+        Steps towards a corner become longer: what happens there does so on a scale of logarithms.
+        """
+        ends = [b for b in (0.0, *self.corners) if b < radius]
+        for base in reversed(ends):
+            distance, step = radius - base, _STEP
+            for k in range(_STEPS):
+                distance *= exp(-step)
+                if distance < _NEXT * base:
+                    break
+                yield base + distance
+                if base > 0.0 and k >= _EVEN:
+                    step *= _LONGER
+            if base == 0.0:
+                return
+            yield base * (1.0 + _NEXT)
+            yield base
+            radius = base
+            if base == self.profile.flat_part:
+                return
+
+    def folds(self, control: Control) -> Iterator[Fold]:
+        """Yield the folds of a control, from large contacts to small ones, and where it ends.
+
+        Below a fold and all corners of the profile no more are looked for.
+
+        Raises
+        ------
+        NoState
+            If no contact smaller than the profile is stable.
+        """
+        before, sign = self.top(control), 1.0
+        least = 0.0
+        for radius in self._downward(before):
+            if radius == self.profile.flat_part:
+                yield Fold(radius, 0.0, value_of(self.at(radius)))
+                return
+            if radius < least or self._settled(control, radius):
+                return
+            if sign * control.rate(self.rates(self.glance(radius))) <= 0.0:
+                fold = self._fold(control, before, radius)
+                yield fold
+                sign = -sign
+                if not any(b < radius for b in self.corners):
+                    least = _FEWER * fold.radius
+            before = radius
+
+    def _settled(self, control: Control, radius: float) -> bool:
+        """Return whether the control changes no more to smaller radii, but for rounding."""
+        one = self.glance(radius)
+        return abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one)
+
+    def _fold(self, control: Control, high: float, low: float) -> Fold:
+        """Return the fold between two radii at which the rates have opposite signs."""
+        if low in self.corners:
+            return Fold(low, 0.0, value_of(self.at(low)))
+        base = max((b for b in (0.0, *self.corners) if b < low), default=0.0)
+
+        def rate(place: float) -> float:
+            return control.rate(self.rates(self.glance(base + exp(place))))
+
+        places = log(low - base), log(high - base)
+        radius = base + exp(brentq(rate, *places, xtol=_NEARLY, rtol=_NEARLY))
+        for _ in range(_PIECES):
+            curve = self.local(radius)
+            turns = curve.fold(control, radius)
+            if turns is not None and abs(curve.offset(turns)) <= _OFF_CENTRE:
+                radius = turns
+                break
+            if turns is None:  # the rates to some digits were wrong: a step of Newton's
+                slope, bend = (control.rate(curve.rates(radius, k)) for k in (1, 2))
+                step = min(max(-slope / bend if bend else 0.0, -_STEP), _STEP)
+                turns = curve.base + exp(step) * (radius - curve.base)
+            radius = min(max(turns, low), high)
+        bend = control.rate(curve.rates(radius, 2))
+        missed = abs(control.rate(curve.rates(radius)))
+        off = (missed + control.rate(curve.rate_errors(radius))) / abs(bend) if bend else inf
+        error = off * (radius - curve.base) / radius + ROUNDING
+        return Fold(radius, error, value_of(self.at(radius)), curve)
+
+    def stretch(self, control: Control, value: float, branch: int) -> tuple[float, float]:
+        """Return two radii between which the control has a value, on a stretch of the curve.
+
+        Parameters
+        ----------
+        control : Control
+        value : float
+        branch : int
+            The stretch: 0 from large contacts to the first fold, 1 to the second, and so on.
+
+        Raises
+        ------
+        NoState
+            If the stretch does not have the value.
+        """
+        above = self.top(control, value if branch == 0 else -inf)
+        number, sign = 0, 1.0
+        for radius in self._downward(above):
+            pinned = radius == self.profile.flat_part
+            one = value_of(self.at(radius)) if pinned else self.glance(radius)
+            fold = None
+            if not pinned and self._settled(control, radius):
+                break
+            if not pinned and sign * control.rate(self.rates(one)) <= 0.0:
+                fold = self._fold(control, above, radius)
+                one = fold.state
+            if number == branch:
+                if sign * (control.value(one) - value) <= control.error(one):
+                    return one.radius, above
+                if pinned or fold is not None:
+                    raise NoState(number + 1, control.value(one))
+            if fold is not None:
+                number, sign = number + 1, -sign
+                if number == branch and sign * (control.value(one) - value) < 0.0:
+                    raise NoState(number + 1, control.value(one))
+            above = one.radius
+        raise NoState(number + 1, control.value(one) if number == branch else None)
+
+    def find(
+        self, control: Control, value: float, branch: int, *, pointwise: bool
+    ) -> tuple[Contact, float]:
+        """Return the state of a value on a stretch, and the relative error of its radius.
+
+        Raises
+        ------
+        NoState
+            If there is none.
+        """
+        low, high = self.stretch(control, value, branch)
+        root = _Root(self, control, value, low, high)
+        root.run(self.glance, exact=False)
+        root.run(lambda a: value_of(self.at(a)), exact=True)
+        found = self.at(root.radius, pointwise=pointwise)
+        one = value_of(found)
+        off = control.error(one) + abs(control.value(one) - value)
+        rates, error = self._radius_error(control, one, off)
+        # what is stored grows by P ddelta + w dA
+        stored = abs(one.load * rates.approach) + 2.0 * pi * self.adhesion * one.radius**2
+        best = replace(
+            one,
+            load_error=one.load_error + abs(rates.load) * error / one.load_size,
+            approach_error=one.approach_error + abs(rates.approach) * error / one.approach_size,
+            work_error=one.work_error + stored * error / one.work,
+            stiffness_error=one.stiffness_error + 2.0 * error,
+            pressure_error=one.pressure_error + self.moved(one, rates) * error,
+        )
+        if control == BY_LOAD:
+            best = replace(best, load=value, load_error=0.0)
+        if control == BY_APPROACH:
+            best = replace(best, approach=value, approach_error=0.0)
+        if isinstance(found, Refinement):
+            found = replace(found, best=replace(found.best, value=best))
+            return found, error
+        return best, error
+
+    def moved(self, one: Indentation, rates: Rates) -> float:
+        """Return by how much the pressure moves with the logarithm of the radius, relatively."""
+        unpulled = one.radius * one.growth * one.stiffness
+        return 2.0 * (1.0 + (unpulled + abs(rates.load)) / one.load_size)
+
+    def _radius_error(self, control: Control, one: Indentation, off: float) -> tuple[Rates, float]:
+        """Return the rates of a state, and the relative error of its radius.
+
+        Next to a fold the rates to some digits have none, and the square of the error counts.
+
+        Parameters
+        ----------
+        control : Control
+        one : Indentation
+        off : float
+            By how much the control may be wrong.
+        """
+        rates, bend, a = self.rates(one), 0.0, one.radius
+        slope = abs(control.rate(rates))
+        if slope < _NEAR_FOLD * control.size(one) and a > self.profile.flat_part:
+            local = self.local(a)
+            per_logarithm = a / (a - local.base)
+            rates = local.rates(a)
+            rates = Rates(rates.load * per_logarithm, rates.approach * per_logarithm)
+            slope = abs(control.rate(rates)) - control.rate(local.rate_errors(a)) * per_logarithm
+            bend = abs(control.rate(local.rates(a, 2))) * per_logarithm**2
+        error = off / slope if slope > 0.0 else inf
+        if bend > 0.0:
+            error = min(error, sqrt(2.0 * off / bend))
+        return rates, _SAFETY * error + ROUNDING
+
+
+class _Root:
+    """Newton's method for the radius at which a control has a value, between two radii."""
+
+    def __init__(
+        self, curve: AdhesiveCurve, control: Control, value: float, low: float, high: float
+    ) -> None:
+        self._curve, self._control, self._value = curve, control, value
+        self._base = max((b for b in (0.0, *curve.corners) if b <= low), default=0.0)
+        least = _NEXT * (self._base or low)
+        self._ends = log(max(low - self._base, least)), log(high - self._base)
+        states = [curve.glance(low), curve.glance(high)]
+        misses = [control.value(one) - value for one in states]
+        self._sign = 1.0 if misses[1] > misses[0] else -1.0
+        # where it is not between, for rounding, the nearer end is next to it
+        share = misses[0] / (misses[0] - misses[1]) if misses[0] != misses[1] else 0.5
+        self._place = self._ends[0] + min(max(share, 0.0), 1.0) * (self._ends[1] - self._ends[0])
+
+    @property
+    def radius(self) -> float:
+        """The radius that was last."""
+        return self._base + exp(self._place)
+
+    def run(self, state_of: Callable[[float], Indentation], *, exact: bool) -> None:
+        """Step until the control has the value, as far as it is known, or is wanted.
+
+        Parameters
+        ----------
+        state_of : callable
+            Returns the state of a radius.
+        exact : bool
+            Whether the states have estimates of their errors.
+        """
+        low, high = self._ends
+        before: tuple[float, float] | None = None
+        for _ in range(_STEPS):
+            one = state_of(self.radius)
+            off = self._control.value(one) - self._value
+            share = _SHARE * self._curve.tolerance if exact else 0.0
+            enough = max(share, ROUNDING) * self._control.size(one)
+            if abs(off) <= max(enough, self._control.error(one) / 2.0):
+                return
+            if self._sign * off > 0.0:
+                high = min(high, self._place)
+            else:
+                low = max(low, self._place)
+            distance = self.radius - self._base
+            rates = self._curve.rates(one)
+            slope = self._control.rate(rates) * distance / self.radius
+            if before is not None and before[0] != self._place:
+                secant = (off - before[1]) / (self._place - before[0])
+                slope = secant if self._sign * secant > 0.0 else slope
+            before = self._place, off
+            place = self._place - off / slope if self._sign * slope > 0.0 else inf
+            self._place = place if low < place < high else (low + high) / 2.0
+            if self._place in (low, high) or high - low <= ROUNDING * abs(high):
+                return
+
+
+def _corners(profile: Profile) -> tuple[float, ...]:
+    """Return the radii, increasing, at which the slope of a profile jumps, and of its flat part.
+
+    The half-integral rises like a root past a jump of the slope.
+    """
+    flat = profile.flat_part
+    found = [flat] if flat > 0.0 else []
+    for b in profile.breaks:
+        if b > flat:
+            before, past = (float(b * (1.0 + one * _NEXT)) for one in (-1.0, 1.0))
+            others = [c for c in profile.breaks if c < b]
+            last = max(others, default=0.0)
+            squares = np.array([(before - last) * (before + last), (past - b) * (past + b)])
+            rates = profile._rate(np.array([before, past]), squares * np.array([bool(others), 1.0]))
+            if rates[1] > _STEEPER * rates[0]:
+                found.append(b)
+    return tuple(found)

@@ -1,0 +1,104 @@
+"""Load against approach over a cycle of adhesive contact, as `adhesion_cycle` returns it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
+
+if TYPE_CHECKING:
+    from spectral_contact.scene import Scene
+
+__all__ = ["AdhesionCycle", "CycleState"]
+
+
+@dataclass(frozen=True, slots=True)
+class CycleState:
+    """A state at an end of a jump.
+
+    Attributes
+    ----------
+    contact_radius, approach, load : float
+        The radius is 0 where there is no contact.
+    """
+
+    contact_radius: float
+    approach: float
+    load: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AdhesionCycle:
+    """Approach and retraction of an adhesive contact, as `adhesion_cycle` returns them.
+
+    Lengths are in L, loads in E'L², energies in E'L³; `in_si` has them in SI units.
+
+    Attributes
+    ----------
+    scene : Scene
+    control : str
+        ``"load"`` or ``"approach"``.
+    machine_stiffness : float or None
+        In E'L.
+    contact_radius, approach, load : ndarray, shape (points,)
+        The curve of states, from the largest contact to the smallest.
+    stable : ndarray of bool, shape (points,)
+        Whether a state is stable under the control.
+    error : float
+        Largest error of a load or an approach, relative as in `ErrorEstimates`.
+    jump_in : tuple of two CycleState
+        Before and after the jump into contact, which is at the approach 0.
+    jump_out : tuple of CycleState
+        Before pull-off and after it; under control of the load the punch goes away, and there is no
+        state after it. Of states between them, to which it may jump first, there are two more each.
+    dissipated : float or None
+        Energy that the jumps dissipate, which is the area of the loop; None under control of the
+        load, whose work is not bounded.
+    dissipated_error : float or None
+        Estimate of its absolute error.
+    """
+
+    scene: Scene
+    control: str
+    machine_stiffness: float | None
+    contact_radius: Array
+    approach: Array
+    load: Array
+    stable: Array
+    error: float
+    jump_in: tuple[CycleState, CycleState]
+    jump_out: tuple[CycleState, ...]
+    dissipated: float | None
+    dissipated_error: float | None
+
+    def in_si(self) -> AdhesionCycle:
+        """Return the cycle in m, N, J and N/m.
+
+        Raises
+        ------
+        NotComputedError
+            If the scene was not made by `Scene.from_physical`.
+        """
+        data = self.scene.physical
+        if data is None:
+            raise NotComputedError("in_si", "the scene was not made by Scene.from_physical")
+
+        modulus = data.quarter_modulus(self.scene.poisson_ratio)
+
+        def scaled(value: float | None) -> float | None:
+            return None if value is None else value * modulus
+
+        def states(jump: tuple[CycleState, ...]) -> Any:
+            return tuple(replace(one, load=one.load * modulus) for one in jump)
+
+        return replace(
+            self,
+            machine_stiffness=scaled(self.machine_stiffness),
+            load=self.load * modulus,
+            jump_in=states(self.jump_in),
+            jump_out=states(self.jump_out),
+            dissipated=scaled(self.dissipated),
+            dissipated_error=scaled(self.dissipated_error),
+        )

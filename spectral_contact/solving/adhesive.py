@@ -1,0 +1,182 @@
+"""Contact with adhesion of what is given: a radius, a load or an approach."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import copysign, inf, pi
+from typing import TYPE_CHECKING, NoReturn
+
+from spectral_contact.contact.adhesion import (
+    BY_APPROACH,
+    BY_LOAD,
+    AdhesiveCurve,
+    Control,
+    NoState,
+)
+from spectral_contact.contact.contact_radius import Contact
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.pinned import PinnedContact
+from spectral_contact.contact.tuning import ROUNDING
+from spectral_contact.errors import SceneError
+
+if TYPE_CHECKING:
+    from spectral_contact.scene import Scene
+
+#: What may be held, by the name that a scene has for it.
+CONTROLS_HELD = ("load", "approach")
+
+
+@dataclass(frozen=True, slots=True)
+class Stability:
+    """How a state goes on along the curve.
+
+    Attributes
+    ----------
+    stable_under : tuple of str
+        Of `CONTROLS_HELD`, those under which the contact stays where it is.
+    stiffness : float or None
+        ``dP/ddelta`` along the curve; None where it has two values.
+    error : float
+        Error of that, relative to itself or to the stiffness at a fixed radius if that is larger.
+    reason : str
+        Why there is none.
+    """
+
+    stable_under: tuple[str, ...]
+    stiffness: float | None
+    error: float = 0.0
+    reason: str = ""
+
+
+def curve_of(scene: Scene, tolerance: float, max_unknowns: int) -> AdhesiveCurve:
+    """Return the states of a scene by their contact radius."""
+    assert scene.profile is not None
+    assert scene.work_of_adhesion is not None
+    return AdhesiveCurve(
+        scene.profile, scene.normal_compliance, scene.work_of_adhesion, tolerance, max_unknowns
+    )
+
+
+def pinned_of(
+    scene: Scene, tolerance: float, max_unknowns: int, *, pointwise: bool
+) -> PinnedContact:
+    """Return the contact of a scene with a flat punch for unit load."""
+    assert scene.profile is not None
+    return PinnedContact(
+        scene.profile.reach,
+        scene.normal_compliance,
+        scene.work_of_adhesion or 0.0,
+        tolerance,
+        max_unknowns,
+        pointwise=pointwise,
+    )
+
+
+def pinned(scene: Scene, tolerance: float, max_unknowns: int, *, pointwise: bool) -> Contact:
+    """Return the contact of a flat punch under a load, or of an approach.
+
+    Raises
+    ------
+    SceneError
+        If the punch comes off before, or has no other states.
+    """
+    contact = pinned_of(scene, tolerance, max_unknowns, pointwise=pointwise)
+    if scene.branch:
+        raise SceneError("branch", scene.branch, "0 under a flat punch, which has one state")
+    load = scene.load
+    if load is None:
+        assert scene.approach is not None
+        load = contact.load_of(scene.approach)
+    if load < contact.pull_off_load * (1.0 + contact.pull_off_error):
+        limit = contact.pull_off_load if scene.approach is None else contact.pull_off_approach
+        _refuse(scene, limit)
+    return contact.under(load, scene.approach)
+
+
+def adhesive(
+    scene: Scene, tolerance: float, max_unknowns: int, *, pointwise: bool
+) -> tuple[Contact, float]:
+    """Return the state of a load or an approach, and the relative error of its radius.
+
+    Raises
+    ------
+    SceneError
+        If there is none on the branch.
+    """
+    curve = curve_of(scene, tolerance, max_unknowns)
+    given: tuple[Control, float | None] = (BY_LOAD, scene.load)
+    if scene.load is None:
+        given = (BY_APPROACH, scene.approach)
+    control, value = given
+    assert value is not None
+    try:
+        return curve.find(control, value, scene.branch, pointwise=pointwise)
+    except NoState as missing:
+        if missing.stretches == 0:
+            refuse_reach(scene)
+        if missing.limit is None:
+            told = f"less than {missing.stretches}: there are so many branches"
+            raise SceneError("branch", scene.branch, told) from None
+        _refuse(scene, missing.limit)
+
+
+def refuse_reach(scene: Scene) -> NoReturn:
+    """Refuse a scene whose contact would grow to the end of the profile."""
+    assert scene.profile is not None
+    told = f"such that a contact inside the profile, which ends at {scene.profile.reach:.6g}, is "
+    told += "stable: adhesion pulls it to its end"
+    given = next((name for name in CONTROLS_HELD if getattr(scene, name) is not None), None)
+    name = given or "work_of_adhesion"
+    raise SceneError(name, getattr(scene, name), told)
+
+
+def _refuse(scene: Scene, limit: float) -> NoReturn:
+    """Refuse a load or an approach that no state on the branch has."""
+    name = "load" if scene.approach is None else "approach"
+    value = getattr(scene, name)
+    side = "at least" if value < limit else "at most"
+    what = f"that of pull-off under control of the {name}"
+    if scene.branch:
+        what = f"where branch {scene.branch} ends"
+    beyond = f"{abs(value - limit):.3g}"
+    if limit:
+        beyond += f", which is {abs(value - limit) / abs(limit):.3g} of it"
+    raise SceneError(name, value, f"{side} {limit:.12g}, {what}: it is beyond by {beyond}")
+
+
+def stability(scene: Scene, found: Indentation, tolerance: float, max_unknowns: int) -> Stability:
+    """Return how a state of a profile that is not flat goes on along the curve.
+
+    A state whose rate is zero within its error counts as stable: it is the last one.
+    """
+    return stability_on(curve_of(scene, tolerance, max_unknowns), found)
+
+
+def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
+    """Return how a state on a curve goes on."""
+    a = found.radius
+    if a == curve.profile.flat_part:
+        rates = curve.rates(curve.past_flat_part())
+        held = dict(zip(CONTROLS_HELD, (rates.load, rates.approach), strict=True))
+        stable = tuple(name for name, rate in held.items() if rate > 0.0)
+        told = "the contact is the flat part: it goes on in another way than back"
+        return Stability(stable, None, reason=told)
+    local = curve.local(a)
+    rates, errors = local.rates(a), local.rate_errors(a)
+    each = {"load": (rates.load, errors.load), "approach": (rates.approach, errors.approach)}
+    stable = tuple(name for name, (rate, error) in each.items() if rate >= -error)
+    if abs(rates.approach) <= errors.approach:
+        return Stability(stable, copysign(inf, rates.load), inf)
+    stiffness = rates.load / rates.approach
+    off = (errors.load + abs(stiffness) * errors.approach) / abs(rates.approach)
+    return Stability(stable, stiffness, off / max(abs(stiffness), found.stiffness) + ROUNDING)
+
+
+def with_surface_energy(found: Indentation, adhesion: float) -> Indentation:
+    """Return a state with the work ``int P ddelta`` along the curve, from no contact to it.
+
+    It is the elastic energy less the energy of the surfaces that are in contact.
+    """
+    surface = pi * adhesion * found.radius**2
+    error = found.work_error * found.work / (found.work + surface)
+    return replace(found, work=found.work - surface, work_error=error)

@@ -1,0 +1,363 @@
+"""Pull-off of adhesive contacts, and the whole cycle of approach and retraction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from spectral_contact.contact.adhesion import (
+    BY_APPROACH,
+    BY_LOAD,
+    AdhesiveCurve,
+    Control,
+    Fold,
+    NoState,
+)
+from spectral_contact.contact.contact_radius import value_of
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.tuning import ROUNDING
+from spectral_contact.errors import ConvergenceError, NotComputedError, SceneError
+from spectral_contact.fields.cycle import AdhesionCycle, CycleState
+from spectral_contact.io.checks import flag, positive, whole, within
+from spectral_contact.io.choices import instance, one_of, suggesting
+from spectral_contact.profiles import Flat
+from spectral_contact.profiles.control import CONTROLS
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution
+from spectral_contact.solving.adhesive import (
+    CONTROLS_HELD,
+    curve_of,
+    pinned_of,
+    refuse_reach,
+    with_surface_energy,
+)
+from spectral_contact.solving.asked import checked_tolerance
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.solver import solve
+from spectral_contact.threads import one_thread
+
+#: Points of a cycle: at least, and at most.
+_FEWEST, _MOST = 2, 100_000
+#: Share of the points, as a divisor, that are beyond pull-off.
+_UNSTABLE = 4
+#: Radius at which the unstable part of a cycle ends, over that of pull-off.
+_SMALLEST = 0.02
+#: Tolerances of a cycle, which has no fields.
+_TOLERANCES = "in [1e-12, 1e-2]"
+
+
+@suggesting()
+def pull_off(
+    scene: Scene,
+    control: str = "load",
+    *,
+    machine_stiffness: float | None = None,
+    rtol: float = 1e-10,
+    quantities: Iterable[str] | None = None,
+    max_unknowns: int = 20_000,
+    strict: bool = True,
+) -> Solution:
+    """Return the last stable state of an adhesive contact that is taken back.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a work of adhesion; what is given of load, approach and contact radius does not matter.
+    control : {"load", "approach"}
+        What is held.
+    machine_stiffness : float, optional
+        Stiffness k of a machine between the punch and what moves, with control of the approach: it
+        is ``delta + P/k`` that is held. In E'L, of a scene with SI data in N/m.
+    rtol, quantities, max_unknowns, strict
+        As of `solve`. At a fold `rtol` bounds the error of what is held, which is stationary there.
+        The radius is less certain, and so are the pressure and what is not held: their errors are
+        in ``error``, and ``less_certain`` names those above `rtol`.
+
+    Returns
+    -------
+    Solution
+        Of the scene at the contact radius of pull-off, whose error is in ``error.contact_radius``;
+        under a flat punch, at the load or approach of pull-off.
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range, a scene without adhesion, or one in which no contact
+        smaller than the profile is stable.
+    NotComputedError
+        If the contact shrinks to a point before it comes off, as it may under a tip.
+    ConvergenceError
+        As `solve`.
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene, profiles, pull_off
+    >>> ball = profiles.Parabola(radius=1.0)
+    >>> last = pull_off(Scene(0.3, profile=ball, load=0.0, work_of_adhesion=0.1))
+    >>> print(f"{last.load / (3.141592653589793 * 0.1):.6f}")
+    -1.500000
+    """
+    held = _held(scene, control, machine_stiffness)
+    names = plan(scene, quantities).quantities
+    rtol = checked_tolerance(rtol, names)
+    max_unknowns = whole("max_unknowns", max_unknowns, 1)
+    options: dict[str, Any] = {
+        "rtol": rtol,
+        "quantities": names,
+        "max_unknowns": max_unknowns,
+        "strict": flag("strict", strict),
+    }
+    with one_thread():
+        if isinstance(scene.profile, Flat):
+            return solve(_flat_at_pull_off(scene, control, rtol, max_unknowns), **options)
+        curve = curve_of(scene, rtol, max_unknowns)
+        _, fold = _ends(held, _folds(scene, curve, held))[-1]
+        found = _with_errors(solve(_at_radius(scene, fold.radius), **options), curve, fold)
+    of_held = found.error.load if control == "load" else found.error.approach
+    if of_held is None or of_held <= rtol:
+        return found
+    found = replace(found, converged=False)
+    if strict:
+        cause = f"the error estimate {of_held:.1e} of the {control} does not meet rtol = {rtol:.1e}"
+        raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", found)
+    return found
+
+
+@suggesting()
+def adhesion_cycle(
+    scene: Scene,
+    control: str = "approach",
+    *,
+    machine_stiffness: float | None = None,
+    points: int = 200,
+    rtol: float = 1e-10,
+    max_unknowns: int = 20_000,
+) -> AdhesionCycle:
+    """Return load against approach over a whole cycle of adhesive contact.
+
+    The punch comes to the surface, contact jumps in, is pressed to the state of the scene, taken
+    back, and jumps out. Both jumps are at the ends of stable states; between them are, in the
+    arrays, those that are not stable.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a work of adhesion and a profile that is not flat. Its state is the largest contact of
+        the cycle, unless the one after the jump into contact is larger.
+    control, machine_stiffness
+        As of `pull_off`.
+    points : int
+        Of the arrays, from 2 to 100,000.
+    rtol : float
+        Bound on the relative errors, in [1e-12, 1e-2].
+    max_unknowns : int
+        As of `solve`.
+
+    Returns
+    -------
+    AdhesionCycle
+        `plotting.plot_adhesion_cycle` draws it.
+
+    Raises
+    ------
+    SceneError, NotComputedError
+        As `pull_off`.
+    """
+    held = _held(scene, control, machine_stiffness)
+    points = whole("points", points, _FEWEST)
+    rtol = within("rtol", rtol, _TOLERANCES)
+    max_unknowns = whole("max_unknowns", max_unknowns, 1)
+    if points > _MOST:
+        raise SceneError("points", points, f"at most {_MOST}")
+    if isinstance(scene.profile, Flat):
+        told = "not flat: the cycle of a flat punch is a straight line, which ends at pull_off"
+        raise SceneError("profile", scene.profile, told)
+    with one_thread():
+        curve = curve_of(scene, rtol, max_unknowns)
+        folds = _folds(scene, curve, held)
+        ends = _ends(held, folds)
+        landed = _first_contact(scene, curve, held)
+        radii = _radii(scene, curve, ends, landed, points)
+        states = curve.states(radii)
+        stable = [sum(one.radius > a for one in folds) % 2 == 0 for a in radii]
+        jump_out, lost = _jumps_out(curve, held, ends)
+    energies = [_energy(held, one, curve.adhesion) for one in lost]
+    # the energy before a jump less that after it; that before contact is 0
+    falls = [-_energy(held, landed, curve.adhesion)]
+    falls += [one - other for one, other in zip(energies[::2], [*energies[1::2], 0.0], strict=True)]
+    doubt = sum(_energy_error(held, one, curve.adhesion) for one in (landed, *lost))
+    bounded = held.of_approach > 0.0
+    return AdhesionCycle(
+        scene,
+        control,
+        None if machine_stiffness is None else 1.0 / held.of_load,
+        np.array(radii),
+        np.array([one.approach for one in states]),
+        np.array([one.load for one in states]),
+        np.array(stable),
+        max(max(one.load_error, one.approach_error) for one in states),
+        (_APART, _state(landed)),
+        jump_out,
+        sum(falls) if bounded else None,
+        doubt if bounded else None,
+    )
+
+
+#: No contact, at the approach at which it begins.
+_APART = CycleState(0.0, 0.0, 0.0)
+
+
+def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Control:
+    """Return what is held; refuse a scene without adhesion."""
+    if instance("scene", scene, Scene).work_of_adhesion is None:
+        raise SceneError("scene", scene, "one with a work_of_adhesion")
+    one_of("control", control, CONTROLS_HELD)
+    if machine_stiffness is None:
+        return BY_LOAD if control == "load" else BY_APPROACH
+    unit = "" if scene.physical is None else "N/m"
+    stiffness = positive("machine_stiffness", machine_stiffness, unit)
+    if control == "load":
+        told = "None under control of the load, to which a machine adds nothing"
+        raise SceneError("machine_stiffness", machine_stiffness, told)
+    stiffness /= _modulus(scene) or 1.0
+    return Control(1.0 / stiffness, 1.0)
+
+
+def _modulus(scene: Scene) -> float | None:
+    """Return E' [Pa]; None of a scene without SI data."""
+    data = scene.physical
+    return None if data is None else data.quarter_modulus(scene.poisson_ratio)
+
+
+def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int) -> Scene:
+    """Return the scene of a flat punch at pull-off, which no machine moves."""
+    contact = pinned_of(scene, rtol, max_unknowns, pointwise=False)
+    if control == "approach":
+        return _changed(scene, "approach", contact.pull_off_approach)
+    return _changed(scene, "load", contact.pull_off_load * (_modulus(scene) or 1.0))
+
+
+def _at_radius(scene: Scene, radius: float) -> Scene:
+    return _changed(scene, "contact_radius", radius)
+
+
+def _changed(scene: Scene, name: str, value: float) -> Scene:
+    """Return a scene of which one thing is given in place of another."""
+    return scene.replace(**{**dict.fromkeys(CONTROLS), "branch": 0, name: value})
+
+
+def _folds(scene: Scene, curve: AdhesiveCurve, held: Control) -> list[Fold]:
+    """Return the folds, from large contacts to small ones; even ones end stable stretches.
+
+    Raises
+    ------
+    SceneError
+        If no contact smaller than the profile is stable.
+    NotComputedError
+        If the contact shrinks to a point.
+    """
+    try:
+        found = list(curve.folds(held))
+    except NoState:
+        refuse_reach(scene)
+    if not found:
+        told = "the contact shrinks to a point before it comes off"
+        raise NotComputedError("pull_off", told)
+    return found
+
+
+def _ends(held: Control, folds: list[Fold]) -> list[tuple[int, Fold]]:
+    """Return where the contact loses its hold, one after the other, with numbers of branches.
+
+    A contact that loses its hold at a fold finds it again on a stretch to smaller contacts if that
+    ends at a lower value.
+    """
+    found: list[tuple[int, Fold]] = []
+    for number, fold in enumerate(folds):
+        lower = not found or held.value(fold.state) < held.value(found[-1][1].state)
+        if number % 2 == 0 and lower:
+            found.append((number, fold))
+    return found
+
+
+def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
+    """Return the solution at a fold with what its radius is uncertain by."""
+    if fold.curve is None:
+        return found
+    rates, error, own = curve.rates(fold.state), fold.error, found.error
+    scales = fold.state.load_size, fold.state.approach_size
+    more: dict[str, float] = {"contact_radius": error}
+    moves = {
+        "load": abs(rates.load) * error / scales[0],
+        "approach": abs(rates.approach) * error / scales[1],
+        "stiffness": 2.0 * error,
+        "pressure": curve.moved(fold.state, rates) * error,
+    }
+    for name, change in moves.items():
+        known = getattr(own, name)
+        if known is not None:
+            more[name] = known + change
+    return replace(found, error=replace(own, **more))
+
+
+def _first_contact(scene: Scene, curve: AdhesiveCurve, held: Control) -> Indentation:
+    """Return the state after the jump into contact."""
+    try:
+        return value_of(curve.find(held, 0.0, 0, pointwise=False)[0])
+    except NoState:
+        refuse_reach(scene)
+
+
+def _radii(
+    scene: Scene,
+    curve: AdhesiveCurve,
+    ends: list[tuple[int, Fold]],
+    landed: Indentation,
+    points: int,
+) -> list[float]:
+    """Return the radii of the points, from large contacts to small ones."""
+    asked = solve(scene, curve.tolerance, ("contact_radius",), max_unknowns=curve.max_unknowns)
+    largest, least = max(asked.contact_radius, landed.radius), ends[-1][1].radius
+    flat = curve.profile.flat_part
+    if flat > 0.0:
+        past = np.geomspace(largest - flat, _SMALLEST * _SMALLEST * (largest - flat), points - 1)
+        return [*(flat + past).tolist(), flat]
+    few = points // _UNSTABLE
+    stable = np.geomspace(largest, least, points - few, endpoint=not few)
+    return [*stable.tolist(), *np.geomspace(least, _SMALLEST * least, few).tolist()]
+
+
+def _jumps_out(
+    curve: AdhesiveCurve, held: Control, ends: list[tuple[int, Fold]]
+) -> tuple[tuple[CycleState, ...], list[Indentation]]:
+    """Return states before and after every jump, and those of them that are in contact."""
+    states: list[Indentation] = []
+    for k, (_, fold) in enumerate(ends):
+        states.append(fold.state)
+        if k + 1 < len(ends):
+            landing, _ = curve.find(held, held.value(fold.state), ends[k + 1][0], pointwise=False)
+            states.append(value_of(landing))
+    shown = [_state(one) for one in states]
+    if held.of_approach > 0.0:
+        shown.append(CycleState(0.0, held.value(states[-1]), 0.0))
+    return tuple(shown), states
+
+
+def _state(one: Indentation) -> CycleState:
+    return CycleState(one.radius, one.approach, one.load)
+
+
+def _energy(held: Control, one: Indentation, adhesion: float) -> float:
+    """Return the energy of contact, surfaces and machine, which a jump lowers."""
+    return with_surface_energy(one, adhesion).work + held.of_load * one.load**2 / 2.0
+
+
+def _energy_error(held: Control, one: Indentation, adhesion: float) -> float:
+    """Return the absolute error of that; what is stored has the error of the larger parts."""
+    surface = pi * adhesion * one.radius**2
+    spring = held.of_load * abs(one.load) * one.load_size * one.load_error
+    return one.work * one.work_error + ROUNDING * (one.work + surface) + spring

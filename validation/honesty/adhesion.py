@@ -1,0 +1,178 @@
+"""True errors of adhesive contact under random profiles against their estimates.
+
+A stratum of honesty.py. Scenes have random shapes, radii, compliances, works of adhesion and
+tolerances; each is solved for its radius, for its load and its approach on the stretch of the curve
+that it is on, with its stiffness there, and one in three at both ends of stability. The truth is
+the same in a space with eight degrees more on every panel and two panels more at every end: that
+the method converges to the truth is tested against closed forms and by elliptic integrals. One
+scene of ten is a power law on a smooth surface, whose pull-off is a closed form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+from honesty_table import Outcome, Stratum, command, decade, in_turn
+from profiles import FROM_EDGE, LEAST, MOST, ROUNDING, Better, drawn
+
+from spectral_contact import Scene, closed_forms, pull_off
+from spectral_contact import profiles as shapes
+from spectral_contact.contact.adhesion import (
+    BY_APPROACH,
+    BY_LOAD,
+    AdhesiveCurve,
+    Control,
+    NoState,
+)
+from spectral_contact.contact.contact_radius import Contact, value_of
+from spectral_contact.contact.indented import solve_indentation
+from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.refine import Refinement, refine
+from spectral_contact.solving.adhesive import Stability, stability_on
+
+#: Each such scene is on a smooth surface, and each such one is followed to pull-off.
+SMOOTH, PULLED = 10, 3
+#: Of scenes with breaks each such one is followed along the curve.
+BROKEN = 40
+NONE = Stability((), None)
+#: Of the pull over the approach without adhesion, decades.
+PULL = 2.0
+#: The truth's own tolerance.
+CLOSE = 1e-13
+
+
+class Truth(AdhesiveCurve):
+    """The curve, of states in larger spaces."""
+
+    def at(self, radius: float, *, pointwise: bool = False) -> Contact:
+        """Return the state of a radius."""
+        given = self.profile, radius, self.compliance, CLOSE
+        problem = Better(*given, pointwise=pointwise, adhesion=self.adhesion)
+        return refine(problem, 1e-11, 20_000)
+
+    def glance(self, radius: float) -> Indentation:
+        """Return the state of a radius."""
+        known = self._glances.get(radius)
+        if known is None:
+            known = self._glances[radius] = value_of(self.at(radius))
+        return known
+
+
+def errors_of(found: Indentation, truth: Indentation) -> dict[str, float]:
+    """Return true errors over their estimates of all but the radius."""
+    sizes = {
+        "load": truth.load_size,
+        "approach": truth.approach_size,
+        "work": truth.work,
+        "stiffness": truth.stiffness,
+    }
+    ratios = {}
+    for name, size in sizes.items():
+        off = abs(getattr(found, name) - getattr(truth, name)) / size
+        room = getattr(found, f"{name}_error") + getattr(truth, f"{name}_error")
+        ratios[name] = off / room
+    if found.pressure is not None and truth.pressure is not None:
+        s = 1.0 - FROM_EDGE
+        exact = truth.pressure(s, FROM_EDGE)
+        size = np.maximum(np.abs(exact), truth.load_size / (pi * truth.radius**2))
+        off = float((np.abs(found.pressure(s, FROM_EDGE) - exact) / size).max())
+        ratios["pressure"] = off / (found.pressure_error + truth.pressure_error)
+    return ratios
+
+
+def on_its_branch(
+    curve: AdhesiveCurve, control: Control, truth: Indentation
+) -> tuple[Contact, float] | None:
+    """Return the state with the truth's load or approach next to it, if a stretch has it."""
+    for branch in range(3):
+        try:
+            found, off = curve.find(control, control.value(truth), branch, pointwise=True)
+        except NoState:
+            continue
+        if abs(value_of(found).radius / truth.radius - 1.0) < 1e-3:
+            return found, off
+    return None
+
+
+def ratios(rng: np.random.Generator, number: int) -> Outcome:
+    """Return the largest true errors over estimates of a scene."""
+    profile, radius = drawn(rng)
+    compliance = 10.0 ** rng.uniform(LEAST, MOST) * radius
+    tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
+    share = decade(rng, -PULL, PULL)
+    bare = value_of(solve_indentation(profile, radius, compliance, 1e-6, 20_000, adhesion=1.0))
+    adhesion = (share * (bare.approach + bare.pull) / bare.pull) ** 2
+    label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, w = {adhesion:.3g}"
+    label += f", rtol = {tolerance:.1e}"
+    given = profile, compliance, adhesion, tolerance, 20_000
+    curve, better = AdhesiveCurve(*given), Truth(*given)
+    solved = curve.at(radius, pointwise=True)
+    truth = value_of(better.at(radius, pointwise=True))
+    compared = [errors_of(value_of(solved), truth)]
+    # every radius has operators of its own under a profile with breaks
+    whole = not profile.breaks or number % BROKEN == 0
+    for control in (BY_LOAD, BY_APPROACH)[: 2 if whole else 1]:
+        searched = on_its_branch(curve, control, truth)
+        if searched is not None:
+            found, off = value_of(searched[0]), searched[1]
+            compared.append(errors_of(found, truth))
+            compared[-1]["radius"] = abs(found.radius / radius - 1.0) / (off + ROUNDING)
+    label += "" if whole else ", in part"
+    known = stability_on(better, truth) if whole else NONE
+    along = stability_on(curve, value_of(solved)) if whole else NONE
+    if along.stiffness is not None and known.stiffness is not None:
+        size = max(abs(known.stiffness), truth.stiffness)
+        off = abs(along.stiffness - known.stiffness) / size
+        compared.append({"stiffness on branch": off / (along.error + known.error)})
+    for control in (BY_LOAD, BY_APPROACH) if whole and number % PULLED == 0 else ():
+        try:
+            first = next(curve.folds(control), None)
+            last = next(better.folds(control), None)
+        except NoState:  # adhesion pulls the contact to the end of the profile
+            continue
+        if first is not None and last is not None:
+            moved = abs(first.radius / last.radius - 1.0) / (first.error + last.error + ROUNDING)
+            off = abs(control.value(first.state) - control.value(last.state))
+            room = control.error(first.state) + control.error(last.state)
+            compared.append({"pull-off radius": moved, "pull-off value": off / room})
+    names = dict.fromkeys(name for one in compared for name in one)
+    largest = {name: max(one[name] for one in compared if name in one) for name in names}
+    assert isinstance(solved, Refinement)
+    return Outcome(largest, label, solved.best.error <= tolerance)
+
+
+def smooth_ratios(rng: np.random.Generator) -> Outcome:
+    """Return likewise of the pull-off of a power law on a smooth surface."""
+    exponent = float(rng.choice([1.0, 1.5, 2.0, 3.0, 4.0, 8.0]))
+    coefficient, adhesion = decade(rng, -2.0, 2.0), decade(rng, -6.0, 2.0)
+    profile = shapes.PowerLaw(coefficient, exponent)
+    scene = Scene(None, profile=profile, load=0.0, work_of_adhesion=adhesion)
+    compared = []
+    for control in ("load", "approach"):
+        found = pull_off(scene, control)
+        true = closed_forms.power_law_pull_off(
+            coefficient, exponent, adhesion, by_approach=control == "approach"
+        )
+        off = abs(found.contact_radius / true.contact_radius - 1.0)
+        one = {"pull-off radius": off / (found.error.contact_radius + ROUNDING)}
+        for name in ("load", "approach"):
+            moved = abs(getattr(found, name) - getattr(true, name)) / found.error_scales[name]
+            one[name] = moved / (getattr(found.error, name) + ROUNDING)
+        compared.append(one)
+    label = f"{profile.brief}, w = {adhesion:.3g}, smooth"
+    return Outcome({name: max(one[name] for one in compared) for name in compared[0]}, label)
+
+
+def measured(rng: np.random.Generator, number: int) -> Outcome:
+    """Return what becomes of a random scene."""
+    return smooth_ratios(rng) if number % SMOOTH == 1 else ratios(rng, number)
+
+
+STRATA = {"adhesion": Stratum("Honesty of adhesive contacts", 300, in_turn(measured), every=10)}
+
+
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)

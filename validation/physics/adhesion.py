@@ -1,0 +1,130 @@
+"""Adhesion with a layer: cycles, pressures, and pull-off beside Maugis' transition.
+
+Run as ``python validation/physics/adhesion.py``; writes docs/adhesion_cycle.png,
+docs/adhesion_pull_off.png and validation/results/adhesion.md.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from math import atan, pi, sqrt
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve
+
+ROOT = Path(__file__).parents[2]
+BALL = profiles.Parabola(1.0)
+#: Works of adhesion and radii are 1, as E' is; the compliances of the cycles.
+COMPLIANCES = (0.0, 0.1, 1.0)
+#: Of the ball's pull-off.
+PARAMETERS = 10.0 ** np.linspace(-4.0, 4.0, 33)
+#: Maugis' K is 4/3 of E*, which is 4 E'.
+K = 16.0 / 3.0
+
+
+def scene(compliance: float, load: float = 0.0) -> Scene:
+    """Return a ball on a layer."""
+    return Scene(None, compliance, profile=BALL, load=load, work_of_adhesion=1.0)
+
+
+def maugis_parameter(tension: float) -> float:
+    """Return Maugis' lambda of a largest tension."""
+    return 2.0 * tension / (pi * K**2) ** (1.0 / 3.0)
+
+
+def maugis_load(parameter: float) -> float:
+    """Return the load of pull-off over pi w R, Maugis (1992), equations (6.14) and (6.15)."""
+
+    def load(radius: float) -> float:
+        def missed(m: float) -> float:
+            root = sqrt((m - 1.0) * (m + 1.0))
+            angle = atan(root)
+            first = root + (m**2 - 2.0) * angle
+            second = root * angle - m + 1.0
+            zone = parameter * radius**2 / 2.0 * first
+            return zone + 4.0 * parameter**2 * radius / 3.0 * second - 1.0
+
+        high = 2.0
+        while missed(high) < 0.0:
+            high *= 2.0
+        m = brentq(missed, 1.0, high, xtol=1e-14)
+        root = sqrt((m - 1.0) * (m + 1.0))
+        return radius**3 - parameter * radius**2 * (root + m**2 * atan(root))
+
+    radii = np.geomspace(1e-3, 3.0, 200)
+    best = radii[np.argmin([load(one) for one in radii])]
+    found = minimize_scalar(load, bounds=(best / 1.1, best * 1.1), method="bounded")
+    return min(float(found.fun), load(radii[0]))
+
+
+def cycles() -> None:
+    """Draw cycles, and pressures at the load 0."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")
+    for alpha, colour in zip(COMPLIANCES, ("C0", "C1", "C2"), strict=True):
+        cycle = adhesion_cycle(scene(alpha, 2.0), points=120)
+        name = "smooth" if alpha == 0.0 else rf"$\alpha^* = {alpha:g}$"
+        stable = np.where(cycle.stable, cycle.load, np.nan)
+        left.plot(cycle.approach, stable, color=colour, label=name)
+        left.plot(cycle.approach, np.where(cycle.stable, np.nan, cycle.load), "--", color=colour)
+        for jump in (cycle.jump_in, cycle.jump_out):
+            places = [one.approach for one in jump], [one.load for one in jump]
+            left.plot(*places, ":", color=colour)
+        found = solve(scene(alpha))
+        s = np.linspace(0.0, 0.999, 400)
+        right.plot(s, found.pressure(s), color=colour)
+    left.set(xlabel=r"approach $\delta$ [$L$]", ylabel=r"load $P$ [$E' L^2$]")
+    left.legend(frameon=False)
+    right.axhline(0.0, color="k", linewidth=0.6)
+    right.set(xlabel=r"radius $r/a$ at $P = 0$", ylabel=r"pressure $p$ [$E'$]", ylim=(-3.0, 3.0))
+    figure.savefig(ROOT / "docs" / "adhesion_cycle.png", dpi=150)
+
+
+def pull_offs() -> None:
+    """Draw pull-off over the parameter of the layer and over that of Maugis, and tabulate it."""
+    rows = []
+    for parameter in PARAMETERS.tolist():
+        last = pull_off(scene(parameter))
+        tension = maugis_parameter(sqrt(2.0 / parameter))
+        rows.append((parameter, tension, last.load / pi, maugis_load(tension), last.error.load))
+    table = np.array(rows)
+    figure, axes = plt.subplots(figsize=(5.6, 3.4), layout="constrained")
+    axes.semilogx(table[:, 1], table[:, 2], "o-", markersize=3, label="layer of roughness")
+    axes.semilogx(table[:, 1], table[:, 3], "--", label="Maugis: a force that reaches far")
+    for limit in (-1.5, -2.0):
+        axes.axhline(limit, color="k", linewidth=0.6)
+    axes.set(
+        xlabel=r"largest tension, as Maugis' $\lambda$", ylabel=r"pull-off load $P_c/(\pi w R)$"
+    )
+    axes.legend(frameon=False)
+    figure.savefig(ROOT / "docs" / "adhesion_pull_off.png", dpi=150)
+    lines = [
+        "# Pull-off of a ball",
+        "",
+        "By validation/physics/adhesion.py: P/(π w R) at pull-off under control of the load, with "
+        "a layer of the parameter Λ = αE'/(wR²/E')^(1/3), and by Maugis at the same largest "
+        "tension, which is his λ.",
+        "",
+        "| Λ | λ | layer | Maugis | error estimate of the layer's |",
+        "|---|---|---|---|---|",
+        *(
+            f"| {one:.4g} | {lam:.4g} | {own:.12f} | {other:.6f} | {error:.0e} |"
+            for one, lam, own, other, error in rows[::4]
+        ),
+    ]
+    (ROOT / "validation" / "results" / "adhesion.md").write_text("\n".join(lines) + "\n")
+
+
+if __name__ == "__main__":
+    cycles()
+    pull_offs()
