@@ -20,6 +20,7 @@ from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.errors import SceneError
 from spectral_contact.profiles.profile_base import Profile
+from spectral_contact.records import Ending
 
 Contact = Indentation | Refinement[Indentation]
 #: The contact of a radius, to a tolerance, and whether the pressure is wanted.
@@ -128,7 +129,23 @@ def find_radius(
     if search.rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
         search.run(solved(tolerance, pointwise), max(off / search.rate, ROUNDING))
         found, error = search.found()
+    space_converged = isinstance(found, Refinement) and found.ending is Ending.CONVERGED
+    if space_converged and _largest_error(value_of(found), pointwise) > tolerance:
+        # what the radius adds takes the errors of the space above the tolerance
+        search.run(solved(tolerance / 4, pointwise), off)
+        found, error = search.found()
     return found, error
+
+
+def _largest_error(contact: Indentation, pointwise: bool) -> float:
+    """Return the largest relative error that the tolerance bounds."""
+    errors = (
+        contact.approach_error,
+        contact.load_error,
+        contact.work_error,
+        contact.stiffness_error,
+    )
+    return max(*errors, contact.pressure_error if pointwise else 0.0)
 
 
 class _RadiusSearch:
