@@ -138,7 +138,7 @@ class Solution(Output):
 
     @property
     def stiffness_on_branch(self) -> float:
-        """With adhesion dP/dδ along the curve of states, in E'L: what an instrument measures.
+        """What an instrument measures with adhesion, dP/dδ along the curve of states, in E'L.
 
         `stiffness` is that of the same contact radius. Negative on a stretch that is stable under
         control of the approach alone, and infinite where that ends.

@@ -42,9 +42,9 @@ class AdhesionCycle:
         ``"load"`` or ``"approach"``.
     machine_stiffness : float or None
         In E'L.
-    contact_radius, approach, load : ndarray, shape (points,)
+    contact_radius, approach, load : ndarray, shape (n,)
         The curve of states, from the largest contact to the smallest.
-    stable : ndarray of bool, shape (points,)
+    stable : ndarray of bool, shape (n,)
         Whether a state is stable under the control.
     error : float
         Largest error of a load or an approach, relative as in `ErrorEstimates`.

@@ -67,8 +67,8 @@ def pull_off(
     ----------
     scene : Scene
         With a work of adhesion; what is given of load, approach and contact radius does not matter.
-    control : {"load", "approach"}
-        What is held.
+    control : str
+        What is held: "load" or "approach".
     machine_stiffness : float, optional
         Stiffness k of a machine between the punch and what moves, with control of the approach: it
         is ``delta + P/k`` that is held. In E'L, of a scene with SI data in N/m.
