@@ -60,7 +60,7 @@ JACOBIAN_FIELD_TOL = 1e-8
 #: of which it was 1.9 times at most: validation/honesty/honesty.py.
 ROOT_EDGE_SAFETY = 2.5
 #: The bound of q/p on a panel, a sum of moduli of coefficients, is multiplied by this for q/p at
-#: one place. Of 340 errors none is above 0.08 of its estimate: validation/honesty/honesty.py.
+#: one place. Of 120 errors none is above 0.11 of its estimate: validation/honesty/honesty.py.
 RATIO_BOUND_FACTOR = 0.2
 #: Relative change of the Jacobian of the boundary residual while a boundary moves by the width of
 #: the narrowest zone. Not measured again; validation/honesty/honesty.py thresholds compares the
