@@ -188,7 +188,7 @@ def tables() -> tuple[GoldTable, ...]:
     >>> from spectral_contact import gold
     >>> first = gold.tables()[0]
     >>> print(first.name, first.solutions[0].scene.poisson_ratio, first.solutions[0].approach)
-    coupled_equal 0.3 0.121521252003744433613749651318
+    adhesion 0.3 -0.253314137315500251207882642406
     """
     return tuple(map(table, names()))
 
