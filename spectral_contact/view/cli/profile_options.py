@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.io.units import in_si
-from spectral_contact.profiles import Profile, Sampled, hull_of_points
+from spectral_contact.profiles import Profile, Sampled, Sum, hull_of_points
 from spectral_contact.profiles.control import ALL_CONTROLS, KINDS, SHAPES
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli.layer_options import add_layer, law, layer_given
@@ -121,6 +121,15 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
         default=argparse.SUPPRESS,
         help="take the convex hull of noisy points",
     )
+    if si:
+        group.add_argument(
+            "--punch-profile",
+            nargs="+",
+            metavar=("SHAPE", "NUMBER"),
+            default=argparse.SUPPRESS,
+            help="shape of the punch where both bodies are curved, with its numbers in the order "
+            "of its options, as in 'sphere 20mm'; --profile is that of the other body then",
+        )
     add_layer(command, None if si else control)
     for name, meaning in _OWN.items():
         kind: Callable[[str], Any] = measured if name in (*_UNITS, "half_angle") else number
@@ -135,7 +144,7 @@ def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] 
 def profile_given(arguments: argparse.Namespace) -> bool:
     """Return whether the scene has a profile, or at least an option of one or of a layer."""
     given = vars(arguments)
-    own = {"profile", *_OWN, *_OF_FILE, *_ADHESION}
+    own = {"profile", "punch_profile", *_OWN, *_OF_FILE, *_ADHESION}
     return layer_given(given) or not own.isdisjoint(given)
 
 
@@ -182,7 +191,27 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         **_adhesion(given, si),
         **rest,
     }
+    if "punch_profile" in given:
+        punch = _punch_profile(given["punch_profile"], si)
+        known |= {"punch_profile": punch} if si else {"profile": Sum(known["profile"], punch)}
     return Scene.from_physical(**known) if si else Scene(**known)
+
+
+def _punch_profile(words: list[str], si: bool) -> Profile:
+    """Return the profile of a shape and its numbers."""
+    shape, *numbers = words
+    shapes = [name for name, kind in _NAMED.items() if kind in SHAPES]
+    if shape not in shapes:
+        raise UsageError(f"--punch-profile {shape}: must be one of {', '.join(shapes)}")
+    kind = _NAMED[shape]
+    if len(numbers) != len(SHAPES[kind]):
+        needed = " and ".join(SHAPES[kind])
+        raise UsageError(f"--punch-profile {shape} needs {needed}; it has {len(numbers)} numbers")
+    try:
+        given = dict(zip(SHAPES[kind], map(measured, numbers), strict=True))
+    except argparse.ArgumentTypeError as error:
+        raise UsageError(f"--punch-profile {shape}: {error}") from None
+    return KINDS[kind](**_numbers(given, si))
 
 
 def _of_points(given: dict[str, Any], si: bool) -> Profile:

@@ -50,7 +50,45 @@ def test_friction_and_a_picture(capsys, tmp_path):
     assert picture.stat().st_size > 1000
 
 
+STEEL = ("--youngs-modulus", "210 GPa", "--poisson-ratio", "0.3", "--load", "100 N")
+
+
+def test_two_curved_bodies(capsys, tmp_path):
+    path = tmp_path / "solution.json"
+    punch = ("--punch-youngs-modulus", "70 GPa", "--punch-poisson-ratio", "0.33")
+    ball = ("--profile", "parabola", "--radius", "10 mm", "--punch-profile", "truncated-cone")
+    kept = ("--rtol", "1e-4", "--output", str(path))
+    status, _, err = run(capsys, *ball, "50 um", "80 deg", *STEEL, *punch, *kept)
+    assert (status, err) == (0, "")
+    half_angle = math.radians(80.0)
+    assert Solution.load(path).scene == Scene.from_physical(
+        youngs_modulus=210e9,
+        poisson_ratio=0.3,
+        punch_youngs_modulus=70e9,
+        punch_poisson_ratio=0.33,
+        load=100.0,
+        profile=profiles.Parabola(0.01),
+        punch_profile=profiles.TruncatedCone(50e-6, half_angle),
+    )
+    plain = ("--profile", "cone", "--half-angle", "1.2", "--punch-profile", "sphere", "3")
+    assert run(capsys, *plain, "--load", "0.1", *kept)[0] == 0
+    expected = profiles.Sum(profiles.Cone(1.2), profiles.Sphere(3.0))
+    assert Solution.load(path).scene.profile == expected
+
+
 FAULTS = [
+    (
+        ("--profile", "parabola", "--radius", "1", "--load", "1", "--punch-profile", "flat"),
+        "--punch-profile flat: must be one of parabola, sphere",
+    ),
+    (
+        ("--profile", "parabola", "--radius", "1", "--load", "1", "--punch-profile", "sphere"),
+        "--punch-profile sphere needs radius; it has 0 numbers",
+    ),
+    (
+        ("--profile", "parabola", "--radius", "1", "--load", "1", "--punch-profile", "sphere", "x"),
+        "--punch-profile sphere: 'x'",
+    ),
     (("--profile", "cone", "--load", "2"), "--profile cone needs --half-angle"),
     (("--load", "2", "--contact-radius", "1"), "give --profile"),
     (
