@@ -503,14 +503,9 @@ class AdhesiveCurve:
         rates, error = self._radius_error(control, one, off)
         # what is stored grows by P ddelta + w dA
         stored = abs(one.load * rates.approach) + 2.0 * pi * self.adhesion * one.radius**2
-        best = replace(
-            one,
-            load_error=one.load_error + abs(rates.load) * error / one.load_size,
-            approach_error=one.approach_error + abs(rates.approach) * error / one.approach_size,
-            work_error=one.work_error + stored * error / one.work,
-            stiffness_error=one.stiffness_error + 2.0 * error,
-            pressure_error=one.pressure_error + self.moved(one, rates) * error,
-        )
+        added = {**radius_effects(one, rates, error), "work": stored * error / one.work}
+        errors = {f"{name}_error": getattr(one, f"{name}_error") + added[name] for name in added}
+        best = replace(one, **errors)
         if control == BY_LOAD:
             best = replace(best, load=value, load_error=0.0)
         if control == BY_APPROACH:
@@ -519,11 +514,6 @@ class AdhesiveCurve:
             found = replace(found, best=replace(found.best, value=best))
             return found, error
         return best, error
-
-    def moved(self, one: Indentation, rates: Rates) -> float:
-        """Return by how much the pressure moves with the logarithm of the radius, relatively."""
-        unpulled = one.radius * one.growth * one.stiffness
-        return 2.0 * (1.0 + (unpulled + abs(rates.load)) / one.load_size)
 
     def _radius_error(self, control: Control, one: Indentation, off: float) -> tuple[Rates, float]:
         """Return the rates of a state, and the relative error of its radius.
@@ -550,6 +540,26 @@ class AdhesiveCurve:
         if bend > 0.0:
             error = min(error, sqrt(2.0 * off / bend))
         return rates, _SAFETY * error + ROUNDING
+
+
+def radius_effects(one: Indentation, rates: Rates, error: float) -> dict[str, float]:
+    """Return what a relative error of the radius adds to those of a state, by quantity.
+
+    Parameters
+    ----------
+    one : Indentation
+    rates : Rates
+        In the logarithm of the radius.
+    error : float
+    """
+    unpulled = one.radius * one.growth * one.stiffness
+    pressure_rate = 2.0 * (1.0 + (unpulled + abs(rates.load)) / one.load_size)
+    return {
+        "load": abs(rates.load) * error / one.load_size,
+        "approach": abs(rates.approach) * error / one.approach_size,
+        "stiffness": 2.0 * error,
+        "pressure": pressure_rate * error,
+    }
 
 
 class _Root:

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Of errors of integrals, as in `indented`; of what two spaces differ by, and of the stiffness.
-_INTEGRATED, _DIFFERENCE, _STIFFNESS = 2.0, 1.0, 16.0
+#: Of errors of integrals, as in `indented`; and of what the stiffness of two spaces differs by.
+_INTEGRATED, _STIFFNESS = 2.0, 16.0
 #: Roundings of what follows from the data, and of the pressure.
 _ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
 #: Where growth of the pressure with the load is looked for.
@@ -98,33 +98,30 @@ class Layered(ABC):
         own = _INTEGRATED * 2.0 * pi * float(energies.sum())
         flat = _INTEGRATED * 2.0 * pi * float(flat_change.energies.sum())
         both = _INTEGRATED * 2.0 * pi * float(change.energies.sum())
-        # it superconverges, but signs may have made it small
-        sides = _DIFFERENCE
 
         misplaced = self._misplacement(form, fields)
         shifted, data = 0.0, size - min(setting.origin, 0.0)
         if setting.approach is None:
             lost = form.lost_at_edge(fields.overclosure - coarse.overclosure)
             shifted = lost / form.at_edge(fields.rate)
-            shifted = a * (shifted + sides * abs(whole.shift - less.shift))
+            shifted = a * (shifted + abs(whole.shift - less.shift))
             shifted += misplaced.load / whole.stiffness
         shifted += _ROUNDINGS * ROUNDING * data
         moved = whole.stiffness * shifted
         load_error = (
-            (moved + a**2 * own + sides * abs(whole.load - less.load)) / whole.load
+            (moved + a**2 * own + abs(whole.load - less.load)) / whole.load
             + misplaced.load / whole.load
             + fields.left
             + ROUNDING
         )
         work_error = (
-            (whole.load * shifted + a**3 * both + sides * abs(whole.work - less.work)) / whole.work
+            (whole.load * shifted + a**3 * both + abs(whole.work - less.work)) / whole.work
             + misplaced.load / whole.load
             + fields.left
             + ROUNDING
         )
         stiff_error = (
-            (2.0 * a * flat + _STIFFNESS * sides * abs(whole.stiffness - less.stiffness))
-            / whole.stiffness
+            (2.0 * a * flat + _STIFFNESS * abs(whole.stiffness - less.stiffness)) / whole.stiffness
             + (solver.missed(fields) + misplaced.stiffness) / whole.stiffness
             + fields.left
             + 2.0 * ROUNDING

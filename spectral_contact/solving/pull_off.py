@@ -16,6 +16,7 @@ from spectral_contact.contact.adhesion import (
     Control,
     Fold,
     NoState,
+    radius_effects,
 )
 from spectral_contact.contact.contact_radius import value_of
 from spectral_contact.contact.on_parts import Indentation
@@ -288,20 +289,13 @@ def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
     """Return the solution at a fold with what its radius is uncertain by."""
     if fold.curve is None:
         return found
-    rates, error, own = curve.rates(fold.state), fold.error, found.error
-    scales = fold.state.load_size, fold.state.approach_size
-    more: dict[str, float] = {"contact_radius": error}
-    moves = {
-        "load": abs(rates.load) * error / scales[0],
-        "approach": abs(rates.approach) * error / scales[1],
-        "stiffness": 2.0 * error,
-        "pressure": curve.moved(fold.state, rates) * error,
-    }
-    for name, change in moves.items():
-        known = getattr(own, name)
+    more: dict[str, float] = {"contact_radius": fold.error}
+    added = radius_effects(fold.state, curve.rates(fold.state), fold.error)
+    for name, change in added.items():
+        known = getattr(found.error, name)
         if known is not None:
             more[name] = known + change
-    return replace(found, error=replace(own, **more))
+    return replace(found, error=replace(found.error, **more))
 
 
 def _first_contact(scene: Scene, curve: AdhesiveCurve, held: Control) -> Indentation:
