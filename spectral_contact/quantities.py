@@ -32,16 +32,18 @@ class OutputQuantity:
     si_unit : str
         Empty for a quantity without a unit.
     si_factor : str
-        What makes it one in SI units: ``"radius"``, ``"displacement"``, ``"stress"``, ``"force"``,
-        which is the load of a flat punch and E' under a profile, or ``""`` for 1.
+        What the dimensionless value is multiplied by to be in SI units. Of a flat punch these are
+        ``"radius"``, ``"displacement"``, ``"stress"`` and, as ``"force"``, the load. Under a
+        profile lengths are in m already: ``"displacement"`` is 1, ``"stress"`` and ``"force"`` are
+        E'. ``""`` is 1 for every scene.
     kind : str
         ``"number"``, ``"field"`` of the radius, or ``"zones"``.
     contact : str
-        ``"normal"`` if it takes no traction where nothing couples it to the pressure, or
-        ``"tangential"``.
+        ``"normal"`` if the pressure is enough for it, unless elastic coupling makes the pressure
+        depend on the traction, or ``"tangential"``.
     scenes : str
-        Which scenes have it: ``"all"``, with a ``"profile"`` alone, with ``"adhesion"`` alone, or
-        ``"flat"`` punches alone.
+        Which scenes have it: ``"all"``, those with a ``"profile"``, those with ``"adhesion"``, or
+        those with a ``"flat"`` punch.
     """
 
     name: str
@@ -164,7 +166,7 @@ OUTPUTS = (
     ),
 )
 
-#: Names of what can be asked of any scene, in the order of a report.
+#: Names of what can be asked of a flat punch, most of it of any scene, in the order of a report.
 QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes in ("all", "flat"))
 
 #: What else there is of a punch that is not flat.

@@ -35,12 +35,12 @@ Array = NDArray[np.float64]
 #: States through which the curve is a polynomial, and half of what they span in the logarithm of
 #: the distance from the last break: its terms, as those of ``exp(3 x)``, fall to 1e-14.
 _NODES, _HALF_WIDTH = 10, 0.12
-#: Steps along the curve, in the same logarithm, and most of them.
+#: Longest step along the curve, in the same logarithm, and most steps of any search.
 _STEP, _STEPS = 0.5, 200
 #: Of so many states one is solved with estimates.
 _SAMPLED = 25
-#: Where a fold is first located, in the same logarithm, and how far from the middle of a piece of
-#: the curve it may be.
+#: Accuracy to which a fold is first located, in the same logarithm, and how far from the middle of
+#: a piece of the curve it may be, over half its length.
 _NEARLY, _OFF_CENTRE = 0.02, 0.5
 #: Pieces on which it is looked for.
 _PIECES = 8
@@ -106,7 +106,11 @@ BY_APPROACH = Control(0.0, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Derivatives of load and approach along the curve, in a coordinate of the radius."""
+    """Derivatives of load and approach along the curve.
+
+    By the logarithm of the radius (`AdhesiveCurve.rates`), or by that of its distance from the base
+    of a piece (`LocalCurve.rates`).
+    """
 
     load: float
     approach: float
@@ -315,7 +319,8 @@ class AdhesiveCurve:
     def top(self, control: Control, value: float = -inf) -> float:
         """Return a radius beyond which a control grows with the radius, and is above a value.
 
-        On a smooth surface ``delta_0 / a`` grows with a, since profiles are convex, the stiffness
+        With ``delta_0`` the approach without adhesion and the pull by how much adhesion lowers it:
+        on a smooth surface ``delta_0 / a`` grows with a, since profiles are convex, the stiffness
         like a and the pull like its root, so that it does where ``delta_0`` is 3/2 of the pull.
         With a layer the stiffness grows like the square at most, and 5/2 does if ``delta_0 / a``
         still grows, which is not proved.
@@ -342,7 +347,11 @@ class AdhesiveCurve:
         raise NoState(0)
 
     def _modelled_top(self, control: Control, value: float) -> float:
-        """Return where `top` may be, from interpolation between no layer and a layer alone."""
+        """Return where `top` may be, from a model of the curve.
+
+        Its stiffness is that of the half-space, 8 a, and of a layer alone, pi a / c, in series; the
+        approach without adhesion is the mean of both, weighted by their softness.
+        """
         flat, reach = self.profile.flat_part, self.profile.reach
         v = np.arange(-_REACH, _REACH, _STEP / 2.0)
         with np.errstate(all="ignore"):
@@ -352,8 +361,8 @@ class AdhesiveCurve:
             c = self.compliance / a
             softness = 1.0 / 8.0 + c / pi
             half = self.profile._transform(a) / 16.0
-            high = half if self.compliance == 0.0 else half + self.profile._height(a) * c / pi
-            unpulled, stiffness = high / softness, a / softness
+            weighted = half if self.compliance == 0.0 else half + self.profile._height(a) * c / pi
+            unpulled, stiffness = weighted / softness, a / softness
             # the square of what a flat punch per unit load has at the edge, times the compliance
             edge = c / pi**2 + 1.0 / (16.0 * pi)
             pull = softness * np.sqrt(2.0 * self.adhesion * a / edge)
@@ -487,6 +496,8 @@ class AdhesiveCurve:
         self, control: Control, value: float, branch: int, *, pointwise: bool
     ) -> tuple[Contact, float]:
         """Return the state of a value on a stretch, and the relative error of its radius.
+
+        `pointwise` says whether the pressure is wanted.
 
         Raises
         ------
@@ -632,6 +643,8 @@ def _corners(profile: Profile) -> tuple[float, ...]:
             before, past = (float(b * (1.0 + one * _NEXT)) for one in (-1.0, 1.0))
             others = [c for c in profile.breaks if c < b]
             last = max(others, default=0.0)
+            # the rate of a profile takes the square of the radius less that of the last break, 0
+            # if there is none, without cancellation
             squares = np.array([(before - last) * (before + last), (past - b) * (past + b)])
             rates = profile._rate(np.array([before, past]), squares * np.array([bool(others), 1.0]))
             if rates[1] > _STEEPER * rates[0]:

@@ -106,7 +106,8 @@ def pull_offs() -> None:
     axes.set(
         xlabel=r"largest tension, as Maugis' $\lambda$", ylabel=r"pull-off load $P_c/(\pi w R)$"
     )
-    axes.legend(frameon=False)
+    axes.set_ylim(top=-1.35)  # room for the legend above the curves
+    axes.legend(frameon=False, loc="upper left")
     figure.savefig(ROOT / "docs" / "adhesion_pull_off.png", dpi=150)
     lines = [
         "# Pull-off of a ball",
