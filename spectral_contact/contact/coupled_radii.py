@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
-from math import inf, log
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,11 +19,7 @@ from spectral_contact.contact.friction_law import DISTANCES, stick_violation
 from spectral_contact.contact.resolution import (
     EPSILON_DEPTH,
 )
-from spectral_contact.contact.tuning import (
-    COARSE_TOL,
-    SCAN_ACCURACY,
-    SCAN_PAST_LAYERS,
-)
+from spectral_contact.contact.tuning import COARSE_TOL
 from spectral_contact.contact.zone_fields import all_positive
 
 if TYPE_CHECKING:
@@ -85,15 +81,13 @@ def stick_radii(
         low_residual = low_solution.boundary_residual[0]
         high_residual = high_solution.boundary_residual[0]
         if (low_residual > 0.0) != (high_residual > 0.0):
-            root = float(brentq(residual, low, high, xtol=SCAN_ACCURACY))
+            root = float(brentq(residual, low, high, xtol=COARSE_TOL))
             yield _assessed(root, problem.coarse_solution(root))
 
 
-def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
-    """Yield the logits of a scan: from a first one to where all slip is within the layers."""
-    layers = min(problem.parameters.alpha, problem.parameters.beta)
-    last = min(EPSILON_DEPTH, SCAN_PAST_LAYERS - log(layers)) if layers > 0.0 else EPSILON_DEPTH
-    yield from np.arange(first, max(last, first + step) + step, step).tolist()
+def scan_logits(first: float, step: float) -> list[float]:
+    """Return the logits of a scan: from a first one to where no slip is resolved any more."""
+    return list(np.arange(first, max(EPSILON_DEPTH, first + step) + step, step).tolist())
 
 
 def _assessed(logit: float, solution: FieldSolution) -> PossibleRadius:

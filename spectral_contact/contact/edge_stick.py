@@ -38,9 +38,6 @@ from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.tuning import (
     EDGE_ERROR_INSIDE,
     EDGE_ERROR_OUTSIDE,
-    EDGE_SAMPLING_DEGREE,
-    EDGE_SAMPLING_MARGIN,
-    MAX_MATCHED_WIDTH,
     MIN_MATCHED_WIDTH,
     PANEL_WIDTH,
     ROUNDING,
@@ -58,12 +55,10 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.records import Zone
+from spectral_contact.spectral.graded import SAMPLES
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
-
-#: How far below the width panels toward the edge and toward the boundary reach, in ``-ln``.
-_DEPTH_BELOW_WIDTH = EPSILON_DEPTH + EDGE_SAMPLING_MARGIN
 
 
 class EdgeStick(NamedTuple):
@@ -185,7 +180,7 @@ def with_edge_stick(
     if not (at_edge < 0.0 < amplitude):
         raise ArithmeticError("the edge is not moved against its traction")
     stick = EdgeStick.matched(edge_exponent(parameters), amplitude, -at_edge, beta * friction)
-    if stick.width >= MAX_MATCHED_WIDTH * extent:
+    if stick.width >= extent:
         raise ArithmeticError("the stick at the edge is no narrower than the slip")
     if stick.width < MIN_MATCHED_WIDTH:
         return outcome
@@ -247,9 +242,9 @@ def _with_fields_of_stick(
         """Return the pressure times the square root of the distance, which is regular."""
         return stick.pressure_within(d / 2.0, 1.0 - d / 2.0) * np.sqrt(d)
 
-    depth = log(extent_to_rim / width) + _DEPTH_BELOW_WIDTH
+    depth = log(extent_to_rim / width) + EPSILON_DEPTH
     slip_series = (
-        sampled(slip_outside_disk, _DEPTH_BELOW_WIDTH),
+        sampled(slip_outside_disk, EPSILON_DEPTH),
         sampled(slip_outside_rim, depth),
     )
     slip = AnnulusSeries(inner, rim, *slip_series, power=0)
@@ -262,8 +257,8 @@ def _with_fields_of_stick(
     edge_pressure = AnnulusSeries(
         rim,
         EDGE,
-        sampled(pressure_inside_rim, _DEPTH_BELOW_WIDTH),
-        sampled(pressure_inside_edge, _DEPTH_BELOW_WIDTH, power=-0.5),
+        sampled(pressure_inside_rim, EPSILON_DEPTH),
+        sampled(pressure_inside_edge, EPSILON_DEPTH, power=-0.5),
         power=0,
     )
     stick_traction = np.array([friction * stick.traction])
@@ -321,9 +316,9 @@ def sampled(function: Callable[[Array], Array], depth: float, *, power: float = 
         Of the factor that is not sampled.
     """
     panels = ceil(depth / PANEL_WIDTH)
-    nodes, _ = gauss_rule(EDGE_SAMPLING_DEGREE + 1)
+    nodes, _ = gauss_rule(SAMPLES)
     x = PANEL_WIDTH * (np.arange(panels)[:, None] + (1.0 + nodes) / 2.0)
     values = function(np.exp(-x.ravel())).reshape(x.shape)
-    expansion = legendre_expansion_matrix(EDGE_SAMPLING_DEGREE + 1, EDGE_SAMPLING_DEGREE)
+    expansion = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)
     coefficients = values @ expansion.T
     return LogSeries(coefficients, np.array([coefficients[-1].sum()]), PANEL_WIDTH, power)

@@ -26,14 +26,13 @@ from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
+    FIELD_ROUNDING,
     MAX_CONTRACTION,
     MAX_LOGIT_STEP,
     MAX_STALLED_STEPS,
     MAX_STEPS,
-    MIN_CONTRACTION,
     MIN_STEP_ANGLE,
     NEGLIGIBLE_FRACTION,
-    RESIDUAL_NOISE,
     ROUNDING,
 )
 from spectral_contact.fields.series import Array
@@ -209,7 +208,7 @@ def corrected(
             # stands for that, with which an error above the coarse tolerance asks for new factors
             contraction = 0.0 if exact_factors else 1.0
         fields = next_fields
-        remaining = length * min(max(contraction, MIN_CONTRACTION), 1.0)
+        remaining = length * min(max(contraction, NEGLIGIBLE_FRACTION), 1.0)
         if remaining < tolerance:
             break
         length_before = length
@@ -321,7 +320,7 @@ class FreeBoundary:
                 least_residual = size
             if length < boundary_tol:
                 return self._corrected_to(iterate, field_tol, converged=True)
-            if stalled > MAX_STALLED_STEPS or (stalled > 1 and least_residual < RESIDUAL_NOISE):
+            if stalled > MAX_STALLED_STEPS or (stalled > 1 and least_residual < FIELD_ROUNDING):
                 break
             step *= _feasible_fraction(iterate.logits, step)
             moved = self._moved(iterate, step)
@@ -329,7 +328,7 @@ class FreeBoundary:
             secants.append((step, moved.fields.boundary_residual - residual))
             secants = secants[-len(step) :]
             iterate = replace(moved, jacobian=_broyden(iterate.jacobian, secants))
-        if warm_start and least_residual > RESIDUAL_NOISE:
+        if warm_start and least_residual > FIELD_ROUNDING:
             raise NoBoundariesError("no boundaries near by")
         return self._corrected_to(best, field_tol)
 
@@ -377,7 +376,7 @@ def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:
     if not np.isfinite(changes).all():
         return jacobian
     unexplained = changes - jacobian @ steps
-    unexplained[np.abs(unexplained) < RESIDUAL_NOISE] = 0.0
+    unexplained[np.abs(unexplained) < FIELD_ROUNDING] = 0.0
     lengths = np.linalg.norm(steps, axis=0)
     inverse = np.linalg.pinv(steps / lengths, rcond=MIN_STEP_ANGLE)
     return np.asarray(jacobian + unexplained / lengths @ inverse)

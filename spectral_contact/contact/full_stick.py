@@ -23,7 +23,7 @@ from spectral_contact.contact.resolution import (
     relative_panel_changes,
     sample_depths,
 )
-from spectral_contact.contact.tuning import CLOSED_FORM_ROUNDING
+from spectral_contact.contact.tuning import FIELD_ROUNDING
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of
@@ -80,12 +80,12 @@ def smooth_full_stick(contact: NormalContact) -> FullStick:
         approach=contact.approach,
         total_shear=2.0 * log(2.0),
         approach_error=contact.approach_error,
-        shear_error=CLOSED_FORM_ROUNDING,
+        shear_error=FIELD_ROUNDING,
         pressure=contact.pressure,
         traction=DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True)),
         edge_ratio=inf,
         pressure_error=contact.pressure_error,
-        traction_error=CLOSED_FORM_ROUNDING,
+        traction_error=FIELD_ROUNDING,
     )
 
 

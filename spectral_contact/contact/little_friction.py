@@ -15,10 +15,7 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.stick_radius import (
     min_logit,
 )
-from spectral_contact.contact.tuning import (
-    MAX_REGULARISING_RADIUS,
-    ROUNDING,
-)
+from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, ROUNDING
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -28,13 +25,14 @@ def regularising_radius(parameters: Parameters) -> Radius:
 
     With normal compliance it is the least radius that is solved for. Without, p is a power of s
     around the disk, and loses digits like 1/c next to a disk of radius c, so that the radius is
-    ``2 sqrt(eps) (kappa f)**(-1/3)`` with the rounding error eps.
+    ``2 sqrt(eps) (kappa f)**(-1/3)`` with the rounding error eps, and CENTRAL_CLEARANCE times it
+    is small, too.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
         return Radius.from_logit(min_logit(parameters))
     c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
-    c = min(c, MAX_REGULARISING_RADIUS)
+    c = min(c, 1.0 / CENTRAL_CLEARANCE**2)
     return Radius(float(c), float(1.0 - c))
 
 

@@ -12,12 +12,7 @@ from spectral_contact.contact.resolution import (
     graded_space,
     relative_panel_changes,
 )
-from spectral_contact.contact.tuning import (
-    CLOSED_FORM_ROUNDING,
-    FIELD_ROUNDING,
-    ROUNDING,
-    SMALL_COMPLIANCE,
-)
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, SMALL_COMPLIANCE
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -130,9 +125,7 @@ def solve_normal(
     """
     if compliance == 0.0:
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
-        return NormalContact(
-            0.0, 1 / 8, pressure, None, np.zeros(0), ROUNDING, CLOSED_FORM_ROUNDING
-        )
+        return NormalContact(0.0, 1 / 8, pressure, None, np.zeros(0), ROUNDING, FIELD_ROUNDING)
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
 
 

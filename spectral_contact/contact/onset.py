@@ -6,7 +6,7 @@ critical friction. Radii are looked at through ``x = -ln y`` with ``y = 1 - s**2
 
 from __future__ import annotations
 
-from math import inf, log
+from math import inf, log, sqrt
 
 import numpy as np
 
@@ -17,16 +17,17 @@ from spectral_contact.contact.resolution import (
     first_sign_change,
     sample_depths,
 )
-from spectral_contact.contact.tuning import (
-    LEADING_TERM_DEPTH,
-    NARROW_SLIP,
-    ONSET_SAMPLES,
-    SAMPLES,
-    SLIP_WIDENING,
-    UNRESOLVED_SLIP,
-)
+from spectral_contact.contact.tuning import NARROW_SLIP, ONSET_SAMPLES, SAMPLES, TRACTION_ROUNDING
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
+
+#: Least relative error of a stick radius of 1 if slip is about to start: an annulus opens like the
+#: root of ``1 - f/f_crit``, which is known to the rounding of the traction.
+UNRESOLVED_SLIP = sqrt(TRACTION_ROUNDING)
+#: Slip is wider than the set where full stick violates ``|q| <= f p``; the set for ``1 - f/f_crit``
+#: enlarged by this factor contains the slip. The slip is less than twice as wide where the width of
+#: the set goes like ``sqrt(1 - f/f_crit)``, less than four times where like ``1 - f/f_crit``.
+SLIP_WIDENING = 4.0
 
 
 def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
@@ -113,8 +114,6 @@ def _depth(parameters: Parameters) -> float:
     alpha, beta, kappa, friction = parameters
     if alpha == 0.0 < beta:
         # the edge sticks for y below (f beta / kappa)^2: there f p exceeds what q can be
-        return (
-            max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING_TERM_DEPTH
-        )
+        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + EPSILON_DEPTH
     layers = [-log(compliance) for compliance in (alpha, beta) if compliance > 0.0]
-    return max([0.0, *layers]) + LEADING_TERM_DEPTH
+    return max([0.0, *layers]) + EPSILON_DEPTH

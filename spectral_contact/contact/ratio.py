@@ -13,22 +13,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legder, legroots
 
-from spectral_contact.contact.resolution import sample_depths
+from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
 from spectral_contact.contact.tuning import (
-    CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
-    LEADING_TERM_DEPTH,
     RATIO_BOUND_FACTOR,
     SAMPLES,
     TRACTION_ROUNDING,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
+from spectral_contact.spectral.graded import SAMPLES as PANEL_SAMPLES
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.tuning import SAMPLES as PANEL_SAMPLES
 
 #: Depths of the samples in the tail beyond the panels of q, from the end of the panels.
-_TAIL_DEPTHS = np.linspace(0.0, LEADING_TERM_DEPTH, SAMPLES)[1:]
+_TAIL_DEPTHS = np.linspace(0.0, EPSILON_DEPTH, SAMPLES)[1:]
 #: q/p between two of the samples is analytic up to an imaginary part of about pi in x.
 _NODES, _ = gauss_rule(PANEL_SAMPLES)
 #: From values at the nodes to the Legendre coefficients of the derivative.
@@ -75,8 +73,8 @@ class FullStick(NamedTuple):
     critical_y: float = 0.0
     pressure_error: float = inf
     traction_error: float = inf
-    edge_error: float = CLOSED_FORM_ROUNDING
-    critical_error: float = CLOSED_FORM_ROUNDING
+    edge_error: float = FIELD_ROUNDING
+    critical_error: float = FIELD_ROUNDING
 
     def with_ratios(
         self, depth: float, changes: Iterable[tuple[LogPanels, Array]], edge_change: float
@@ -163,7 +161,7 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     # in the tail the ratio exceeds that at the edge only if by more than rounding
     values[SAMPLES:] *= 1.0 - TRACTION_ROUNDING
     i = int(np.argmax(values))
-    if values[i] <= abs(edge) * (1.0 + CLOSED_FORM_ROUNDING):
+    if values[i] <= abs(edge) * (1.0 + FIELD_ROUNDING):
         return LargestRatio(edge, abs(edge), 0.0)
     low = float(x[max(i - 1, 0)])
     high = float(x[min(i + 1, len(x) - 1)])

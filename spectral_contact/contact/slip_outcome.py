@@ -44,7 +44,6 @@ from spectral_contact.contact.tuning import (
     REFUTING_VIOLATION,
     ROUNDING,
     UNCERTAIN_SLIP_ERROR,
-    UNRESOLVED_SLIP,
 )
 from spectral_contact.fields.series import (
     CENTRE,
@@ -159,7 +158,7 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     Where f is below the critical friction, the traction of full stick exceeds f p by a relative
     ``f_crit/f - 1`` at most, which is added to the errors of traction and shear.
     """
-    from spectral_contact.contact.onset import unresolved_slip
+    from spectral_contact.contact.onset import UNRESOLVED_SLIP, unresolved_slip
 
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)

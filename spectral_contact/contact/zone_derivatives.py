@@ -31,7 +31,7 @@ from spectral_contact.contact.tuning import (
     DERIVATIVE_NEWTON_STEPS,
     DERIVATIVE_NODES,
     DERIVATIVE_SPAN,
-    JACOBIAN_CURVATURE,
+    JACOBIAN_RANGE,
     ROUNDING,
     SMALL_COMPLIANCE,
 )
@@ -260,7 +260,7 @@ class _SolutionDerivatives:
         in_jacobian = ROUNDING / self.narrowest * float(np.abs(_DERIVATIVE).sum())
         by_residual = inverse.sum(axis=1, keepdims=True)
         size = np.abs(logits)
-        curvature = JACOBIAN_CURVATURE / self.narrowest
+        curvature = 1.0 / (JACOBIAN_RANGE * self.narrowest)
         return np.asarray(
             in_jacobian * by_residual * size.sum(axis=0) + curvature * ROUNDING * by_residual * size
         )

@@ -27,6 +27,8 @@ from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
 from spectral_contact.contact.stick_radius import (
+    JACOBIAN_FIELD_TOL,
+    MIN_LOGIT,
     NoStickDiskError,
     enclosed_root,
     fd_jacobian,
@@ -34,14 +36,11 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    JACOBIAN_FIELD_TOL,
+    FIELD_ROUNDING,
     JACOBIAN_RANGE,
     MAX_STARTS,
-    MIN_EDGE_ZONE_WIDTH,
-    MIN_LOGIT,
     MIN_RESTART_TOL,
     NEGLIGIBLE_FRACTION,
-    RESIDUAL_NOISE,
     RESTART_FACTOR,
     ROUNDING,
 )
@@ -142,7 +141,7 @@ class FreeBoundaryProblem:
             If the zone at the edge is too narrow to represent.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_WIDTH * self.parameters.alpha:
+        if len(radii) > 1 and radii[-1].rest < np.finfo(float).eps * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
         pressures: list[PressureField] = []
         if self._known is not None:
@@ -243,7 +242,7 @@ class FreeBoundaryProblem:
             newton = self._newton(self.spaces(halfway_tol, logits))
             assert self._layout.jacobian is not None
             start = newton.start(logits, self._layout.jacobian)
-            boundary_tol = max(self.field_tolerance, RESIDUAL_NOISE)
+            boundary_tol = max(self.field_tolerance, FIELD_ROUNDING)
             iterate = newton.solve(start, boundary_tol, halfway_tol, warm_start=self.warm_start)
             logits = iterate.logits
             if iterate.converged:
@@ -263,11 +262,11 @@ class FreeBoundaryProblem:
         layout = self.initial_layout()
         newton = self._newton(spaces, changes=True)
         negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
-        boundary_tol = max(negligible, RESIDUAL_NOISE)
+        boundary_tol = max(negligible, FIELD_ROUNDING)
         if self.parameters.beta == 0.0:
             # a misplaced boundary leaves a traction that is singular there, of which no estimate
             # of the fields knows: the boundary is found to rounding
-            boundary_tol = RESIDUAL_NOISE
+            boundary_tol = FIELD_ROUNDING
         assert layout.jacobian is not None
         start = newton.start(np.array(layout.logits), layout.jacobian)
         iterate = newton.solve(
@@ -321,7 +320,7 @@ class _GivenRadius(FreeBoundaryProblem):
             # the friction is in the right-hand sides only
             factors = factors or factored(system)
             start = FieldSolution.first(factors, system)
-            fields = corrected(start, RESIDUAL_NOISE, relative_size).fields
+            fields = corrected(start, FIELD_ROUNDING, relative_size).fields
             residuals.append(float(fields.boundary_residual[0]))
         without_friction, unit_friction = residuals
         if not (without_friction > 0.0 and without_friction > unit_friction):
@@ -331,7 +330,7 @@ class _GivenRadius(FreeBoundaryProblem):
         assert factors is not None
         system = self.system(spaces, logits, changes=True)
         start = FieldSolution.first(factors, system)
-        fields, remaining = corrected(start, RESIDUAL_NOISE, relative_size)
+        fields, remaining = corrected(start, FIELD_ROUNDING, relative_size)
         iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
         return self.estimate(iterate, spaces)
 

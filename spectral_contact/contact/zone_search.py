@@ -55,16 +55,13 @@ from spectral_contact.contact.stick_radius import (
 from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
     CENTRAL_CLEARANCE,
+    COARSE_TOL,
     EDGE_MATCHING_ERROR,
-    EDGE_MATCHING_SLACK,
-    FIELD_TOLERANCE_EXPONENT,
     MAX_ZONES,
     MIN_EDGE_STICK_WIDTH,
-    MIN_SMOOTH_LOGIT,
-    MIN_WARM_START_WIDTH,
     NARROW_SLIP_BAND,
     ONSET_BAND,
-    SCAN_START,
+    REFINEMENT_MARGIN,
     SCAN_STEP,
 )
 from spectral_contact.contact.zone_fields import (
@@ -312,7 +309,7 @@ class UncoupledSearch(ZoneSearch):
         beta = self.parameters.beta
         friction = self.parameters.friction
         start = self.warm_start
-        if start is not None and min(np.diff(start.logits), default=0.0) > MIN_WARM_START_WIDTH:
+        if start is not None and min(np.diff(start.logits), default=0.0) > COARSE_TOL:
             yield Candidate(start, "the zones of a like scene", predicted=True)
         if not self._edge_stick_is_resolvable:
             if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
@@ -422,7 +419,7 @@ class UncoupledSearch(ZoneSearch):
         """Solve for boundaries and fields, to what the tolerance bounds."""
         if self.pointwise:
             return self._refine_fields(self.tolerance, zones)
-        refinement = self._refine_fields(self.tolerance**FIELD_TOLERANCE_EXPONENT, zones)
+        refinement = self._refine_fields(np.sqrt(REFINEMENT_MARGIN * self.tolerance), zones)
         solved = refinement.best.value
         if max(solved.shear_error, solved.radius_error) <= self.tolerance:
             return refinement
@@ -518,7 +515,7 @@ class CoupledSearch(ZoneSearch):
     @property
     def _stick_disk_below_range(self) -> bool:
         """Whether the stick disk is smaller than any that is solved for."""
-        return min_stick_radius(self.parameters) ** 2 < exp(MIN_SMOOTH_LOGIT)
+        return min_stick_radius(self.parameters) ** 2 < exp(-EPSILON_DEPTH)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         unrefuted = [outcome for outcome in outcomes if not outcome.violation_text]
@@ -591,7 +588,7 @@ class CoupledSearch(ZoneSearch):
         if not self._smooth_edge_sticks or self._stick_disk_below_range:
             return None
         expected = expected_error(self.parameters)
-        if expected > max(EDGE_MATCHING_SLACK * self.tolerance, EDGE_MATCHING_ERROR):
+        if expected > EDGE_MATCHING_ERROR:
             return None
         begin = perf_counter()
         outcome = None
@@ -635,7 +632,7 @@ class CoupledSearch(ZoneSearch):
         ):
             return []
         problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-        logits = scan_logits(problem, logit + SCAN_START, SCAN_STEP)
+        logits = scan_logits(logit + SCAN_STEP, SCAN_STEP)
         radii = stick_radii(problem, logits, contacts=True)
         return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
-from spectral_contact.contact.tuning import FIELD_ROUNDING, INNER_TOLERANCE_FACTOR
+from spectral_contact.contact.tuning import FIELD_ROUNDING, NEGLIGIBLE_FRACTION
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
 from spectral_contact.scene import Scene
@@ -229,7 +229,7 @@ class Run:
     def pressure_tolerance(self) -> float:
         """The tolerance of a pressure that loads the tangential problem: tighter than `rtol`."""
         least = min(self.rtol, 3.0 * FIELD_ROUNDING)
-        return max(self.rtol * INNER_TOLERANCE_FACTOR, least)
+        return max(self.rtol * NEGLIGIBLE_FRACTION, least)
 
     def _normal(self, states: dict[str, StepState]) -> NormalContact:
         """Solve normal contact, to the tolerance that the rest of the plan needs."""

@@ -50,9 +50,7 @@ from spectral_contact.spectral.jacobi import (
 from spectral_contact.spectral.tuning import (
     EXTRA,
     SAME_PLACE,
-    TAIL_EXTRA,
     TAIL_TERMS,
-    WEIGHTED_TAIL_EXTRA,
 )
 
 if TYPE_CHECKING:
@@ -270,7 +268,7 @@ def abel_right_tail(
     The tail ends at the distance `end`; `root` says that it is polynomial in ``sqrt(d)``.
     """
     exponent = 1.0 + 2.0 * power
-    nodes, weights = power_rule(terms + TAIL_EXTRA, exponent)
+    nodes, weights = power_rule(terms + EXTRA, exponent)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
     sine = np.sin(phi * nodes)  # d' = d sin(phi)**2 removes both square roots
     source = np.minimum(d[:, None] * sine**2, end)
@@ -281,7 +279,7 @@ def abel_right_tail(
 def _abel_left_tail(d: Array, end: float, power: float) -> Array:
     """Return the `abel_left` integral of ``d**power`` times the tail polynomials, (n, terms)."""
     if power != 0.0:  # d' = d cosh(phi)**2: with the power -1/2 the integral has a logarithm
-        g, w = gauss_rule(TAIL_TERMS + WEIGHTED_TAIL_EXTRA)
+        g, w = gauss_rule(TAIL_TERMS + 2 * EXTRA)
         phi = np.arccosh(np.sqrt(np.maximum(end / d, 1.0)))[:, None]
         root = np.sqrt(d)[:, None] * np.cosh(phi * (1.0 + g) / 2.0)
         source = np.minimum(root**2, end)

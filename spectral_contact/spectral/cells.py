@@ -24,7 +24,7 @@ from spectral_contact.fields.series import (
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.regularised import NodalSpace
-from spectral_contact.spectral.tuning import CELL_EXTRA_NODES
+from spectral_contact.spectral.tuning import NODE_STEP
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
@@ -100,7 +100,7 @@ class CellSpace(NodalSpace):
         self._below: list[Array] = []
         t, y, weights = [], [], []
         for k, length in enumerate(lengths):
-            g, w = gauss_rule(2 * max(around[k], around[k + 1]) + CELL_EXTRA_NODES)
+            g, w = gauss_rule(2 * max(around[k], around[k + 1]) + NODE_STEP)
             v, dv = (1.0 + g) / 2.0, w / 2.0
             if k == 0:  # and no square root at the centre
                 phi = pi / 2.0 * v

@@ -8,7 +8,7 @@ from the samples to the nodes.
 from __future__ import annotations
 
 from itertools import groupby
-from math import ceil
+from math import ceil, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,14 +19,11 @@ from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
     chebyshev_interpolation,
     gauss_rule,
+    interpolation_points,
     legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.tuning import (
-    FAR_POINTS,
-    KERNEL_ENTRIES,
     NODE_STEP,
-    SAMPLES,
-    TAIL_NODES,
     TAIL_TERMS,
 )
 from spectral_contact.threads import cached_property
@@ -36,9 +33,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+#: Number of Gauss points that represent functions of ``x`` on a panel of width 2 which are analytic
+#: up to an imaginary part of pi, as functions of ``d + e`` are.
+SAMPLES = interpolation_points(pi * 1j)
 #: Chebyshev points in [-1, 1] on an interval whose functions have their nearest singularity as far
 #: off as the interval is wide, and the matrix from values there to Chebyshev coefficients.
-FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(FAR_POINTS)
+FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(interpolation_points(3.0))
 
 
 class GradedNodes:
@@ -184,9 +184,9 @@ def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
     """Return nodes on the tail, decreasing, and weights of ``dd``.
 
     ``d = end sin(phi)**4`` makes them dense next to the boundary, because integrals over sources
-    past the boundary vary there on any small scale.
+    past the boundary vary there on any small scale. They are as many as on a panel of degree 16.
     """
-    g, w = gauss_rule(TAIL_NODES)
+    g, w = gauss_rule(_node_count(NODE_STEP))
     phi = np.pi / 4 * (1.0 - g)
     sine = np.sin(phi)
     end = panels.end
@@ -203,28 +203,11 @@ def _node_count(degree: int) -> int:
     return NODE_STEP * ceil(2 * degree / NODE_STEP + 1)
 
 
-def highest_degree(count: int) -> int:
-    """Return the highest degree with this `_node_count`.
-
-    No function on a panel with so many nodes, or on a neighbour, has a higher one.
-    """
-    return (count - NODE_STEP) // 2
-
-
 def inverse_root_sums(target: Array, source: Array, values: Array) -> Array:
     """Return ``sum_j values_j / sqrt(target_i + source_j)``, shape (n,) or (n, k).
 
     Target, (n,), and source, (m,), are two summands of ``s**2 - t**2`` for points s and sources t,
     measured from one anchor so that the difference keeps its digits. Several columns of values,
-    (m, k), share the square roots. The rows are taken in strips of `KERNEL_ENTRIES` entries, which
-    fit the processor's cache.
+    (m, k), share the square roots.
     """
-    sums = np.empty((len(target), *values.shape[1:]))
-    rows = max(KERNEL_ENTRIES // max(len(source), 1), 1)
-    work = np.empty((min(rows, len(target)), len(source)))
-    for start in range(0, len(target), rows):
-        strip = target[start : start + rows, None]
-        roots = np.add(strip, source, out=work[: len(strip)])
-        np.sqrt(roots, out=roots)
-        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + rows])
-    return sums
+    return np.asarray((1.0 / np.sqrt(target[:, None] + source)) @ values)

@@ -22,7 +22,6 @@ from spectral_contact.spectral.tuning import (
     LEAST_SAMPLING_POINTS,
     ROOT_TERMS,
     SAMPLING_EXTRA,
-    TAIL_EXTRA,
     TAIL_TERMS,
 )
 
@@ -153,7 +152,7 @@ class LogPanels:
 
         The weights are for integrands that contain ``d**power``; the polynomials do not contain it.
         """
-        v, w = power_rule(self.tail_terms + TAIL_EXTRA, 1.0 + 2.0 * self.power)
+        v, w = power_rule(self.tail_terms + EXTRA, 1.0 + 2.0 * self.power)
         d = self.end * v**2
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
         return BasisRule(d, 2.0 * w * v ** (-2.0 * self.power) * self.end, values)
