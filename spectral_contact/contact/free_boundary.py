@@ -28,11 +28,10 @@ from spectral_contact.contact.tuning import (
     COARSE_TOL,
     FIELD_ROUNDING,
     MAX_CONTRACTION,
-    MAX_LOGIT_STEP,
-    MAX_STALLED_STEPS,
     MAX_STEPS,
     MIN_STEP_ANGLE,
     NEGLIGIBLE_FRACTION,
+    PANEL_WIDTH,
     ROUNDING,
 )
 from spectral_contact.fields.series import Array
@@ -320,7 +319,7 @@ class FreeBoundary:
                 least_residual = size
             if length < boundary_tol:
                 return self._corrected_to(iterate, field_tol, converged=True)
-            if stalled > MAX_STALLED_STEPS or (stalled > 1 and least_residual < FIELD_ROUNDING):
+            if stalled > 1 and least_residual < FIELD_ROUNDING:
                 break
             step *= _feasible_fraction(iterate.logits, step)
             moved = self._moved(iterate, step)
@@ -385,9 +384,10 @@ def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:
 def _feasible_fraction(logits: Array, step: Array) -> float:
     """Return the fraction of a step that can be taken.
 
-    No boundary moves by more than MAX_LOGIT_STEP, and no zone becomes narrower than half its width.
+    No boundary moves by more than the width of a panel, and no zone becomes narrower than half of
+    its own.
     """
-    fraction = min(1.0, MAX_LOGIT_STEP / max(float(np.abs(step).max()), TINY))
+    fraction = min(1.0, PANEL_WIDTH / max(float(np.abs(step).max()), TINY))
     for width, change in zip(np.diff(logits), np.diff(step), strict=True):
         if change < 0.0:
             fraction = min(fraction, 0.5 * width / -change)

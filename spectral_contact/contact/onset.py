@@ -17,7 +17,13 @@ from spectral_contact.contact.resolution import (
     first_sign_change,
     sample_depths,
 )
-from spectral_contact.contact.tuning import NARROW_SLIP, ONSET_SAMPLES, SAMPLES, TRACTION_ROUNDING
+from spectral_contact.contact.tuning import (
+    MAX_RING_WIDTH,
+    ONSET_SAMPLES,
+    RINGS_PER_SPLIT,
+    SAMPLES,
+    TRACTION_ROUNDING,
+)
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -103,10 +109,13 @@ def slip_where_exceeded(
 
 
 def is_narrow(zones: Layout) -> bool:
-    """Return whether no slip reaches the edge, and all may be too narrow for rings."""
+    """Return whether no slip reaches the edge, and all of it is narrower than a split ring.
+
+    Such slip may fall between rings.
+    """
     widths = np.diff(zones.logits)[::2]
     all_inside = len(zones.logits) == 2 * len(widths)
-    return all_inside and max(widths, default=inf) < NARROW_SLIP
+    return all_inside and max(widths, default=inf) < MAX_RING_WIDTH / RINGS_PER_SPLIT
 
 
 def _depth(parameters: Parameters) -> float:

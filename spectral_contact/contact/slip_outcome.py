@@ -39,7 +39,6 @@ from spectral_contact.contact.resolution import (
 )
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import (
-    DOUBTFUL_VIOLATION,
     FIELD_ROUNDING,
     REFUTING_VIOLATION,
     ROUNDING,
@@ -59,6 +58,11 @@ from spectral_contact.spectral.parameters import Parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
+
+
+#: Violation of the friction law at which zones are refuted if no digit of the slip is known: a
+#: missing zone violates it by 1, and zones that follow from less than a half are noise.
+DOUBTFUL_VIOLATION = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

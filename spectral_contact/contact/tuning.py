@@ -60,19 +60,9 @@ ONSET_BAND = 1e-4
 #: Refinement aims at this fraction of the tolerance, so that one more solve is rarely needed. Its
 #: cost: validation/cost/bench_solve.py.
 REFINEMENT_MARGIN = 0.15
-#: Most degrees that one refinement adds to a panel. Its cost: validation/cost/bench_solve.py.
-MAX_ADDED_DEGREES = 8
 #: Highest degree of a panel. Beyond it rounding grows and the error does not fall: not measured
 #: again.
 MAX_DEGREE = 40
-#: Most spaces that a refinement tries: not measured again.
-MAX_SPACES = 12
-#: Where refinement of unknown zones stalls, it begins again with the first space of this fraction
-#: of the tolerance, this many times in all, and never with that of a tolerance below the last of
-#: the three: not measured again. validation/net/net.py lists scenes that no longer converge.
-RESTART_FACTOR = 0.1
-MAX_STARTS = 3
-MIN_RESTART_TOL = 1e-12
 
 # Meshes
 
@@ -97,8 +87,6 @@ LAYER_REACH = 3.0
 
 # Free boundaries. Logits are those of the boundaries, ``ln(b**2/(1 - b**2))``.
 
-#: Longest step of a boundary, as a logit: not measured again.
-MAX_LOGIT_STEP = 2.0
 #: The Jacobian is valid while boundaries move by less than this fraction of the narrowest zone, and
 #: half the step of its differences is this fraction at most. With steps of 0.03 or 0.5 no digit of
 #: 25 scenes changes. validation/honesty/honesty.py thresholds counts scenes that are refused.
@@ -106,12 +94,9 @@ JACOBIAN_RANGE = 0.1
 #: The matrix is factored anew when a correction is more than this fraction of the one before. Its
 #: cost: validation/cost/bench_coupled.py.
 MAX_CONTRACTION = 0.2
-#: The search ends after more than so many steps in a row that leave more than half of the boundary
-#: residual. Not measured again; validation/honesty/honesty.py thresholds counts scenes that are
-#: refused.
-MAX_STALLED_STEPS = 8
-#: Most steps of the boundaries, and most corrections of the fields at given boundaries. Not
-#: measured again.
+#: Most steps of the boundaries, most corrections of the fields at given boundaries, and most
+#: systems of one active set on rings: random scenes took 12 of the last, or 33 where friction and
+#: coupling are strong (validation/honesty/ring_zones.py).
 MAX_STEPS = 40
 #: Broyden's update drops combinations of steps whose singular value is below this fraction of the
 #: largest one: steps that are nearly parallel show one derivative only. Not measured again.
@@ -119,11 +104,6 @@ MIN_STEP_ANGLE = 0.03
 
 # Derivatives by parameters
 
-#: Half the width of the interval of the nodes at which the boundary residual is evaluated for its
-#: Jacobian, as a fraction of the narrowest zone. The factors of the middle still serve, and
-#: polynomials through DERIVATIVE_NODES nodes are right to 1e-12: validation/honesty/sensitivity.py.
-DERIVATIVE_SPAN = 0.06
-DERIVATIVE_NODES = 8
 #: Corrections of the derivatives of the fields, and Newton steps of the boundaries before these are
 #: taken: validation/honesty/sensitivity.py.
 DERIVATIVE_CORRECTIONS = 4
@@ -176,9 +156,6 @@ SLIP_ROUNDING = 1e-10
 #: ``(x (1 - x))**(3/2)``, which is ``8 x**(3/2)`` of its largest value next to an end. 10 leaves
 #: room.
 BOUNDARY_SLIP_FACTOR = 10.0
-#: Violation of the friction law at which zones are refuted if no digit of the slip is known: a
-#: missing zone violates it by 1, and zones that follow from less are noise. Not measured again.
-DOUBTFUL_VIOLATION = 0.5
 #: Relative error of slip from which on a zone of slip inside is taken to be off by as much of its
 #: width: at the onset of slip, where an ulp of f moves its boundaries by 1e-4 of the width, both
 #: errors grow together. `python validation/honesty/honesty.py thresholds` checks the estimates.
@@ -194,9 +171,6 @@ DISPLACEMENT_SMOOTHING = 16.0
 
 # .. onset of slip (contact/onset.py, solving/coupled_run.py)
 
-#: Slip narrower than this in the logit may fall between rings, so that the place where full stick
-#: violates the law is tried before the zones on rings. Not measured again.
-NARROW_SLIP = 0.25
 #: Error of full stick in place of slip that was not resolved, over ``1 - f/f_crit``.
 #: `python validation/honesty/honesty.py thresholds` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
@@ -213,9 +187,6 @@ RING_SPLITS = 2
 #: Changes of all wrong rings at once that may fail to lower their number before one ring is changed
 #: at a time.
 RING_PATIENCE = 4
-#: Most systems of one active set: random scenes took 12, or 33 where friction and coupling are
-#: strong.
-MAX_RING_SYSTEMS = 40
 #: Distances of ring boundaries from the edge are even numbers to this power. With 3 or 5 the
 #: approach is as good (a relative error of 1e-5 with 60 rings); rings that are equally wide in the
 #: logit all the way err 60 times as much.
@@ -226,10 +197,6 @@ MAX_RING_WIDTH = 1.5
 RINGS_PER_SPLIT = 4
 #: Number of rings that are split on either side of a boundary.
 SPLIT_NEIGHBOURS = 2
-#: Zones of at most so many rings between others are taken for an error of the rings, which is
-#: largest where wide rings meet narrow ones. A third of random scenes near an onset had up to three
-#: rings that stick amid slip, or slip amid stick.
-MAX_SPURIOUS_RINGS = 3
 
 # .. slip everywhere under little friction (contact/little_friction.py)
 

@@ -29,8 +29,6 @@ from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.tuning import (
     DERIVATIVE_CORRECTIONS,
     DERIVATIVE_NEWTON_STEPS,
-    DERIVATIVE_NODES,
-    DERIVATIVE_SPAN,
     JACOBIAN_RANGE,
     ROUNDING,
     SMALL_COMPLIANCE,
@@ -47,18 +45,19 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
-from spectral_contact.spectral.jacobi import chebyshev_interpolation
+from spectral_contact.spectral.jacobi import chebyshev_interpolation, interpolation_points
 from spectral_contact.spectral.parameters import Parameters
 
 Array = NDArray[np.float64]
 
-#: Nodes on (-1, 1), and the matrix from values at them to Chebyshev coefficients.
-_NODES, _FIT = chebyshev_interpolation(DERIVATIVE_NODES)
-#: From values at nodes that DERIVATIVE_SPAN scales to the derivative in the middle.
+#: Nodes on (-1, 1), which JACOBIAN_RANGE scales, and the matrix from values at them to Chebyshev
+#: coefficients. A function of a boundary is singular where a zone has no width.
+_NODES, _FIT = chebyshev_interpolation(interpolation_points(1.0 / JACOBIAN_RANGE))
+#: From values at the scaled nodes to the derivative in the middle.
 _DERIVATIVE = (
-    np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(DERIVATIVE_NODES)])
+    np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(len(_NODES))])
     @ _FIT
-    / DERIVATIVE_SPAN
+    / JACOBIAN_RANGE
 )
 #: Relative error to which fields are corrected: half the rounding of a double.
 _FIELD_TOLERANCE = 0.5 * float(np.finfo(float).eps)
@@ -197,7 +196,7 @@ class _SolutionDerivatives:
         for direction in np.eye(len(logits)):
             values = []
             for node in _NODES:
-                moved_logits = logits + DERIVATIVE_SPAN * self.narrowest * node * direction
+                moved_logits = logits + JACOBIAN_RANGE * self.narrowest * node * direction
                 system = self.system_at(self.parameters, moved_logits)
                 moved = replace(self.fields, system=system)
                 if not reuse_factors:

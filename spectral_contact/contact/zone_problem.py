@@ -38,10 +38,7 @@ from spectral_contact.contact.tuning import (
     COARSE_TOL,
     FIELD_ROUNDING,
     JACOBIAN_RANGE,
-    MAX_STARTS,
-    MIN_RESTART_TOL,
     NEGLIGIBLE_FRACTION,
-    RESTART_FACTOR,
     ROUNDING,
 )
 from spectral_contact.contact.zone_spaces import (
@@ -51,7 +48,6 @@ from spectral_contact.contact.zone_spaces import (
     split_spaces,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
-from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -382,18 +378,10 @@ def solve_zones(
 ) -> Refinement[ZoneSolution]:
     """Solve the coupled contact with the zones of a layout.
 
-    The tolerance bounds the fields pointwise, or approach and shear. Where refinement stalls it
-    begins again with a finer first space, that of a smaller tolerance. `max_unknowns` bounds the
+    The tolerance bounds the fields pointwise, or approach and shear. `max_unknowns` bounds the
     unknowns of both fields together. The friction law is not checked here. Raises
     `NoBoundariesError` if there are no such boundaries.
     """
-    refinements = list[Refinement[ZoneSolution]]()
-    for k in range(MAX_STARTS):
-        space_tolerance = max(RESTART_FACTOR**k * tolerance, MIN_RESTART_TOL)
-        problem = FreeBoundaryProblem(parameters, layout, space_tolerance, pointwise=pointwise)
-        # `refine` counts coefficients of the panels, each of which stands for p and for q/s
-        refinements.append(refine(problem, tolerance, max_unknowns // 2))
-        best = min(refinements, key=lambda refinement: refinement.best.error)
-        if best.ending is not Ending.ROUNDING or space_tolerance == MIN_RESTART_TOL:
-            break
-    return best
+    problem = FreeBoundaryProblem(parameters, layout, tolerance, pointwise=pointwise)
+    # `refine` counts coefficients of the panels, each of which stands for p and for q/s
+    return refine(problem, tolerance, max_unknowns // 2)

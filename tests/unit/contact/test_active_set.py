@@ -220,7 +220,7 @@ def one_more_wrong(wanted):
 
 
 def test_states_that_do_not_settle_are_told(monkeypatch):
-    monkeypatch.setattr(active_set, "MAX_RING_SYSTEMS", 1)
+    monkeypatch.setattr(active_set, "MAX_STEPS", 1)
     found = layout(Scene(0.1, 0.5, 0.5, 0.1))
     assert not found.converged
 
