@@ -25,9 +25,7 @@ from spectral_contact.contact.tuning import (
     MAX_STEPS,
     RING_GRADING,
     RING_PATIENCE,
-    RING_SPLITS,
     RINGS_PER_SPLIT,
-    SPLIT_NEIGHBOURS,
 )
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
@@ -262,7 +260,7 @@ def ring_layout(
     *,
     coupled: bool,
     rings: int = FIRST_RINGS,
-    splits: int = RING_SPLITS,
+    splits: int = 2,
 ) -> RingLayout:
     """Return the zones that the friction law makes on rings.
 
@@ -339,7 +337,8 @@ def _split(state: RingState) -> tuple[Array, Integers]:
     logits = state.law.rings.logits
     count = len(state.states)
     last, _ = _boundaries(state)
-    to_split = [last + 1 + k for k in range(-SPLIT_NEIGHBOURS, SPLIT_NEIGHBOURS)]
+    # the two rings on either side
+    to_split = [last + 1 + k for k in range(-2, 2)]
     if state.states[0] != 0:  # the stick disk is smaller than the first ring
         to_split.append(np.array([0]))
     marked = np.unique(np.clip(np.concatenate(to_split), 0, count - 1))

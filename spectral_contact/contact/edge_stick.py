@@ -35,10 +35,10 @@ from spectral_contact.contact.resolution import (
     EPSILON_DEPTH,
 )
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
+from spectral_contact.contact.stick_radius import MAX_LOGIT
 from spectral_contact.contact.tuning import (
     EDGE_ERROR_INSIDE,
     EDGE_ERROR_OUTSIDE,
-    MIN_MATCHED_WIDTH,
     PANEL_WIDTH,
     ROUNDING,
     SLIP_ROUNDING,
@@ -55,10 +55,14 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.records import Zone
-from spectral_contact.spectral.graded import SAMPLES
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.panels import PANEL_SAMPLES
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
+
+#: Least width of the stick at the edge in ``y``; a narrower one is left out. The logit of its
+#: boundary is the largest that a stick radius may have.
+MIN_EDGE_WIDTH = exp(-MAX_LOGIT)
 
 
 class EdgeStick(NamedTuple):
@@ -144,7 +148,7 @@ def expected_error(parameters: Parameters) -> float:
     width = edge_stick_width(parameters, theta)
     if width >= exp(-1.0):
         return 1.0
-    stick = EdgeStick(theta, 1.0, max(width, MIN_MATCHED_WIDTH))
+    stick = EdgeStick(theta, 1.0, max(width, MIN_EDGE_WIDTH))
     return stick.error + stick.traction_error(parameters.beta)
 
 
@@ -182,7 +186,7 @@ def with_edge_stick(
     stick = EdgeStick.matched(edge_exponent(parameters), amplitude, -at_edge, beta * friction)
     if stick.width >= extent:
         raise ArithmeticError("the stick at the edge is no narrower than the slip")
-    if stick.width < MIN_MATCHED_WIDTH:
+    if stick.width < MIN_EDGE_WIDTH:
         return outcome
     return _with_fields_of_stick(outcome, body_displacement, stick, solved, parameters)
 
@@ -316,9 +320,9 @@ def sampled(function: Callable[[Array], Array], depth: float, *, power: float = 
         Of the factor that is not sampled.
     """
     panels = ceil(depth / PANEL_WIDTH)
-    nodes, _ = gauss_rule(SAMPLES)
+    nodes, _ = gauss_rule(PANEL_SAMPLES)
     x = PANEL_WIDTH * (np.arange(panels)[:, None] + (1.0 + nodes) / 2.0)
     values = function(np.exp(-x.ravel())).reshape(x.shape)
-    expansion = legendre_expansion_matrix(SAMPLES, SAMPLES - 1)
+    expansion = legendre_expansion_matrix(PANEL_SAMPLES, PANEL_SAMPLES - 1)
     coefficients = values @ expansion.T
     return LogSeries(coefficients, np.array([coefficients[-1].sum()]), PANEL_WIDTH, power)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
-from spectral_contact.contact.tuning import BOUNDARY_SLIP_FACTOR, SLIP_ROUNDING
+from spectral_contact.contact.tuning import SAMPLES, SLIP_ROUNDING, TRACTION_ROUNDING
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parts import gap
 
@@ -28,8 +28,12 @@ Interval: TypeAlias = tuple[float, float]
 #: Distance from a boundary, over the width of the zone, at which slip is as small as its rounding:
 #: it grows like the distance to the power 3/2.
 _BOUNDARY_DISTANCE = float(np.cbrt(SLIP_ROUNDING)) ** 2
+#: A violation of the friction law by less is none, and slip that is about to start is known to this
+#: part of the radius at best: an annulus opens like the root of ``1 - f/f_crit``, which has the
+#: rounding of the traction.
+UNRESOLVED_SLIP = sqrt(TRACTION_ROUNDING)
 #: Distances from the boundaries of a zone, over its extent, at which stick is verified.
-DISTANCES = np.exp(-sample_depths(EPSILON_DEPTH, 400))
+DISTANCES = np.exp(-sample_depths(EPSILON_DEPTH, 3 * SAMPLES))
 
 
 def missing_stick(
@@ -144,14 +148,15 @@ def inf_if_unresolved(error: float) -> float:
 def slip_error_from_boundaries(shift: float) -> float:
     """Return the error of slip, relative to the largest, if boundaries of its zone are off.
 
-    Slip goes like the distance from a boundary to the power 3/2.
+    Slip over a narrow annulus is like ``(x (1 - x))**(3/2)``, with the distance x from a boundary
+    over the width; that is ``2**3 x**(3/2)`` of its largest value next to the boundary.
 
     Parameters
     ----------
     shift : float
         The error of the boundaries over the width of the zone.
     """
-    return BOUNDARY_SLIP_FACTOR * shift * sqrt(shift)
+    return 2.0**3 * shift * sqrt(shift)
 
 
 def stick_violation(friction: float, fields_in_stick: Iterable[tuple[Array, Array]]) -> float:

@@ -12,12 +12,13 @@ from spectral_contact.contact.resolution import (
     graded_space,
     relative_panel_changes,
 )
-from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, SMALL_COMPLIANCE
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 
 #: The endpoint weight is ``(4/pi) / sqrt(y + WEIGHT_SHIFT * alpha)``: as alpha vanishes it has the
 #: pressure at the edge, ``sqrt((4/pi) / alpha)``, by itself.
@@ -36,7 +37,7 @@ class _NormalProblem:
         self.tolerance = tolerance
         self.pointwise = goal != "approach"
         self.changes_wanted = goal == "traction"
-        has_weight = compliance < SMALL_COMPLIANCE and self.pointwise
+        has_weight = compliance < UNCORRECTED_COMPLIANCE and self.pointwise
         self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if has_weight else None
 
     def start(self) -> DiscreteSpace:
@@ -59,7 +60,7 @@ class _NormalProblem:
             load = load_vector(panels, lambda d: 0.5 * weight(d))
             weight_load = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
-        solution = factored.solve(target, load, correct=self.pointwise and weight is None)
+        solution = factored.solve(target, load, correct=False)
         change = factored.change(solution)
         # int p s ds = (2/pi) int F dt, for unit approach
         moment = 2.0 * float(space.constant_moments @ solution[space.index]) + weight_load

@@ -6,10 +6,11 @@ critical friction. Radii are looked at through ``x = -ln y`` with ``y = 1 - s**2
 
 from __future__ import annotations
 
-from math import inf, log, sqrt
+from math import inf, log
 
 import numpy as np
 
+from spectral_contact.contact.friction_law import UNRESOLVED_SLIP
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import (
@@ -17,19 +18,10 @@ from spectral_contact.contact.resolution import (
     first_sign_change,
     sample_depths,
 )
-from spectral_contact.contact.tuning import (
-    MAX_RING_WIDTH,
-    ONSET_SAMPLES,
-    RINGS_PER_SPLIT,
-    SAMPLES,
-    TRACTION_ROUNDING,
-)
+from spectral_contact.contact.tuning import MAX_RING_WIDTH, ONSET_SAMPLES, RINGS_PER_SPLIT, SAMPLES
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
-#: Least relative error of a stick radius of 1 if slip is about to start: an annulus opens like the
-#: root of ``1 - f/f_crit``, which is known to the rounding of the traction.
-UNRESOLVED_SLIP = sqrt(TRACTION_ROUNDING)
 #: Slip is wider than the set where full stick violates ``|q| <= f p``; the set for ``1 - f/f_crit``
 #: enlarged by this factor contains the slip. The slip is less than twice as wide where the width of
 #: the set goes like ``sqrt(1 - f/f_crit)``, less than four times where like ``1 - f/f_crit``.

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.friction_law import (
+    UNRESOLVED_SLIP,
     Interval,
     edge_sense_unknown,
     excused_excess,
@@ -38,12 +39,7 @@ from spectral_contact.contact.resolution import (
     NormalContact,
 )
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
-from spectral_contact.contact.tuning import (
-    FIELD_ROUNDING,
-    REFUTING_VIOLATION,
-    ROUNDING,
-    UNCERTAIN_SLIP_ERROR,
-)
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, UNCERTAIN_SLIP_ERROR
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -162,7 +158,7 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     Where f is below the critical friction, the traction of full stick exceeds f p by a relative
     ``f_crit/f - 1`` at most, which is added to the errors of traction and shear.
     """
-    from spectral_contact.contact.onset import UNRESOLVED_SLIP, unresolved_slip
+    from spectral_contact.contact.onset import unresolved_slip
 
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
@@ -376,9 +372,9 @@ def _violation_text(excess: float, allowed: float, wrong: float, excused: float)
     An excess up to `allowed` and slip in the wrong sense up to `excused` are within the errors. If
     no digit of the slip is known, `excused` is infinite: its sense refutes nothing.
     """
-    if not excess <= max(REFUTING_VIOLATION, allowed):
+    if not excess <= max(UNRESOLVED_SLIP, allowed):
         return "the traction in stick exceeds friction"
-    if wrong <= max(REFUTING_VIOLATION, excused):
+    if wrong <= max(UNRESOLVED_SLIP, excused):
         return ""
     return "the surface slips with the traction"
 

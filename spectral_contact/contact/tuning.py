@@ -15,7 +15,7 @@ from __future__ import annotations
 
 # Rounding. Each of these is a relative error that no refinement removes.
 
-#: Integral quantities (approach, total shear). Measured against 20 digits:
+#: Approach and total shear without boundaries, and boundaries. Measured against 20 digits:
 #: validation/honesty/honesty.py.
 ROUNDING = 2e-15
 #: The pressure, or a ratio q/p, at one place; closed forms; boundary residuals, and relative
@@ -68,9 +68,6 @@ MAX_DEGREE = 40
 
 #: Width of a panel in x. It is cheapest at a tolerance of 1e-12: validation/cost/bench_solve.py.
 PANEL_WIDTH = 2.0
-#: Below this normal compliance the layer at the edge is thin, and the endpoint weight joins the
-#: functions of the pressure: validation/cost/bench_solve.py.
-SMALL_COMPLIANCE = 1e-2
 
 # First spaces. A number that is too small costs a second solve, one that is too large unknowns:
 # validation/cost/bench_solve.py and bench_coupled.py show both. An estimate decides whether a space
@@ -104,10 +101,8 @@ MIN_STEP_ANGLE = 0.03
 
 # Derivatives by parameters
 
-#: Corrections of the derivatives of the fields, and Newton steps of the boundaries before these are
-#: taken: validation/honesty/sensitivity.py.
+#: Corrections of the derivatives of the fields: validation/honesty/sensitivity.py.
 DERIVATIVE_CORRECTIONS = 4
-DERIVATIVE_NEWTON_STEPS = 2
 
 # Samples: numbers of points at which functions are evaluated together. Not measured again: more
 # cost time, and fewer may miss two changes of sign, or a maximum, between two points.
@@ -125,44 +120,18 @@ ONSET_SAMPLES = 4001
 
 # .. search (contact/zone_search.py)
 
-#: Least width in ``y = 1 - s**2`` of the stick at the edge of a smooth surface (alpha = 0 < beta)
-#: for which it is a zone of the search; below, the contact is one stick disk. Not measured again.
-MIN_EDGE_STICK_WIDTH = 1e-80
-#: Most zones of a candidate: no scene is known to have more than four, and noise at the onset of
-#: slip looks like many more. Not measured again.
-MAX_ZONES = 6
-#: The closed form of the stick at a smooth edge is tried if its expected relative error is below
-#: this: panels leave an error of 1e-9 at a width of 1e-20 in ``y``, of 4e-7 at 1e-24.
-#: `python validation/physics/edge_stick.py`.
-EDGE_MATCHING_ERROR = 1e-8
-#: If ``1 - f/f_crit`` is below this, slip occupies the set where full stick has ``|q| > f p``: to
-#: 0.01 in the logit of its boundary at half this value. Boundaries from a rough space are off by as
-#: much in the logit. Not measured again.
-NARROW_SLIP_BAND = 0.02
 #: Relative error C of the pressure ``s**-e/sqrt(1 - s**2)`` in slip, over ``kappa f s**2``. The
 #: measured C is 2. Not measured again.
 CENTRAL_ASYMPTOTE_ERROR = 5.0
-#: Step, in the logit, of the scan for further stick radii, which begins at the one found. On smooth
-#: surfaces radii are 10 and more apart. `python validation/physics/coupled_uniqueness.py` finds the
-#: radii of random scenes.
-SCAN_STEP = 4.0
 
 # .. friction law (contact/friction_law.py, slip_outcome.py, edge_stick.py)
 
 #: Slip in the wrong sense that rounding makes, relative to the largest slip. Not measured again.
 SLIP_ROUNDING = 1e-10
-#: Error of slip relative to its largest value over ``w**(3/2)``, where the boundaries of a slip
-#: zone are off by a fraction w of its width: slip over a narrow annulus is like
-#: ``(x (1 - x))**(3/2)``, which is ``8 x**(3/2)`` of its largest value next to an end. 10 leaves
-#: room.
-BOUNDARY_SLIP_FACTOR = 10.0
 #: Relative error of slip from which on a zone of slip inside is taken to be off by as much of its
 #: width: at the onset of slip, where an ulp of f moves its boundaries by 1e-4 of the width, both
 #: errors grow together. `python validation/honesty/honesty.py thresholds` checks the estimates.
 UNCERTAIN_SLIP_ERROR = 0.1
-#: Violation of the friction law that rounding cannot explain, so that other zones are tried.
-#: Not measured again.
-REFUTING_VIOLATION = 1e-6
 #: Factor by which the relative error of the displacement is below that of E in slip, because the
 #: displacement is an integral of E over ``1/sqrt(d)``. Estimates of slip are 4 times as large with
 #: 1; with 16 none of 300 true errors exceeds its estimate.
@@ -182,8 +151,6 @@ ONSET_ERROR_FACTOR = 3.0
 
 #: Rings of the first grid, without those next to the centre and the edge.
 FIRST_RINGS = 60
-#: How often the rings around boundaries are split.
-RING_SPLITS = 2
 #: Changes of all wrong rings at once that may fail to lower their number before one ring is changed
 #: at a time.
 RING_PATIENCE = 4
@@ -195,8 +162,6 @@ RING_GRADING = 4
 MAX_RING_WIDTH = 1.5
 #: Number of rings into which a ring next to a boundary is split.
 RINGS_PER_SPLIT = 4
-#: Number of rings that are split on either side of a boundary.
-SPLIT_NEIGHBOURS = 2
 
 # .. slip everywhere under little friction (contact/little_friction.py)
 
@@ -214,17 +179,9 @@ EDGE_ERROR_OUTSIDE = 2.5
 #: Relative error of the traction in the stick at the edge, over ``w ln(1/w)/beta``: at most 0.08
 #: against panels.
 EDGE_ERROR_INSIDE = 0.2
-#: Least width of the stick at the edge in ``y``: down to it a radius keeps its distance from the
-#: edge within the range of doubles. A narrower one is left out.
-MIN_MATCHED_WIDTH = 1e-290
 
 # .. runs and continuation (solving/run.py, solving/sharing.py)
 
 #: Number of scenes of a path from which boundaries are extrapolated, and of stick radii of a
 #: growing contact from which another one is interpolated. Not measured again.
 PATH_POINTS = 6
-#: Largest step in a logarithm of alpha, beta or f over which boundaries are extrapolated.
-#: Not measured again.
-MAX_EXTRAPOLATION = 1.0
-#: Scenes are on one line if they are off it by less than this part of their largest distance.
-COLLINEARITY = 1e-6

@@ -26,13 +26,7 @@ from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import NormalContact
-from spectral_contact.contact.tuning import (
-    DERIVATIVE_CORRECTIONS,
-    DERIVATIVE_NEWTON_STEPS,
-    JACOBIAN_RANGE,
-    ROUNDING,
-    SMALL_COMPLIANCE,
-)
+from spectral_contact.contact.tuning import DERIVATIVE_CORRECTIONS, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.contact.zone_fields import stick_tractions
 from spectral_contact.contact.zone_problem import min_zone_width
 from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
@@ -47,6 +41,7 @@ from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, interpolation_points
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 
 Array = NDArray[np.float64]
 
@@ -172,7 +167,8 @@ class _SolutionDerivatives:
         self.fields = self._solution(logits)
         #: rows: derivatives of boundary residual, approach and shear by the logit of a boundary
         self.by_logits = self._boundary_derivatives(logits)
-        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if len(logits) else 0):
+        if len(logits):
+            # a Newton step with the Jacobian of these rows
             residual = self.fields.boundary_residual
             logits = logits - np.linalg.solve(self.by_logits[:, :-2].T, residual)
             self.fields = self._solution(logits)
@@ -191,7 +187,7 @@ class _SolutionDerivatives:
         middle serve for all nodes unless a compliance of the matrix is small.
         """
         compliances = self.parameters[int(self.fields.system.pressure_known) : 2]
-        reuse_factors = min(1.0, *compliances) > SMALL_COMPLIANCE
+        reuse_factors = min(1.0, *compliances) > UNCORRECTED_COMPLIANCE
         rows = []
         for direction in np.eye(len(logits)):
             values = []

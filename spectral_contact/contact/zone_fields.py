@@ -14,6 +14,7 @@ import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.tuning import MAX_STEPS
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import (
     AnnulusSeries,
@@ -30,10 +31,6 @@ from spectral_contact.spectral.parts import gap
 
 if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
-
-#: Rounds of the fixed-point iteration for e: each lowers the error by a factor ``3 kappa f``, which
-#: is 1/20 at most, so that 14 make it rounding.
-_EXPONENT_ROUNDS = 14
 
 
 def all_positive(pressures: Sequence[LogSeries]) -> bool:
@@ -156,7 +153,7 @@ def _central_exponent(coupling: float) -> float:
     """Return the exponent e of ``p ~ s**-e``, from a fixed-point iteration.
 
     With ``q = f p`` the displacements that p and q make in normal direction are powers of s, too,
-    and have to cancel.
+    and have to cancel. Each round lowers the error by the factor ``3 kappa f``, 1/20 at most.
 
     Parameters
     ----------
@@ -164,7 +161,7 @@ def _central_exponent(coupling: float) -> float:
         ``kappa f``.
     """
     e = 2.0 * coupling
-    for _ in range(_EXPONENT_ROUNDS):
+    for _ in range(MAX_STEPS):
         ratio = gamma(1.0 + e / 2.0) * gamma((1.0 - e) / 2.0)
         e = 2.0 * coupling * (1.0 - e) * ratio / (gamma((1.0 + e) / 2.0) * gamma(1.0 - e / 2.0))
     return e

@@ -49,6 +49,7 @@ from spectral_contact.contact.slip_outcome import (
     zones_outcome,
 )
 from spectral_contact.contact.stick_radius import (
+    MAX_LOGIT,
     NoStickDiskError,
     limiting_logit,
 )
@@ -56,13 +57,9 @@ from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
     CENTRAL_CLEARANCE,
     COARSE_TOL,
-    EDGE_MATCHING_ERROR,
-    MAX_ZONES,
-    MIN_EDGE_STICK_WIDTH,
-    NARROW_SLIP_BAND,
     ONSET_BAND,
+    PANEL_WIDTH,
     REFINEMENT_MARGIN,
-    SCAN_STEP,
 )
 from spectral_contact.contact.zone_fields import (
     edge_exponent,
@@ -87,6 +84,10 @@ _DISK_STATES = (0, 1)
 _DISK = Layout((), _DISK_STATES)
 #: A stick disk with a narrow slip annulus around it.
 _WIDE_DISK = Layout((2.0,), _DISK_STATES)
+#: The closed form of the stick at a smooth edge is tried if half of the digits are expected of it:
+#: panels leave an error of 1e-9 at a width of 1e-20 in ``y``, of 4e-7 at 1e-24
+#: (`python validation/physics/edge_stick.py`).
+EDGE_MATCHING_ERROR = float(np.sqrt(np.finfo(float).eps))
 #: The logit of a stick disk so small that its radius is rounding: the slip around it is that of
 #: full slip.
 _POINT_LOGIT = -2.0 * EPSILON_DEPTH
@@ -240,7 +241,7 @@ class ZoneSearch(ABC):
     @property
     def _edge_stick_is_resolvable(self) -> bool:
         """Whether the stick zone at a smooth edge is wide enough to be represented."""
-        return self._smooth_edge_sticks and self._edge_stick_width >= MIN_EDGE_STICK_WIDTH
+        return self._smooth_edge_sticks and self._edge_stick_width >= exp(-MAX_LOGIT)
 
     def _with_edge_stick(self, logits: list[float], states: tuple[int, ...]) -> Layout:
         """Return zones on rings, with stick at a smooth edge that slips on rings.
@@ -349,7 +350,7 @@ class UncoupledSearch(ZoneSearch):
             self._smooth_edge_sticks and not self._edge_stick_is_resolvable
         ):
             return zones.states == _DISK_STATES
-        return 1 < len(zones.states) <= MAX_ZONES
+        return len(zones.states) > 1
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         if not outcomes:  # slip is about to start, and too narrow to be solved for
@@ -540,7 +541,7 @@ class CoupledSearch(ZoneSearch):
             if not candidate.predicted:
                 # first boundaries, from a small space
                 problem = FreeBoundaryProblem(self.parameters, zones, self.tolerance)
-                zones = self._narrowed_at_onset(problem.initial_layout())
+                zones = problem.initial_layout()
         except NoStickDiskError as error:
             if error.at_centre:
                 return self._full_slip()
@@ -555,28 +556,6 @@ class CoupledSearch(ZoneSearch):
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
             self.record(SLIP_FIELD, outcome, solved)
         return outcome
-
-    def _narrowed_at_onset(self, zones: Layout) -> Layout:
-        """Return slip at the edge as narrow as full stick shows it, if a rough space has it wider.
-
-        Next to the onset slip occupies the set where full stick violates ``|q| <= f p``. The larger
-        the logit of the stick radius, the narrower is the annulus. NARROW_SLIP_BAND bounds the
-        distance from the critical friction, and the difference of logits that shows a rough space
-        to be wrong: at half that distance the set is right to 0.01 in the logit.
-        """
-        onset_distance = 1.0 - self.parameters.friction / self.stick.critical
-        if zones.states != _DISK_STATES or onset_distance >= NARROW_SLIP_BAND:
-            return zones
-        violated = self._slip_where_full_stick_violates
-        if (
-            violated.states != zones.states
-            or violated.logits[0] < zones.logits[0] + NARROW_SLIP_BAND
-        ):
-            return zones
-        assert zones.jacobian is not None
-        # the boundary residual grows like the distance of the boundary from the edge
-        narrower = exp(zones.logits[0] - violated.logits[0])
-        return zones._replace(logits=violated.logits, jacobian=narrower * zones.jacobian)
 
     def _disk_with_edge_stick(self) -> PartialSlip | None:
         """Return one stick disk with stick at the edge in closed form, if the law holds on it.
@@ -632,7 +611,7 @@ class CoupledSearch(ZoneSearch):
         ):
             return []
         problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-        logits = scan_logits(logit + SCAN_STEP, SCAN_STEP)
+        logits = scan_logits(logit + PANEL_WIDTH, PANEL_WIDTH)
         radii = stick_radii(problem, logits, contacts=True)
         return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
 

@@ -49,7 +49,6 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.tuning import (
     EXTRA,
-    SAME_PLACE,
     TAIL_TERMS,
 )
 
@@ -292,14 +291,17 @@ def _abel_left_tail(d: Array, end: float, power: float) -> Array:
     return _legendre_sums(values, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
-def _computed_blocks(computed: list[tuple[Array, Array]], local: Array) -> Array | None:
+def _computed_blocks(
+    computed: list[tuple[Array, Array]], local: Array, depth: float
+) -> Array | None:
     """Return blocks that were computed for points at the same places in another panel, if any.
 
-    `computed` has the places in their panel of points, and the blocks for them.
+    `computed` has the places in their panel of points, and the blocks for them. Places are
+    differences of depths, which round as the largest `depth` does.
     """
     for known_places, blocks in computed:
         same_count = len(known_places) == len(local)
-        if same_count and float(np.abs(known_places - local).max()) < SAME_PLACE:
+        if same_count and float(np.abs(known_places - local).max()) < 2.0 * np.spacing(depth):
             return blocks
     return None
 
@@ -328,7 +330,7 @@ def abel_right(d: Array, panels: int, width: float, degree: int, power: float = 
     for i in np.unique(panel_of_point[(panel_of_point < panels) & (panel_of_point >= -1)]):
         rows = np.flatnonzero(panel_of_point == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
-        blocks = _computed_blocks(computed, to_end)
+        blocks = _computed_blocks(computed, to_end, panels * width)
         if blocks is None:
             blocks = abel_right_blocks(to_end, panels - i, width, degree, power)
             computed.append((to_end, blocks))
@@ -373,7 +375,7 @@ def abel_left(
         rows = np.flatnonzero(panel_of_point == occupied)
         i = min(occupied, panels - 1)
         offset = np.maximum(x[rows] - i * width, 0.0)
-        blocks = _computed_blocks(computed, offset)
+        blocks = _computed_blocks(computed, offset, panels * width)
         if blocks is None:
             # enough for the last panel that has the same number of points, and may share them
             last_alike = int(np.flatnonzero(points_in_panel == len(rows))[-1])

@@ -47,7 +47,6 @@ from spectral_contact.spectral.abel import (
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.graded import (
     FAR_NODES,
-    SAMPLES,
     GradedNodes,
     PlainNodes,
     clustered_rule,
@@ -60,7 +59,7 @@ from spectral_contact.spectral.jacobi import (
     gauss_rule,
     interpolation_points,
 )
-from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.panels import PANEL_SAMPLES, LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
 
 Array = NDArray[np.float64]
@@ -220,7 +219,7 @@ def _panel_half_integrals(count: int, form: Form) -> Array:
 @bounded_cache("half-integrals at samples")
 def _far_half_integrals(form: Form) -> Array:
     """Return the blocks of all further panels toward the boundary, at the samples of a panel."""
-    g, _ = gauss_rule(SAMPLES)
+    g, _ = gauss_rule(PANEL_SAMPLES)
     return abel_right_far_blocks(form[1] * (1.0 - g) / 2.0, *form)
 
 
@@ -238,7 +237,7 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
 
 
 #: `disk_gram`, cached, for callers that do not keep the matrix themselves.
-cached_disk_gram = bounded_cache("disk Gram", 48)(disk_gram)
+cached_disk_gram = bounded_cache("disk Gram")(disk_gram)
 
 
 @bounded_cache("disk shears")

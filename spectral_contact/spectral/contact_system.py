@@ -56,14 +56,11 @@ from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
 from spectral_contact.spectral.node_operators import NodeOperators
 from spectral_contact.spectral.parts import GradedMesh
+from spectral_contact.spectral.tuning import EXTRA
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: Degrees that the displacement in slip has beyond those of the pressure. It is singular at the
-#: other end of its zone, at twice the extent of a half, ln 2 in ``x = -ln d`` before the first
-#: panel; so its series converges slowly there.
-_DISPLACEMENT_DEGREES = 8
 #: Depth at which the root of the distance to an edge is the rounding of doubles.
 _ROOT_DEPTH = -2.0 * log(np.finfo(float).eps)
 
@@ -293,15 +290,16 @@ class ContactSystem(ContactFields):
     def slip_annulus(self, zone: int) -> Annulus:
         """Return the meshes of the displacement in a slip zone, the number `zone` from the centre.
 
-        They are those of p, without endpoint weight and with more degrees. Where p has the weight,
-        at a smooth edge, E goes like a root of the distance: panels reach down to where that root
-        is rounding. The central disk is one part, every zone around it is two.
+        They are those of p, without endpoint weight and with more degrees, because the displacement
+        is singular at the other end of its zone, at twice the extent of a half. Where p has the
+        weight, at a smooth edge, E goes like a root of the distance: panels reach down to where
+        that root is rounding. The central disk is one part, every zone around it is two.
         """
         toward_inner, toward_outer = (
             replace(
                 panels,
                 power=0.0,
-                degree=panels.degree + _DISPLACEMENT_DEGREES,
+                degree=panels.degree + EXTRA,
                 panels=max(panels.panels, ceil(_ROOT_DEPTH / panels.width) if panels.power else 0),
             )
             for panels in (part.mesh.panels for part in self.parts[2 * zone - 1 : 2 * zone + 1])

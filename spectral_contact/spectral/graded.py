@@ -8,8 +8,7 @@ from the samples to the nodes.
 from __future__ import annotations
 
 from itertools import groupby
-from math import ceil, pi
-from typing import TYPE_CHECKING
+from math import ceil
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -22,20 +21,15 @@ from spectral_contact.spectral.jacobi import (
     interpolation_points,
     legendre_interpolation_matrix,
 )
+from spectral_contact.spectral.panels import PANEL_SAMPLES, LogPanels
 from spectral_contact.spectral.tuning import (
     NODE_STEP,
     TAIL_TERMS,
 )
 from spectral_contact.threads import cached_property
 
-if TYPE_CHECKING:
-    from spectral_contact.spectral.panels import LogPanels
-
 Array = NDArray[np.float64]
 
-#: Number of Gauss points that represent functions of ``x`` on a panel of width 2 which are analytic
-#: up to an imaginary part of pi, as functions of ``d + e`` are.
-SAMPLES = interpolation_points(pi * 1j)
 #: Chebyshev points in [-1, 1] on an interval whose functions have their nearest singularity as far
 #: off as the interval is wide, and the matrix from values there to Chebyshev coefficients.
 FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(interpolation_points(3.0))
@@ -93,11 +87,11 @@ class GradedNodes:
     def samples(self) -> Array:
         """Distances of the samples, decreasing.
 
-        They are the nodes of the first panel, `SAMPLES` Gauss points on every other panel, and the
-        nodes of the tail. They represent functions that are analytic in ``x`` up to an imaginary
-        part of pi, as functions of ``d + e`` are.
+        They are the nodes of the first panel, `PANEL_SAMPLES` Gauss points on every other one, and
+        the nodes of the tail. They represent functions that are analytic in ``x`` up to an
+        imaginary part of pi, as functions of ``d + e`` are.
         """
-        on_panels = np.exp(-self.panels.sampling(SAMPLES)[1:]).ravel()
+        on_panels = np.exp(-self.panels.sampling(PANEL_SAMPLES)[1:]).ravel()
         return np.concatenate([self.d[: self._first_panel], on_panels, self.tail])
 
     @cached_property
@@ -177,7 +171,7 @@ def clustered_rule(count: int, width: float) -> tuple[Array, Array]:
 def from_samples(count: int) -> Array:
     """Return the matrix from the samples of a panel to its nodes, of which there are `count`."""
     local = 2.0 * clustered_rule(count, 1.0)[0] - 1.0
-    return legendre_interpolation_matrix(local, SAMPLES)
+    return legendre_interpolation_matrix(local, PANEL_SAMPLES)
 
 
 def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:

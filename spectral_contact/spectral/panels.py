@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
 from spectral_contact.spectral.jacobi import (
     gauss_rule,
+    interpolation_points,
     legendre_expansion_matrix,
     legendre_projection_matrix,
     legendre_values,
@@ -19,8 +21,6 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.tuning import (
     EXTRA,
-    LEAST_SAMPLING_POINTS,
-    ROOT_TERMS,
     SAMPLING_EXTRA,
     TAIL_TERMS,
 )
@@ -29,6 +29,10 @@ Array = NDArray[np.float64]
 
 #: Error estimates compare with spaces that lack two degrees of every panel, and one must be left.
 LEAST_DEGREE = 2
+
+#: Number of Gauss points that represent functions of ``x`` on a panel of width 2 which are analytic
+#: up to an imaginary part of pi, as functions of ``d + e`` are.
+PANEL_SAMPLES = interpolation_points(pi * 1j)
 
 clear_with_caches(
     gauss_rule.cache_clear,
@@ -89,8 +93,8 @@ class LogPanels:
 
     @property
     def tail_terms(self) -> int:
-        """Number of tail polynomials."""
-        return ROOT_TERMS if self.root_tail else TAIL_TERMS
+        """Number of tail polynomials: in ``sqrt(d)`` twice as many leave as little, ``d**3``."""
+        return 2 * TAIL_TERMS if self.root_tail else TAIL_TERMS
 
     def table(self, coefficients: Array) -> Array:
         """Return the coefficients on the panels as (panels, degree + 1), a view without tail."""
@@ -125,7 +129,7 @@ class LogPanels:
 
         Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
         """
-        return max(self.degree + SAMPLING_EXTRA, LEAST_SAMPLING_POINTS)
+        return max(self.degree + SAMPLING_EXTRA, PANEL_SAMPLES)
 
     def sampling(self, count: int | None = None) -> Array:
         """Return ``x`` of `count` Gauss-Legendre points on every panel, by default `samples`.

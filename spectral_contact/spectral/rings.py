@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache
-from spectral_contact.spectral.graded import SAMPLES
 from spectral_contact.spectral.jacobi import gauss_rule
+from spectral_contact.spectral.panels import PANEL_SAMPLES
 
 Array = NDArray[np.float64]
 
@@ -94,7 +94,7 @@ def _assembled(grid: bytes) -> RingOperators:
     width = _square_difference(a, b)
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
     thick = width / (radius[1:] + radius[:-1])
-    x, weight = gauss_rule(SAMPLES)
+    x, weight = gauss_rule(PANEL_SAMPLES)
     phi = pi / 4 * (1.0 + x)
     t = np.sqrt(radius[:-1, None] ** 2 + width[:, None] * np.sin(phi) ** 2)
     # b**2 - t**2
@@ -108,7 +108,9 @@ def _assembled(grid: bytes) -> RingOperators:
     # from the outer radius of ring i to that of ring j, in s**2; 0 where ring j lies inside
     distance = _square_difference(b[:, None], np.maximum(b, b[:, None]))
     outer = np.sqrt(distance[:, None, :] + to_outer[:, :, None])
-    inner = np.where(same, 0.0, np.concatenate([np.zeros((n, SAMPLES, 1)), outer[:, :, :-1]], 2))
+    inner = np.where(
+        same, 0.0, np.concatenate([np.zeros((n, PANEL_SAMPLES, 1)), outer[:, :, :-1]], 2)
+    )
     start = np.where(same, t[:, :, None], np.where(outside, radius[:-1], 1.0))
     length = np.where(same, (to_outer / (radius[1:, None] + t))[:, :, None], thick)
     f = np.where(outside, np.where(same, to_outer[:, :, None], width) / (outer + inner), 0.0)

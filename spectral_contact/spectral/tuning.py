@@ -28,19 +28,10 @@ EXTRA = 12
 #: factors of the distance, which is tiny there. ENTRIES.
 TAIL_TERMS = 3
 
-#: A tail in the square root of the distance has nine polynomials, because all half-integer powers
-#: occur there. ENTRIES (its singular pressures and tractions).
-ROOT_TERMS = 9
-
-#: Two points lie at the same place of their panels if these differ by less than this in ``x``,
-#: which is the rounding of an ``x`` of 50. Derived from 50 * 2**-52, doubled.
-SAME_PLACE = 2e-14
-
-#: On a panel of degree n a function is sampled at n + 5 points, and at 18 at least, so that its
-#: products with ``exp(-x)`` are expanded to rounding however low the degree is.
+#: On a panel of degree n a function is sampled at so many points more than n, so that its products
+#: with ``exp(-x)`` are expanded to rounding; on panels of low degree at `panels.PANEL_SAMPLES`.
 #: Measured against functions in closed form: ``pytest tests/unit/spectral/test_panels.py``.
 SAMPLING_EXTRA = 5
-LEAST_SAMPLING_POINTS = 18
 
 #: A panel of degree n has ``NODE_STEP * ceil(2 n / NODE_STEP + 1)`` Galerkin nodes, at least 16
 #: more than 2 n. Entries of the Gram matrix are then right to 1.5e-14; with 10 more than 2 n those
@@ -64,4 +55,4 @@ MAX_CACHE_BYTES = 256 * LARGE_BYTES
 #: A cache keeps this many entries unless another number is given where it is made. Integrals of
 #: parts at their own nodes need most: slip inside has 5 parts in some ten spaces. Measured as the
 #: memory of a long sweep: ``python validation/cost/memory.py``.
-CACHE_ENTRIES = 256
+CACHE_ENTRIES = 96
