@@ -63,7 +63,7 @@ class RingLaw:
         identity = np.eye(len(self._root_area))
         self._normal = rings.normal / scale + alpha * identity
         self._tangential = rings.tangential / scale + beta * identity
-        self._coupling = kappa * rings.carried / scale
+        self._coupling = kappa * rings.coupling / scale
         self.self_compliance: Array = self._tangential.diagonal()
         self._known_pressure: Array | None = None
         if not coupled:

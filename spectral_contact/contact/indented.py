@@ -119,7 +119,7 @@ class _IndentationProblem(PartedProblem):
         return self._judged(space, used, self._solve(space, used[-1][0]))
 
     def _solve(self, space: Space, edge: LogPanels) -> _TwoPressures:
-        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past)
+        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past_break)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
         flat = factored.solve(2.0)

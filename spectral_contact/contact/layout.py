@@ -33,7 +33,7 @@ class Layout(NamedTuple):
         Of every zone, one more than boundaries: 0 for stick, +1 or -1 for slip with ``q = +f p`` or
         ``q = -f p``. The first is 0.
     jacobian : ndarray, shape (boundaries, boundaries), optional
-        Derivatives of the boundary residual by the logits, if a solution on these zones told them.
+        Derivatives of the boundary residual by the logits, if a solution on these zones gave them.
     """
 
     logits: tuple[float, ...]

@@ -53,14 +53,14 @@ class _NormalProblem:
         space = unit_space(panels, resolution.degrees)
         # the right-hand side is what the weight leaves of 2 delta, tested, and of alpha p
         target: Array | float = 2.0
-        load = None
+        lift_products = None
         weight_load = 0.0  # int of the weight times s ds
         if weight is not None:
             target = weight.deficit(space.y)
-            load = load_vector(panels, lambda d: 0.5 * weight(d))
+            lift_products = load_vector(panels, lambda d: 0.5 * weight(d))
             weight_load = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
-        solution = factored.solve(target, load, correct=False)
+        solution = factored.solve(target, lift_products, correct=False)
         change = factored.change(solution)
         # int p s ds = (2/pi) int F dt, for unit approach
         moment = 2.0 * float(space.constant_moments @ solution[space.index]) + weight_load

@@ -114,7 +114,7 @@ class CellSpace(NodalSpace):
             y.append((cells.pivot.rest - offsets[k + 1]) + length * v**2)
         self.t, self.y, self.weights = np.concatenate(t), np.concatenate(y), np.concatenate(weights)
         self.measure = self.weights / pi
-        self.past = np.zeros(len(self.t))
+        self.past_break = np.zeros(len(self.t))
 
     @cached_property
     def _matrix(self) -> Array:

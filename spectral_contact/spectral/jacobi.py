@@ -129,8 +129,8 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
 def power_rule(points: int, power: float) -> tuple[Array, Array]:
     """Return nodes and weights of ``int_0^1 v**power f(v) dv``, with ``power > -1``.
 
-    Of Gauss and Legendre where the power is a whole number, which is then of the polynomial that
-    is integrated, else of Gauss and Jacobi.
+    The rule is that of Gauss and Jacobi. For a whole power it is that of Gauss and Legendre, whose
+    nodes are right to the last digit: ``v**power`` is then part of the polynomial it integrates.
     """
     if power == round(power):
         g, w = gauss_rule(points)

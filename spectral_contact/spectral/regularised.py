@@ -2,7 +2,8 @@
 
 Most are the regularised least-squares problem of a space (docs/theory): with the compliance c, the
 mass matrix M, the half-integrals H of the functions at the nodes, the weights W of the nodes and
-the Gram matrix ``K = H^T W H``, the coefficients a solve ``(c M + K) a = H^T W target - c load``.
+the Gram matrix ``K = H^T W H``, the coefficients a solve ``(c M + K) a = H^T W target - c l``,
+where l are the inner products with a known part of the solution, the *lift*.
 Next to the edge ``target - H a`` is small, and forming ``K a`` loses ``eps/sqrt(c)``; one
 correction with the residual ``H^T W (target - H a) - c M a`` restores it (corrected seminormal
 equations).
@@ -25,13 +26,15 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """The solution in the next coarser space less the solution.
+    """The solution in a coarser space less the solution.
 
     Attributes
     ----------
     coefficients : ndarray, shape (size,)
     energies : ndarray, shape (panels + 1,)
-        Diagonal part of its energy, by the numbers `NodalSpace.panel`.
+        What the functions of every panel contribute to its energy, ``sum_i K_ii d_i**2`` with the
+        coefficients d of the change and the diagonal of the matrix K. The panels have the numbers
+        `NodalSpace.panel`.
     """
 
     coefficients: Array
@@ -45,9 +48,10 @@ class NodalSpace(ABC):
     ----------
     t, y : ndarray, shape (nodes,)
         Nodes of the half-integral, and ``1 - t**2`` without cancellation.
-    past : ndarray, shape (nodes,)
-        ``t**2 - b**2`` without cancellation for the largest break b of the profile inside t, 0 if
-        there is none; profiles are evaluated with it.
+    past_break : ndarray, shape (nodes,)
+        ``t**2 - b**2`` without cancellation for the largest break b of the profile inside t, a
+        radius at which a derivative of the profile jumps; 0 if there is none. Profiles are
+        evaluated with it.
     weights, measure : ndarray, shape (nodes,)
         Weights of ``dt``, and of ``dt / pi`` or, for shear, ``t**2 dt / pi``, the measure in which
         half-integrals are multiplied.
@@ -66,7 +70,7 @@ class NodalSpace(ABC):
 
     t: Array
     y: Array
-    past: Array
+    past_break: Array
     weights: Array
     measure: Array
     index: NDArray[np.int_]
@@ -180,7 +184,7 @@ class Regularised:
         self.cholesky = Cholesky(matrix)
 
     def solve(
-        self, target: Array | float, load: Array | None = None, *, correct: bool = True
+        self, target: Array | float, lift_products: Array | None = None, *, correct: bool = True
     ) -> Array:
         """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
 
@@ -188,8 +192,9 @@ class Regularised:
         ----------
         target : ndarray, shape (nodes,), or float
             What the half-integral should be; a number is a constant.
-        load : ndarray, shape (size,), optional
-            Inner products of the basis with the lift, a known part of the solution.
+        lift_products : ndarray, shape (size,), optional
+            Inner products of the basis with the lift, a known function that is added to the
+            solution. The target is then what the half-integral of the unknown part should be.
         correct : bool
             Whether to correct with the half-integral residual below UNCORRECTED_COMPLIANCE.
             Integral quantities do not need it, nor does a solution whose singular part is in the
@@ -205,19 +210,19 @@ class Regularised:
         # the target less the half-integral of the coefficients
         remaining_target = target
         coefficients = np.zeros(space.size)
-        rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
-        for correction in range(rounds):
+        solves = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
+        for correction in range(solves):
             if isinstance(remaining_target, float):
                 residual = remaining_target * space.constant_moments
             else:
                 residual = space.moments(remaining_target)
-            if load is not None:
-                residual -= self.compliance * load[index]
+            if lift_products is not None:
+                residual -= self.compliance * lift_products[index]
             if correction and self.compliance != 0.0:
                 residual -= self.compliance * space.mass @ coefficients[index]
             step = self.cholesky.solve(residual)
             coefficients[index] = coefficients[index] + step if correction else step
-            if correction + 1 < rounds:
+            if correction + 1 < solves:
                 remaining_target = target - space.half_integral(coefficients)
         return coefficients
 

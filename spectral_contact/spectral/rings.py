@@ -22,7 +22,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingOperators:
-    """Operators tested with every ring, in the measure ``s ds``.
+    """Galerkin matrices of functions that are constant on rings, in the measure ``s ds``.
+
+    The function phi_i is 1 on ring i and 0 elsewhere.
 
     Attributes
     ----------
@@ -33,15 +35,16 @@ class RingOperators:
         ``int s ds`` of each.
     normal, tangential : ndarray, shape (rings, rings)
         ``<phi_i, N phi_j>`` and ``<phi_i, T phi_j>``.
-    carried : ndarray, shape (rings, rings)
-        ``<phi_i, g[phi_j]>`` with ``g = (1/s) int_0^s eta p deta``; lower triangular.
+    coupling : ndarray, shape (rings, rings)
+        ``<phi_i, g[phi_j]>`` with the tangential displacement ``g = (1/s) int_0^s eta p deta`` that
+        a pressure p makes, for kappa = 1; lower triangular.
     """
 
     logits: Array
     mass: Array
     normal: Array
     tangential: Array
-    carried: Array
+    coupling: Array
 
     @property
     def middles(self) -> Array:
@@ -70,7 +73,7 @@ def graded_rings(count: int, exponent: float, widest: float, centre: float, edge
 
 
 def ring_operators(logits: Array) -> RingOperators:
-    """Return the operators of a grid (cached)."""
+    """Return the matrices of a grid, for the logits of the boundaries of its rings (cached)."""
     return _assembled(logits.tobytes())
 
 
@@ -83,40 +86,53 @@ def _square_difference(lower: Array, upper: Array) -> Array:
 
 @bounded_cache("rings", 8)  # the first ones, and some that were refined
 def _assembled(grid: bytes) -> RingOperators:
-    """Return the operators: F and G of every ring at Gauss points of every ring.
+    """Return the matrices of a grid, from half-integrals of every ring at points of every ring.
 
-    The half-integrals have square roots at the ends of rings, which ``t**2 = a**2 + w sin(phi)**2``
-    takes away; radii outside of t are measured from t, so that nothing cancels.
+    The half-integrals are F of a unit pressure and G of a unit traction (docs/theory). They have
+    square roots at the ends of rings, which ``t**2 = inner**2 + square_width sin(phi)**2`` takes
+    away; radii outside of t are measured from t, so that nothing cancels.
     """
     logits = np.frombuffer(grid)
-    a = logits[:-1]
-    b = logits[1:]
-    width = _square_difference(a, b)
+    inner_logits = logits[:-1]
+    outer_logits = logits[1:]
+    # of every ring the difference of the squares of its two radii, and of the radii
+    square_width = _square_difference(inner_logits, outer_logits)
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
-    thick = width / (radius[1:] + radius[:-1])
+    thickness = square_width / (radius[1:] + radius[:-1])
     x, weight = gauss_rule(PANEL_SAMPLES)
     phi = pi / 4 * (1.0 + x)
-    t = np.sqrt(radius[:-1, None] ** 2 + width[:, None] * np.sin(phi) ** 2)
-    # b**2 - t**2
-    to_outer = width[:, None] * np.cos(phi) ** 2
-    dt = weight * pi / 4 * width[:, None] * np.sin(phi) * np.cos(phi) / t
+    # points t of every ring, the distance from t**2 to the square of its outer radius, and dt
+    t = np.sqrt(radius[:-1, None] ** 2 + square_width[:, None] * np.sin(phi) ** 2)
+    to_outer = square_width[:, None] * np.cos(phi) ** 2
+    dt = weight * pi / 4 * square_width[:, None] * np.sin(phi) * np.cos(phi) / t
 
-    n = len(width)
-    places = np.arange(n)
-    same = (places == places[:, None])[:, None, :]
-    outside = (places >= places[:, None])[:, None, :]
-    # from the outer radius of ring i to that of ring j, in s**2; 0 where ring j lies inside
-    distance = _square_difference(b[:, None], np.maximum(b, b[:, None]))
-    outer = np.sqrt(distance[:, None, :] + to_outer[:, :, None])
-    inner = np.where(
-        same, 0.0, np.concatenate([np.zeros((n, PANEL_SAMPLES, 1)), outer[:, :, :-1]], 2)
+    # indices of all that follows: the ring of t, t, the ring that is integrated
+    count = len(square_width)
+    number = np.arange(count)
+    same = (number == number[:, None])[:, None, :]
+    outside = (number >= number[:, None])[:, None, :]
+    # from the outer radius of the one ring to that of the other, in s**2; 0 where that lies inside
+    distance = _square_difference(
+        outer_logits[:, None], np.maximum(outer_logits, outer_logits[:, None])
     )
+    # sqrt(s**2 - t**2) at the outer and at the inner radius of the ring that is integrated
+    outer_root = np.sqrt(distance[:, None, :] + to_outer[:, :, None])
+    no_root = np.zeros((count, PANEL_SAMPLES, 1))
+    inner_root = np.where(same, 0.0, np.concatenate([no_root, outer_root[:, :, :-1]], 2))
+    # where the integral begins, and how long it is
     start = np.where(same, t[:, :, None], np.where(outside, radius[:-1], 1.0))
-    length = np.where(same, (to_outer / (radius[1:, None] + t))[:, :, None], thick)
-    f = np.where(outside, np.where(same, to_outer[:, :, None], width) / (outer + inner), 0.0)
-    g = np.where(outside, np.log1p((length + f) / (start + inner)), 0.0)
-    f = (np.sqrt(dt)[:, :, None] * f).reshape(-1, n)
-    g = ((t * np.sqrt(dt))[:, :, None] * g).reshape(-1, n)
-    carried = np.tril(np.outer(thick, width / 2.0), -1)
-    carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
-    return RingOperators(logits, width / 2.0, f.T @ f / pi, g.T @ g / pi, carried)
+    length = np.where(same, (to_outer / (radius[1:, None] + t))[:, :, None], thickness)
+    square_length = np.where(same, to_outer[:, :, None], square_width)
+    of_pressure = np.where(outside, square_length / (outer_root + inner_root), 0.0)
+    of_traction = np.where(outside, np.log1p((length + of_pressure) / (start + inner_root)), 0.0)
+    of_pressure = (np.sqrt(dt)[:, :, None] * of_pressure).reshape(-1, count)
+    of_traction = ((t * np.sqrt(dt))[:, :, None] * of_traction).reshape(-1, count)
+    coupling = np.tril(np.outer(thickness, square_width / 2.0), -1)
+    coupling[number, number] = thickness**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
+    return RingOperators(
+        logits,
+        square_width / 2.0,
+        of_pressure.T @ of_pressure / pi,
+        of_traction.T @ of_traction / pi,
+        coupling,
+    )

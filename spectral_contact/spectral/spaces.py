@@ -38,7 +38,7 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 
 #: The partition of a disk that is one part.
-WHOLE = DiskPartition((), pointed=False)
+UNCUT_DISK = DiskPartition((), pointed=False)
 
 
 class Space(NodalSpace):
@@ -86,7 +86,7 @@ class Space(NodalSpace):
         ]
         self.t = np.sqrt(np.concatenate(squares))
         self.y = np.concatenate([p.y for p in points])
-        self.past = np.concatenate(
+        self.past_break = np.concatenate(
             [
                 np.zeros(len(p.offset)) if last is CENTRE else -p.before(last)
                 for p, last in zip(points, parts.profile_breaks, strict=True)
@@ -238,4 +238,4 @@ def disk_space(
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:
     """Return the space on a disk in one part (cached)."""
-    return disk_space(WHOLE, (DiscreteSpace(panels, degrees),), shear=shear)
+    return disk_space(UNCUT_DISK, (DiscreteSpace(panels, degrees),), shear=shear)

@@ -13,7 +13,7 @@ from spectral_contact.fields.series import LogSeries
 from spectral_contact.spectral.blocks import disk_shear
 from spectral_contact.spectral.cache import BoundedCache, cache_sizes, clear_caches
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.spaces import WHOLE, Space, unit_space
+from spectral_contact.spectral.spaces import UNCUT_DISK, Space, unit_space
 
 mp = MPContext()
 mp.dps = 30
@@ -293,7 +293,7 @@ def test_the_approach_falls_as_the_space_grows(alpha):
 
 
 def test_an_indefinite_matrix_is_refused():
-    space = Space(WHOLE, ((LogPanels(2, 1.0, 3), (3, 3)),))
+    space = Space(UNCUT_DISK, ((LogPanels(2, 1.0, 3), (3, 3)),))
     space.mass = 1e3 * (1 - np.eye(space.unknowns))
     with pytest.raises(ArithmeticError, match="not positive definite at pivot 2"):
         space.factor(1.0)
@@ -482,5 +482,5 @@ def test_threads_solve_alike():
 
 
 def test_assembly_itself_is_repeatable():
-    first, second = (Space(WHOLE, ((LogPanels(3, 2.0, 5), (5, 4, 3)),)) for _ in range(2))
+    first, second = (Space(UNCUT_DISK, ((LogPanels(3, 2.0, 5), (5, 4, 3)),)) for _ in range(2))
     assert_array_equal(first.gram, second.gram)
