@@ -10,13 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise, takewhile
-from math import inf
+from math import inf, log
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES, stick_violation
 from spectral_contact.contact.resolution import (
+    CUBIC_TAIL_DEPTH,
     EPSILON_DEPTH,
 )
 from spectral_contact.contact.tuning import COARSE_TOL
@@ -85,9 +86,13 @@ def stick_radii(
             yield _assessed(root, problem.coarse_solution(root))
 
 
-def scan_logits(first: float, step: float) -> list[float]:
-    """Return the logits of a scan: from a first one to where no slip is resolved any more."""
-    return list(np.arange(first, max(EPSILON_DEPTH, first + step) + step, step).tolist())
+def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> list[float]:
+    """Return the logits of a scan: from a first one to where all slip is deep within the layers."""
+    layers = min(problem.parameters.alpha, problem.parameters.beta)
+    last = EPSILON_DEPTH
+    if layers > 0.0:
+        last = min(last, CUBIC_TAIL_DEPTH - log(layers))
+    return list(np.arange(first, max(last, first + step) + step, step).tolist())
 
 
 def _assessed(logit: float, solution: FieldSolution) -> PossibleRadius:

@@ -611,7 +611,9 @@ class CoupledSearch(ZoneSearch):
         ):
             return []
         problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-        logits = scan_logits(logit + PANEL_WIDTH, PANEL_WIDTH)
+        # fields change over the width of a panel; on smooth surfaces radii are 10 and more apart
+        step = 2.0 * PANEL_WIDTH
+        logits = scan_logits(problem, logit + step, step)
         radii = stick_radii(problem, logits, contacts=True)
         return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
 

@@ -62,7 +62,7 @@ def radii(scene: Scene) -> list[PossibleRadius]:
     assert scene.friction is not None
     parameters = Parameters(*compliances, scene.kappa, scene.friction)
     problem = FreeBoundaryProblem(parameters, Layout((0.0,), (0, 1)), 1e-3)
-    return list(stick_radii(problem, scan_logits(FIRST, STEP)))
+    return list(stick_radii(problem, scan_logits(problem, FIRST, STEP)))
 
 
 def table(record: Record) -> str:
