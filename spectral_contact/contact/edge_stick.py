@@ -55,8 +55,7 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.records import Zone
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
-from spectral_contact.spectral.panels import PANEL_SAMPLES
+from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 

@@ -21,8 +21,8 @@ from spectral_contact.contact.tuning import (
     TRACTION_ROUNDING,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
-from spectral_contact.spectral.panels import PANEL_SAMPLES, LogPanels
+from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.panels import LogPanels
 
 #: Depths of the samples in the tail beyond the panels of q, from the end of the panels.
 _TAIL_DEPTHS = np.linspace(0.0, EPSILON_DEPTH, SAMPLES)[1:]

@@ -614,8 +614,8 @@ class CoupledSearch(ZoneSearch):
         # fields change over the width of a panel; on smooth surfaces radii are 10 and more apart
         step = 2.0 * PANEL_WIDTH
         logits = scan_logits(problem, logit + step, step)
-        radii = stick_radii(problem, logits, contacts=True)
-        return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
+        radii = stick_radii(problem, logits, positive_only=True)
+        return [Radius.from_logit(radius.logit).value for radius in radii if radius.admissible]
 
     def _full_slip(self) -> PartialSlip:
         """Return full slip: the stick disk is too small to change the fields around it.

@@ -55,11 +55,12 @@ from spectral_contact.spectral.graded import (
     graded_nodes,
 )
 from spectral_contact.spectral.jacobi import (
+    PANEL_SAMPLES,
     chebyshev_interpolation,
     gauss_rule,
     interpolation_points,
 )
-from spectral_contact.spectral.panels import PANEL_SAMPLES, LogPanels
+from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
 
 Array = NDArray[np.float64]

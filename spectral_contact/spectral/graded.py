@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from itertools import groupby
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebvander
@@ -16,17 +17,20 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
+    PANEL_SAMPLES,
     chebyshev_interpolation,
     gauss_rule,
     interpolation_points,
     legendre_interpolation_matrix,
 )
-from spectral_contact.spectral.panels import PANEL_SAMPLES, LogPanels
 from spectral_contact.spectral.tuning import (
     NODE_STEP,
     TAIL_TERMS,
 )
 from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cmath
 from functools import cache
-from math import ceil, log
+from math import ceil, log, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,6 +33,11 @@ def interpolation_points(singularity: complex) -> int:
     root = cmath.sqrt(singularity**2 - 1.0)
     half_axes = max(abs(singularity + root), abs(singularity - root))
     return ceil(-log(np.finfo(float).eps) / log(half_axes))
+
+
+#: Number of Gauss points that represent a function on an interval of length 2 which is analytic up
+#: to an imaginary part of pi. Functions of ``exp(-x) + e`` in x are, on a panel of width 2.
+PANEL_SAMPLES = interpolation_points(pi * 1j)
 
 
 def legendre_rows(x: Array, degree: int) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +10,8 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
 from spectral_contact.spectral.jacobi import (
+    PANEL_SAMPLES,
     gauss_rule,
-    interpolation_points,
     legendre_expansion_matrix,
     legendre_projection_matrix,
     legendre_values,
@@ -29,10 +28,6 @@ Array = NDArray[np.float64]
 
 #: Error estimates compare with spaces that lack two degrees of every panel, and one must be left.
 LEAST_DEGREE = 2
-
-#: Number of Gauss points that represent functions of ``x`` on a panel of width 2 which are analytic
-#: up to an imaginary part of pi, as functions of ``d + e`` are.
-PANEL_SAMPLES = interpolation_points(pi * 1j)
 
 clear_with_caches(
     gauss_rule.cache_clear,

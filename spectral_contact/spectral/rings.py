@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache
-from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.panels import PANEL_SAMPLES
+from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule
 
 Array = NDArray[np.float64]
 

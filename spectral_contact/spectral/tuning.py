@@ -29,7 +29,7 @@ EXTRA = 12
 TAIL_TERMS = 3
 
 #: On a panel of degree n a function is sampled at so many points more than n, so that its products
-#: with ``exp(-x)`` are expanded to rounding; on panels of low degree at `panels.PANEL_SAMPLES`.
+#: with ``exp(-x)`` are expanded to rounding; on panels of low degree at `jacobi.PANEL_SAMPLES`.
 #: Measured against functions in closed form: ``pytest tests/unit/spectral/test_panels.py``.
 SAMPLING_EXTRA = 5
 
