@@ -106,11 +106,11 @@ class Gate:
 
 
 GATES = (
-    Gate("tokens of the flat core", 60_671, 55_004, 42_000),
-    Gate("tokens of contact, spectral and solving", 108_742, 117_111, 108_742),
+    Gate("tokens of the flat core", 60_671, 55_013, 42_000),
+    Gate("tokens of contact, spectral and solving", 108_742, 117_120, 108_742),
     Gate("code lines of the flat core", 5_200, None, 3_800),
-    Gate("named numeric constants", 167, 69, 95),
-    Gate("tuned constants", 122, 45, 50),
+    Gate("named numeric constants", 167, 70, 95),
+    Gate("tuned constants", 122, 49, 50),
     Gate("tuned literals in functions", 40, 0, 0),
     Gate("packed assignments", 265, 4, 4),
     Gate("private words", 2_276, 0, 0),

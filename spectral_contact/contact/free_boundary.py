@@ -26,12 +26,12 @@ from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    FIELD_ROUNDING,
     MAX_CONTRACTION,
     MAX_STEPS,
     MIN_STEP_ANGLE,
     NEGLIGIBLE_FRACTION,
     PANEL_WIDTH,
+    RESIDUAL_NOISE,
     ROUNDING,
 )
 from spectral_contact.fields.series import Array
@@ -319,7 +319,7 @@ class FreeBoundary:
                 least_residual = size
             if length < boundary_tol:
                 return self._corrected_to(iterate, field_tol, converged=True)
-            if stalled > 1 and least_residual < FIELD_ROUNDING:
+            if stalled > 1 and least_residual < RESIDUAL_NOISE:
                 break
             step *= _feasible_fraction(iterate.logits, step)
             moved = self._moved(iterate, step)
@@ -327,7 +327,7 @@ class FreeBoundary:
             secants.append((step, moved.fields.boundary_residual - residual))
             secants = secants[-len(step) :]
             iterate = replace(moved, jacobian=_broyden(iterate.jacobian, secants))
-        if warm_start and least_residual > FIELD_ROUNDING:
+        if warm_start and least_residual > RESIDUAL_NOISE:
             raise NoBoundariesError("no boundaries near by")
         return self._corrected_to(best, field_tol)
 
@@ -375,7 +375,7 @@ def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:
     if not np.isfinite(changes).all():
         return jacobian
     unexplained = changes - jacobian @ steps
-    unexplained[np.abs(unexplained) < FIELD_ROUNDING] = 0.0
+    unexplained[np.abs(unexplained) < RESIDUAL_NOISE] = 0.0
     lengths = np.linalg.norm(steps, axis=0)
     inverse = np.linalg.pinv(steps / lengths, rcond=MIN_STEP_ANGLE)
     return np.asarray(jacobian + unexplained / lengths @ inverse)

@@ -36,9 +36,9 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    FIELD_ROUNDING,
     JACOBIAN_RANGE,
     NEGLIGIBLE_FRACTION,
+    RESIDUAL_NOISE,
     ROUNDING,
 )
 from spectral_contact.contact.zone_spaces import (
@@ -238,7 +238,7 @@ class FreeBoundaryProblem:
             newton = self._newton(self.spaces(halfway_tol, logits))
             assert self._layout.jacobian is not None
             start = newton.start(logits, self._layout.jacobian)
-            boundary_tol = max(self.field_tolerance, FIELD_ROUNDING)
+            boundary_tol = max(self.field_tolerance, RESIDUAL_NOISE)
             iterate = newton.solve(start, boundary_tol, halfway_tol, warm_start=self.warm_start)
             logits = iterate.logits
             if iterate.converged:
@@ -258,11 +258,11 @@ class FreeBoundaryProblem:
         layout = self.initial_layout()
         newton = self._newton(spaces, changes=True)
         negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
-        boundary_tol = max(negligible, FIELD_ROUNDING)
+        boundary_tol = max(negligible, RESIDUAL_NOISE)
         if self.parameters.beta == 0.0:
             # a misplaced boundary leaves a traction that is singular there, of which no estimate
             # of the fields knows: the boundary is found to rounding
-            boundary_tol = FIELD_ROUNDING
+            boundary_tol = RESIDUAL_NOISE
         assert layout.jacobian is not None
         start = newton.start(np.array(layout.logits), layout.jacobian)
         iterate = newton.solve(
@@ -316,7 +316,7 @@ class _GivenRadius(FreeBoundaryProblem):
             # the friction is in the right-hand sides only
             factors = factors or factored(system)
             start = FieldSolution.first(factors, system)
-            fields = corrected(start, FIELD_ROUNDING, relative_size).fields
+            fields = corrected(start, RESIDUAL_NOISE, relative_size).fields
             residuals.append(float(fields.boundary_residual[0]))
         without_friction, unit_friction = residuals
         if not (without_friction > 0.0 and without_friction > unit_friction):
@@ -326,7 +326,7 @@ class _GivenRadius(FreeBoundaryProblem):
         assert factors is not None
         system = self.system(spaces, logits, changes=True)
         start = FieldSolution.first(factors, system)
-        fields, remaining = corrected(start, FIELD_ROUNDING, relative_size)
+        fields, remaining = corrected(start, RESIDUAL_NOISE, relative_size)
         iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
         return self.estimate(iterate, spaces)
 

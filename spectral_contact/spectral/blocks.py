@@ -238,7 +238,7 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
 
 
 #: `disk_gram`, cached, for callers that do not keep the matrix themselves.
-cached_disk_gram = bounded_cache("disk Gram")(disk_gram)
+cached_disk_gram = bounded_cache("disk Gram", 48)(disk_gram)
 
 
 @bounded_cache("disk shears")

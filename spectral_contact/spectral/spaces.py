@@ -223,7 +223,7 @@ class _Order:
 
 
 _order = bounded_cache("orders of functions")(_Order)
-_space = bounded_cache("spaces")(Space)
+_space = bounded_cache("spaces", 96)(Space)
 
 
 def disk_space(

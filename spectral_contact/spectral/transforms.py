@@ -94,7 +94,7 @@ class Transforms:
         return _in_a_row(blocks), abel_left(panels.tail_sampling(), *mesh)
 
 
-transforms = bounded_cache("Abel transforms")(Transforms)
+transforms = bounded_cache("Abel transforms", 12)(Transforms)
 
 
 def _in_a_row(blocks: Array) -> Array:

@@ -39,9 +39,9 @@ SAMPLING_EXTRA = 5
 #: panels share their blocks. ENTRIES.
 NODE_STEP = 16
 
-
 #: Above this compliance the normal equations of a regularised least-squares problem lose no more
-#: than 30 roundings, and the correction is left out; of q/s at the centre they lose some thousand
+#: than 30 roundings: the correction is left out, and the pressure of a flat punch has no endpoint
+#: weight; of q/s at the centre they lose some thousand
 #: roundings at compliances of 1e-3 ... 0.02. Measured against the corrected solution:
 #: ``python validation/peers/naive.py``.
 UNCORRECTED_COMPLIANCE = 0.1
@@ -55,4 +55,4 @@ MAX_CACHE_BYTES = 256 * LARGE_BYTES
 #: A cache keeps this many entries unless another number is given where it is made. Integrals of
 #: parts at their own nodes need most: slip inside has 5 parts in some ten spaces. Measured as the
 #: memory of a long sweep: ``python validation/cost/memory.py``.
-CACHE_ENTRIES = 96
+CACHE_ENTRIES = 256
