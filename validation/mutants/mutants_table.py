@@ -527,15 +527,15 @@ MUTANTS = (
     Mutant(
         "rates of measured errors are certain",
         f"{_PACKAGE}/studies/fitting.py",
-        "_SCATTER = 0.05",
-        "_SCATTER = 0.0",
+        "_SCATTER: Final = 0.05",
+        "_SCATTER: Final = 0.0",
         f"{_UNIT}/studies/test_fitting.py",
     ),
     Mutant(
         "a line has one degree of freedom too many",
         f"{_PACKAGE}/studies/fitting.py",
-        "freedom = len(values) - 2",
-        "freedom = len(values) - 1",
+        "line.squares / (count - 2)",
+        "line.squares / (count - 1)",
         f"{_UNIT}/studies/test_fitting.py",
     ),
     Mutant(
@@ -546,10 +546,10 @@ MUTANTS = (
         f"{_UNIT}/studies/test_study.py -k truth",
     ),
     Mutant(
-        "repeated measurements stop at the first",
+        "short solves are timed too few times",
         f"{_PACKAGE}/studies/timing.py",
-        "len(times) < stopwatch.repeats or",
-        "len(times) < 1 or",
+        "sum(warm) < _SECONDS",
+        "sum(warm) < 0.0",
         f"{_UNIT}/studies/test_timing.py -k repeat",
     ),
     # terms of estimates, units and ends of ranges, which a review found without a test
