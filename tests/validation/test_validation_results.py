@@ -222,7 +222,7 @@ def test_sweeps_are_as_fast_as_they_should_be_and_as_right():
     for row in found["rows"]:
         assert row["converged"] == row["scenes"]
         assert row["deviation"] <= row["estimate"] + 1e-14 <= row["rtol"] + 1e-14
-    # goals that are missed, as docs/internals.md says
+    # goals that are missed
     missed = {(row["case"], row["rtol"]) for row in found["rows"] if row["again"] < row["goal"]}
     both = {(f"c*, Q*, {case}", rtol) for case in MISSED for rtol in (1e-8, 1e-12)}
     assert missed == both | {("c*, Q*, one slip annulus", 1e-8)}

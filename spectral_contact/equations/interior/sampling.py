@@ -21,8 +21,9 @@ from spectral_contact.equations.interior.mesh import (
 from spectral_contact.equations.interior.patches import Relative, interpolate
 from spectral_contact.fields import Array
 
-#: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
-_FAST_FROM = 1e-9
+#: Down to these tolerances a rule, and polynomials of so many nodes where points are many, serve.
+_FAST_FROM, _FAST_ORDER = 1e-9, 12
+_TIGHT_FROM, _TIGHT_ORDER = 1e-12, 16
 #: At every so many nodes of a polynomial the rules are compared.
 _COMPARED = 5
 
@@ -127,20 +128,22 @@ class Sampler:
         measure: Relative,
     ) -> Integrals:
         """Return the integrals by the cheapest means that meet the tolerance at each point."""
-        if rtol < _FAST_FROM:
+        if rtol < _TIGHT_FROM:
             return direct(self.mesh(TIGHT), points)
+        fast = rtol >= _FAST_FROM
+        rules, order = (FAST, _FAST_ORDER) if fast else (TIGHT, _TIGHT_ORDER)
 
         def at_nodes(some: BodyPoints) -> Integrals:
             compared = np.arange(len(some.r)) % _COMPARED == 0
             sums = Integrals.empty(len(some.r))
-            for rules, which in ((FAST, compared), (FAST[:1], ~compared)):
-                sums.put(which, direct(self.mesh(rules), some[which]))
+            for some_rules, which in ((rules, compared), (rules[:1], ~compared)):
+                sums.put(which, direct(self.mesh(some_rules), some[which]))
             return sums
 
         sums = Integrals.empty(len(points.r))
-        left = interpolate(points, rtol, at_nodes, measure, sums)
-        sums.put(left, direct(self.mesh(FAST), points[left]))
-        missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
+        left = interpolate(points, rtol, order, at_nodes, measure, sums)
+        sums.put(left, direct(self.mesh(rules), points[left]))
+        missed = fast & ~(measure(points, sums.values, sums.quadrature) <= rtol)
         if missed.any():
             sums.put(missed, direct(self.mesh(TIGHT), points[missed]))
         return sums
