@@ -11,6 +11,7 @@ from spectral_contact.equations.interior.integrals import Integrals, integrate
 from spectral_contact.equations.interior.mesh import (
     AXIS,
     FAST,
+    MEDIUM,
     TIGHT,
     BodyMesh,
     BodyPoints,
@@ -21,9 +22,8 @@ from spectral_contact.equations.interior.mesh import (
 from spectral_contact.equations.interior.patches import Relative, interpolate
 from spectral_contact.fields import Array
 
-#: Down to these tolerances a rule, and polynomials of so many nodes where points are many, serve.
-_FAST_FROM, _FAST_ORDER = 1e-9, 12
-_TIGHT_FROM, _TIGHT_ORDER = 1e-12, 16
+#: Down to these tolerances rules, and polynomials of so many nodes where points are many, serve.
+_DOWN_TO = ((1e-9, FAST, 12), (1e-11, MEDIUM, 14), (1e-12, TIGHT, 16))
 #: At every so many nodes of a polynomial the rules are compared.
 _COMPARED = 5
 
@@ -128,10 +128,10 @@ class Sampler:
         measure: Relative,
     ) -> Integrals:
         """Return the integrals by the cheapest means that meet the tolerance at each point."""
-        if rtol < _TIGHT_FROM:
+        serving = [(rules, order) for least, rules, order in _DOWN_TO if rtol >= least]
+        if not serving:
             return direct(self.mesh(TIGHT), points)
-        fast = rtol >= _FAST_FROM
-        rules, order = (FAST, _FAST_ORDER) if fast else (TIGHT, _TIGHT_ORDER)
+        rules, order = serving[0]
 
         def at_nodes(some: BodyPoints) -> Integrals:
             compared = np.arange(len(some.r)) % _COMPARED == 0
@@ -143,8 +143,8 @@ class Sampler:
         sums = Integrals.empty(len(points.r))
         left = interpolate(points, rtol, order, at_nodes, measure, sums)
         sums.put(left, direct(self.mesh(rules), points[left]))
-        missed = fast & ~(measure(points, sums.values, sums.quadrature) <= rtol)
-        if missed.any():
+        missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
+        if missed.any() and rules is not TIGHT:
             sums.put(missed, direct(self.mesh(TIGHT), points[missed]))
         return sums
 
