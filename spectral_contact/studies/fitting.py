@@ -17,7 +17,9 @@ from spectral_contact.io.choices import listed
 
 #: Errors this small are rounding.
 _ROUNDING: Final = 10.0 * 2.0**-52
-_FEWEST, _FEWEST_ON_PLATEAU = 3, 2
+#: Points of a law, and of a plateau, at least.
+_FEWEST: Final = 3
+_FEWEST_ON_PLATEAU: Final = 2
 #: More unknowns than any solver has, and few enough to take squares of.
 _MOST: Final = 1e15
 #: Scatter of ln(error) that is not taken for structure: 5 per cent.

@@ -19,7 +19,8 @@ from spectral_contact.io.checks import finite
 from spectral_contact.threads import look_for_blas, one_thread
 
 #: Warm repeats of a short solve go on for so long [s], or until there are so many.
-_SECONDS, _MOST = 0.2, 1000
+_SECONDS = 0.2
+_MOST = 1000
 
 
 @dataclass(frozen=True, slots=True)

@@ -419,9 +419,9 @@ MUTANTS = (
     ),
     Mutant(
         "slip in metres is a share of the radius",
-        f"{_PACKAGE}/view/physical_solution.py",
-        "return self.units.displacement if",
-        "return self.radius if",
+        f"{_PACKAGE}/io/physical_data.py",
+        'if kind == "stress" else self.displacement_scale(load, nu)',
+        'if kind == "stress" else self.radius',
         f"{_SOLVER} -k physical_fields",
     ),
     Mutant(
@@ -583,9 +583,9 @@ MUTANTS = (
     ),
     Mutant(
         "slip in metres under a profile is multiplied by the contact radius",
-        f"{_PACKAGE}/view/physical_solution.py",
-        "self.units.displacement if self._modulus is None else 1.0",
-        "self.units.displacement",
+        f"{_PACKAGE}/io/physical_data.py",
+        'return 1.0 if kind == "displacement"',
+        'return solved.contact_radius if kind == "displacement"',
         "tests/features/test_profiles_si.py -k other_units",
     ),
     Mutant(
