@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import exactly_one, flag, positive, real, scalar, within
+from spectral_contact.io.choices import one_of
 
 #: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
 #: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
@@ -341,9 +342,11 @@ class PhysicalData:
         Raises
         ------
         SceneError
-            If an argument is out of range, or the factor is beyond the normal doubles.
+            For another kind, if an argument is out of range, or if the factor is beyond the normal
+            doubles.
         """
-        if kind == "":
+        kinds = ("radius", "displacement", "stress", "force")
+        if one_of("kind", kind, ("", *kinds), f"empty, or one of {', '.join(kinds)}") == "":
             return 1.0
         if kind == "radius":
             known = self.radius or self.contact_radius or getattr(solved, "domain_radius", None)

@@ -132,6 +132,7 @@ SPECIAL: dict[str, Any] = {
     "profiles.Sampled.from_functions.slope": lambda r: 2.0 * r,
     "view.plotting.Radii.evaluate.field": one,
     "gold.table.name": "slip_equal",
+    "PhysicalData.si_factor.kind": "displacement",
     "studies.named_solver.name": "os:getcwd",
     "studies.WorkPrecision.of.solver": "a",
     "studies.WorkPrecision.of.scene": NORMAL,
@@ -215,6 +216,7 @@ class Examples:
         self._arguments = {
             **ARGUMENTS,
             "solution": bench.solutions[0],
+            "solved": bench.solutions[0],
             "body": bench.solutions[0].inside,
             "plan": bench.solutions[0].plan,
             "figure": Figure(),
