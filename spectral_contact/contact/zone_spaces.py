@@ -38,6 +38,7 @@ import numpy as np
 from spectral_contact.contact.resolution import (
     CUBIC_TAIL_DEPTH,
     EPSILON_DEPTH,
+    ROOT_TAIL_DEPTH,
     graded_space,
     slip_degree,
 )
@@ -198,7 +199,9 @@ def first_spaces(
             layer = layer_depth(alpha, layer_of_shear, extent)
             # next to a boundary the fields settle at half the depth of the layer, or soon after it
             depth = max(min(layer, 0.5 * layer + LAYER_REACH), log(extent / extent_across))
-            space = graded_space(depth, tolerance, rate, starts_near_singularity=True)
+            space = graded_space(
+                depth, tolerance, rate, starts_near_singularity=True, min_settling=ROOT_TAIL_DEPTH
+            )
             if alpha > 0.0 or len(radii) > 1:
                 space = without_rounding(space, bounds[bound], extent)
             spaces.append(space)
