@@ -48,6 +48,7 @@ from spectral_contact.contact.zone_spaces import (
     split_spaces,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
+from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -378,10 +379,16 @@ def solve_zones(
 ) -> Refinement[ZoneSolution]:
     """Solve the coupled contact with the zones of a layout.
 
-    The tolerance bounds the fields pointwise, or approach and shear. `max_unknowns` bounds the
-    unknowns of both fields together. The friction law is not checked here. Raises
+    The tolerance bounds the fields pointwise, or approach and shear. Where refinement stalls it
+    begins once more, with the finer first space of a hundredth of the tolerance. `max_unknowns`
+    bounds the unknowns of both fields together. The friction law is not checked here. Raises
     `NoBoundariesError` if there are no such boundaries.
     """
-    problem = FreeBoundaryProblem(parameters, layout, tolerance, pointwise=pointwise)
-    # `refine` counts coefficients of the panels, each of which stands for p and for q/s
-    return refine(problem, tolerance, max_unknowns // 2)
+    refinements = list[Refinement[ZoneSolution]]()
+    for space_tolerance in (tolerance, NEGLIGIBLE_FRACTION * tolerance):
+        problem = FreeBoundaryProblem(parameters, layout, space_tolerance, pointwise=pointwise)
+        # `refine` counts coefficients of the panels, each of which stands for p and for q/s
+        refinements.append(refine(problem, tolerance, max_unknowns // 2))
+        if refinements[-1].ending is not Ending.ROUNDING:
+            break
+    return min(refinements, key=lambda refinement: refinement.best.error)
