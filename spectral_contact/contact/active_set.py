@@ -66,7 +66,7 @@ class RingLaw:
         identity = np.eye(len(self._root_area))
         self._normal = rings.normal / scale + alpha * identity
         self._tangential = rings.tangential / scale + beta * identity
-        self._coupling = kappa * rings.carried / scale
+        self._coupling = kappa * rings.coupling / scale
         self.self_compliance: Array = self._tangential.diagonal()
         self._known_pressure: Array | None = None
         if not coupled:
@@ -277,7 +277,7 @@ def ring_layout(
     splits : int
         How often the rings around boundaries are split.
     """
-    logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, EPSILON_DEPTH, EPSILON_DEPTH)
+    logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, -EPSILON_DEPTH, EPSILON_DEPTH)
     states = np.zeros(len(logits) - 1, dtype=int)
     if coupled:
         # on smooth surfaces coupled full stick oscillates: begin with the states without coupling

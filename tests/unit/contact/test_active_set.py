@@ -29,7 +29,7 @@ def layout(scene, **options):
 
 
 def test_matrices_are_integrals_of_the_kernels():
-    rings = ring_operators(graded_rings(12, 3.0, 2.0, 6.0, 8.0))
+    rings = ring_operators(graded_rings(12, 3.0, 2.0, -6.0, 8.0))
     s = np.exp(-np.logaddexp(0.0, -rings.logits) / 2.0)
     for i, j in ((0, 4), (3, 1), (6, 9), (12, 4)):
         normal, _ = dblquad(
@@ -44,9 +44,9 @@ def test_matrices_are_integrals_of_the_kernels():
 
 def test_what_pressure_carries_is_exact():
     """Of p = 1 it is g = s/2, so that int g s ds = 1/6."""
-    rings = ring_operators(graded_rings(20, 4.0, 1.5, 24.0, 36.0))
+    rings = ring_operators(graded_rings(20, 4.0, 1.5, -24.0, 36.0))
     assert rings.mass.sum() == pytest.approx(0.5, rel=1e-14)
-    assert rings.carried.sum() == pytest.approx(1.0 / 6.0, rel=1e-14)
+    assert rings.coupling.sum() == pytest.approx(1.0 / 6.0, rel=1e-14)
 
 
 def test_full_stick_of_smooth_surfaces_and_its_rate():
