@@ -218,7 +218,7 @@ class CellForm:
         self._cells, self._degrees = cells, degrees
         self.space: NodalSpace = cell_space(cells, degrees)
         self.sampling = Sampling(polynomials=degrees)
-        self.z: Array = cells.from_centre(self.sampling.places())
+        self.z: Array = cells.squares_at(self.sampling.places())
         self.tail_extent, self.central = cells.lengths[-1], 1
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
