@@ -34,7 +34,7 @@ from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import EdgeWeight, LogSeries
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
-from spectral_contact.spectral.regularised import Regularised
+from spectral_contact.spectral.regularised import RegularisedProblem
 from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ class _TwoPressures:
 
     Attributes
     ----------
-    factored : Regularised
+    factored : RegularisedProblem
     flat, whole : ndarray
         Coefficients of the pressure of a flat punch for unit approach, and of the pressure.
     flat_half, whole_half : ndarray
@@ -78,7 +78,7 @@ class _TwoPressures:
         Pressure of the flat punch at the edge.
     """
 
-    factored: Regularised
+    factored: RegularisedProblem
     flat: Array
     whole: Array
     flat_half: Array
@@ -119,7 +119,7 @@ class _IndentationProblem(PartedProblem):
         return self._judged(space, used, self._solve(space, used[-1][0]))
 
     def _solve(self, space: Space, edge: LogPanels) -> _TwoPressures:
-        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past)
+        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past_break)
         factored = space.factor(self.compliance)
         own = factored.solve(bracket)
         flat = factored.solve(2.0)
@@ -134,7 +134,9 @@ class _IndentationProblem(PartedProblem):
         pulled = pull, pull_error
         return _TwoPressures(factored, flat, whole, *halves, target, shift, *pulled, at_edge)
 
-    def _pull(self, factored: Regularised, flat: Array, flat_moment: float) -> tuple[float, float]:
+    def _pull(
+        self, factored: RegularisedProblem, flat: Array, flat_moment: float
+    ) -> tuple[float, float]:
         """Return by how much adhesion lowers ``eps``, and the relative error in a coarser space.
 
         The pressure of the flat punch at the edge, which the suction is divided by, follows from

@@ -166,7 +166,7 @@ class LayeredNewton:
         self._scale = 1.0 / np.sqrt(self.functions.mass.diagonal())
         #: of a pressure's load, in units of the radius
         self._load = 4 * pi * setting.radius**2 * self.functions.constant_moments
-        self._bracket = setting.profile._bracket(setting.radius, space.t, space.y, space.past)
+        self._bracket = setting.profile._bracket(setting.radius, space.t, space.y, space.past_break)
         a = setting.radius
         half = float(setting.profile._transform(np.asarray(a))) / 2.0
         self._fixed = setting.approach is not None

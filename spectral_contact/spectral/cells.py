@@ -137,7 +137,8 @@ class CellSpace(NodalSpace):
         self.y = np.concatenate(y)
         self.weights = np.concatenate(weights)
         self.measure = self.weights / pi
-        self.past = np.zeros(len(self.t))
+        # a punch whose profile has breaks takes panels
+        self.past_break = np.zeros(len(self.t))
 
     @cached_property
     def _matrix(self) -> Array:
