@@ -48,7 +48,7 @@ from spectral_contact.contact.tuning import (
     ROUNDING,
     SLIP_ROUNDING,
 )
-from spectral_contact.contact.zone_fields import edge_exponent, edge_stick_width
+from spectral_contact.contact.zone_fields import edge_exponent, estimated_edge_stick_width
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,
@@ -64,7 +64,7 @@ from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matr
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
-#: Panels next to the edge and to the boundaries reach down to ``exp(-_DEPTH_BELOW_WIDTH)`` times the
+#: Panels next to the edge and to boundaries reach down to ``exp(-_DEPTH_BELOW_WIDTH)`` times the
 #: width of the zone.
 _DEPTH_BELOW_WIDTH = EPSILON_DEPTH + EDGE_SAMPLING_MARGIN
 
@@ -150,7 +150,7 @@ def expected_error(parameters: Parameters) -> float:
     It is 1, which is no digit, if the stick is not narrow in comparison with the contact.
     """
     theta = edge_exponent(parameters)
-    width = edge_stick_width(parameters, theta)
+    width = estimated_edge_stick_width(parameters, theta)
     if width >= exp(-1.0):
         return 1.0
     stick = EdgeStick(theta, 1.0, max(width, MIN_MATCHED_WIDTH))
