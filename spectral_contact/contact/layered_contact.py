@@ -117,7 +117,7 @@ class BentProblem(LayeredProblem):
         super().__init__(setting, tolerance, pointwise=pointwise)
         self.last, self._final = last, final
 
-    def _solved(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
+    def _solve(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
         """Return the solution with parts that end at its bends, and leave these in the setting.
 
         A kink that is misplaced by d is an error of the overclosure of about d**2, so that bends
@@ -125,10 +125,10 @@ class BentProblem(LayeredProblem):
         """
         before = inf
         while True:
-            solver, fields = super()._solved(resolution)
+            solver, fields = super()._solve(resolution)
             form = solver.form
             assert isinstance(form, PanelForm)
-            uncertain = form.sampling.bounds(solver.last_degrees(fields.overclosure))
+            uncertain = form.sampling.bounds(solver.top_degrees(fields.overclosure))
             bends = bends_of(self.setting, form, fields.overclosure, uncertain)
             if not same_knots(bends, self.setting.bends):
                 if not self._final:
