@@ -98,7 +98,7 @@ class PanelForm:
         found, start = [], 0
         for (_, sign, extent), (panels, _) in zip(self._parts.ends, self._used, strict=True):
             distances = panels.sampling_distances
-            ends = np.exp(-panels.width * np.arange(panels.panels + 1))
+            ends = np.exp(-panels.width * np.arange(panels.count + 1))
             on_panels = np.repeat(-np.diff(ends), panels.samples)
             widths = np.concatenate([on_panels, np.full(panels.tail_points, panels.end)])
             samples = slice(start, start + len(distances))
@@ -132,13 +132,13 @@ class PanelForm:
     def converted(self, coefficients: Array, old: Form) -> Array:
         """Return the coefficients here of a function of another space."""
         assert isinstance(old, PanelForm)
-        counts = [[panels.panels for panels, _ in form._used] for form in (old, self)]
+        counts = [[panels.count for panels, _ in form._used] for form in (old, self)]
         if old._parts != self._parts or counts[0] != counts[1]:
             return self.sampling.coefficients(old.field(coefficients).evaluate(self.y))
         rows = []
         parts = split_parts(old._used, coefficients)
         for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
-            table = np.zeros((new.panels, new.degree + 1))
+            table = np.zeros((new.count, new.degree + 1))
             terms = min(was.degree, new.degree) + 1
             table[:, :terms] = was.table(own)[:, :terms]
             table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
@@ -188,7 +188,7 @@ class PanelForm:
         """Return panels of one part that are as deep as those next to the edge."""
         panels = self._used[-1].panels
         added = ceil(-log(self._parts.ends[-1][2]) / panels.width)
-        return replace(panels, panels=panels.panels + added, degree=_INTERPOLATION_DEGREE)
+        return replace(panels, count=panels.count + added, degree=_INTERPOLATION_DEGREE)
 
     def _on_one_part(self, panels: LogPanels, coefficients: Array) -> Array:
         """Return the coefficients of a function on panels of one part, through its values there."""

@@ -175,7 +175,7 @@ class PartedProblem:
         degrees = space.degrees
         spaces = []
         for count in self.counts:
-            spaces.append(DiscreteSpace(replace(space.panels, panels=count), degrees[:count]))
+            spaces.append(DiscreteSpace(replace(space.panels, count=count), degrees[:count]))
             degrees = degrees[count:]
         return tuple(spaces)
 

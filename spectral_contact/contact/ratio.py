@@ -130,7 +130,7 @@ def _change_at(panels: LogPanels, changes: Array, y: float) -> float:
 
     The true maximum of the ratio may lie on either.
     """
-    last = panels.panels - 1
+    last = panels.count - 1
     depth_in_panels = -log(y) / panels.width if y > 0.0 else inf
     k = int(min(depth_in_panels, last))  # the last panel stands for the tail, too
     adjacent = min(max(k + (1 if depth_in_panels > k + 0.5 else -1), 0), last)

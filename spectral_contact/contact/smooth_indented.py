@@ -172,7 +172,7 @@ class _KnownPart:
         """Return ``H'(t)/t`` as a series, on more panels if it lies outside its boundary."""
         panels = self.mesh.panels
         if self.mesh.sign > 0:
-            panels = replace(panels, panels=panels.panels + _FURTHER_PANELS)
+            panels = replace(panels, count=panels.count + _FURTHER_PANELS)
         mesh = self.mesh._replace(panels=panels)
         points = mesh.sampling()
         t = np.sqrt(points.z)
@@ -291,7 +291,7 @@ def _quadrature_rule(panels: LogPanels, reaches_centre: bool) -> _QuadratureRule
     h = panels.width
     _, w = gauss_rule(_POINTS)
     by_panels = panels.sampling(_POINTS)
-    weights_by_panels = np.tile(w * h / 2.0, (panels.panels, 1))
+    weights_by_panels = np.tile(w * h / 2.0, (panels.count, 1))
     x = by_panels.ravel()
     x_weights = weights_by_panels.ravel()
     if reaches_centre:

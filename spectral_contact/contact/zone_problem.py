@@ -250,7 +250,7 @@ class FreeBoundaryProblem:
                 logits = logits + iterate.newton_step
             self._layout = self._layout_of(logits, iterate.jacobian)
         spaces = self.spaces(self.field_tolerance, logits)
-        self._panel_counts = [space.panels.panels for space in spaces]
+        self._panel_counts = [space.panels.count for space in spaces]
         return concatenate_spaces(spaces)
 
     def split(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:

@@ -188,7 +188,7 @@ class ContactFields:
             pressure_degrees = degrees
             if self.pressure_known:
                 # it costs nothing to hold a known pressure in all functions of the panels
-                pressure_degrees = (panels.degree,) * panels.panels
+                pressure_degrees = (panels.degree,) * panels.count
             shear_degrees = degrees if state == 0 else _quotient_degrees(pressure_degrees, panels)
             parts.append(
                 MeshPart(

@@ -306,7 +306,7 @@ class ContactSystem(ContactFields):
                 panels,
                 power=0.0,
                 degree=panels.degree + _DISPLACEMENT_DEGREES,
-                panels=max(panels.panels, ceil(_ROOT_DEPTH / panels.width) if panels.power else 0),
+                count=max(panels.count, ceil(_ROOT_DEPTH / panels.width) if panels.power else 0),
             )
             for panels in (part.mesh.panels for part in self.parts[2 * zone - 1 : 2 * zone + 1])
         )

@@ -33,7 +33,7 @@ def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
 
     With the fitting density these are loads and shears.
     """
-    rule = moments_on(panels, (panels.degree,) * panels.panels)
+    rule = moments_on(panels, (panels.degree,) * panels.count)
     # the rule is one of z / 2
     return np.asarray(2.0 * rule.with_densities(density(rule.d)[None])[0])
 
@@ -85,12 +85,12 @@ def _nested_moments(panels: LogPanels, psi_panels: LogPanels) -> Array:
     outer_weights = weights * np.exp(-(1.0 + panels.power) * x)
     diagonal_block = (basis * outer_weights[:, None]).T @ inner_integrals
     # on panel j all distances are exp(-h j) times those on the first panel
-    decay = np.exp(-(2.0 + panels.power + psi_panels.power) * h * np.arange(panels.panels))
-    for j in range(panels.panels):
+    decay = np.exp(-(2.0 + panels.power + psi_panels.power) * h * np.arange(panels.count))
+    for j in range(panels.count):
         rows = slice(j * terms, (j + 1) * terms)
         matrix[rows, : j * terms] = 0.0
         matrix[rows, rows] = decay[j] * diagonal_block
-    tail = slice(panels.panels * terms, None)
+    tail = slice(panels.count * terms, None)
     matrix[tail, : tail.start] = 0.0
     d, weights, tail_basis = panels.tail_rule()
     # The inner integral over (0, d) is by the rule of the tail, shrunk from (0, end) by d / end.

@@ -199,7 +199,7 @@ class _Order:
 
     def __init__(self, spaces: tuple[DiscreteSpace, ...]) -> None:
         self.size = sum(panels.size for panels, _ in spaces)
-        self.panels = sum(panels.panels for panels, _ in spaces)
+        self.panels = sum(panels.count for panels, _ in spaces)
         index = []
         panel = []
         starts = [0]
@@ -211,13 +211,13 @@ class _Order:
             index.append(first_coefficient + functions)
             # The tail has a number of its own if there is one part. Of several parts it shares that
             # of the last panel, so that the panels of all parts are numbered without gaps.
-            last_panel = panels.panels - (len(spaces) > 1)
+            last_panel = panels.count - (len(spaces) > 1)
             panel_of_function = functions // (panels.degree + 1)
             panel.append(first_panel + np.minimum(panel_of_function, last_panel))
             top_degrees.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
             starts.append(starts[-1] + len(functions))
             first_coefficient += panels.size
-            first_panel += panels.panels
+            first_panel += panels.count
         # the number of the coarser spaces, of two, that lack a function
         lacking = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
         self.function = np.argsort(lacking, kind="stable")

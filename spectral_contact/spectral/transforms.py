@@ -58,7 +58,7 @@ class AbelTransforms:
         panels = self.panels
         terms = panels.degree + 1
         blocks, tail_matrix = self._right_blocks
-        count = panels.panels
+        count = panels.count
         shape = coefficients.shape[:-1]
         values = coefficients[..., count * terms :] @ tail_matrix.T
         # The row of blocks leads from the last panel to the points of all panels. The j-th panel
@@ -78,7 +78,7 @@ class AbelTransforms:
         panels = self.panels
         terms = panels.degree + 1
         blocks, tail_matrix = self._left_blocks
-        count = panels.panels
+        count = panels.count
         shape = coefficients.shape[:-1]
         panel_coefficients = coefficients[..., : count * terms].reshape(*shape, count, terms)
         # the factor exp(-x/2) at the start of each panel; the rest of it is in the blocks
@@ -98,14 +98,14 @@ class AbelTransforms:
         """The row of blocks, and the matrix from the tail's coefficients to all points."""
         panels = self.panels
         to_end = panels.width - self._x[0]
-        blocks = abel_right_blocks(to_end, panels.panels, panels.width, panels.degree)
+        blocks = abel_right_blocks(to_end, panels.count, panels.width, panels.degree)
         return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.sampling_distances, panels.end)
 
     @cached_property
     def _left_blocks(self) -> tuple[Array, Array]:
         """The row of blocks, and the matrix from all coefficients to the points of the tail."""
         panels = self.panels
-        arguments = panels.panels, panels.width, panels.degree
+        arguments = panels.count, panels.width, panels.degree
         blocks = abel_left_blocks(self._x[0], *arguments)
         return _in_a_row(blocks), abel_left(panels.tail_sampling(), *arguments)
 

@@ -24,8 +24,8 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     known_pressure_parts = zone_problem.known_pressure_spaces
 
     def enlarged(space):
-        count = space.panels.panels + more
-        panels = replace(space.panels, panels=count, degree=degree)
+        count = space.panels.count + more
+        panels = replace(space.panels, count=count, degree=degree)
         return space._replace(panels=panels, degrees=(degree,) * count)
 
     def larger(layer, tolerance):
