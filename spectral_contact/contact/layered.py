@@ -67,12 +67,12 @@ class Layered(ABC):
         """Return the solution in a space, from the last one if there is one."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
-        if self.last is None:
-            start = solver.first_guess()
-        else:
+        fields = None
+        if self.last is not None:
             last_form, last = self.last
-            start = form.converted(last.overclosure, last_form), last.shift
-        fields = solver.solve(*start)
+            fields = solver.solve(form.converted(last.overclosure, last_form), last.shift)
+        if fields is None or fields.iteration_error == inf:
+            fields = solver.solve(*solver.first_guess())
         self.last = form, fields
         return solver, fields
 
