@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import Contact, value_of
-from spectral_contact.contact.indented import glance, solve_indentation
+from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
@@ -256,7 +256,7 @@ class AdhesiveCurve:
     ) -> None:
         self.profile, self.compliance, self.adhesion = profile, compliance, adhesion
         self.tolerance, self.max_unknowns = tolerance, max_unknowns
-        self._glances: dict[float, Indentation] = {}
+        self._values_only: dict[float, Indentation] = {}
         self.corners = _corners(profile)
 
     def at(self, radius: float, *, pointwise: bool = False) -> Contact:
@@ -264,12 +264,12 @@ class AdhesiveCurve:
         given = self.profile, radius, self.compliance, self.tolerance, self.max_unknowns
         return solve_indentation(*given, pointwise=pointwise, adhesion=self.adhesion)
 
-    def glance(self, radius: float) -> Indentation:
+    def values_only(self, radius: float) -> Indentation:
         """Return the state of a radius in the first space, without estimates."""
-        known = self._glances.get(radius)
+        known = self._values_only.get(radius)
         if known is None:
             given = self.profile, radius, self.compliance, self.tolerance, self.max_unknowns
-            known = self._glances[radius] = glance(*given, adhesion=self.adhesion)
+            known = self._values_only[radius] = values_only(*given, adhesion=self.adhesion)
         return known
 
     def rates(self, one: Indentation) -> Rates:
@@ -300,7 +300,7 @@ class AdhesiveCurve:
         found = []
         for k, radius in enumerate(radii):
             nearest = value_of(solved[k // _SAMPLED])
-            one = nearest if k % _SAMPLED == 0 else self.glance(radius)
+            one = nearest if k % _SAMPLED == 0 else self.values_only(radius)
             names = ("load_error", "approach_error", "work_error", "stiffness_error")
             found.append(replace(one, **{name: getattr(nearest, name) for name in names}))
         return found
@@ -314,7 +314,7 @@ class AdhesiveCurve:
 
     def past_flat_part(self) -> Indentation:
         """Return a state next to the one in which the contact is the flat part."""
-        return self.glance(self.profile.flat_part * (1.0 + _NEXT))
+        return self.values_only(self.profile.flat_part * (1.0 + _NEXT))
 
     def top(self, control: Control, value: float = -inf) -> float:
         """Return a radius beyond which a control grows with the radius, and is above a value.
@@ -333,7 +333,7 @@ class AdhesiveCurve:
         radius = self._modelled_top(control, value)
         flat, reach = self.profile.flat_part, self.profile.reach
         for _ in range(_STEPS):
-            one = self.glance(radius)
+            one = self.values_only(radius)
             stable = control.rate(self.rates(one)) > 0.0 and control.value(one) > value
             at_end = not isinf(reach) and reach - radius <= _NEXT * reach
             if stable and (at_end or one.approach + one.pull >= _MARGIN * one.pull):
@@ -413,7 +413,7 @@ class AdhesiveCurve:
                 return
             if radius < least or self._settled(control, radius):
                 return
-            if sign * control.rate(self.rates(self.glance(radius))) <= 0.0:
+            if sign * control.rate(self.rates(self.values_only(radius))) <= 0.0:
                 fold = self._fold(control, before, radius)
                 yield fold
                 sign = -sign
@@ -423,7 +423,7 @@ class AdhesiveCurve:
 
     def _settled(self, control: Control, radius: float) -> bool:
         """Return whether the control changes no more to smaller radii, but for rounding."""
-        one = self.glance(radius)
+        one = self.values_only(radius)
         return abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one)
 
     def _fold(self, control: Control, high: float, low: float) -> Fold:
@@ -433,7 +433,7 @@ class AdhesiveCurve:
         base = max((b for b in (0.0, *self.corners) if b < low), default=0.0)
 
         def rate(place: float) -> float:
-            return control.rate(self.rates(self.glance(base + exp(place))))
+            return control.rate(self.rates(self.values_only(base + exp(place))))
 
         places = log(low - base), log(high - base)
         radius = base + exp(brentq(rate, *places, xtol=_NEARLY, rtol=_NEARLY))
@@ -473,7 +473,7 @@ class AdhesiveCurve:
         number, sign = 0, 1.0
         for radius in self._downward(above):
             pinned = radius == self.profile.flat_part
-            one = value_of(self.at(radius)) if pinned else self.glance(radius)
+            one = value_of(self.at(radius)) if pinned else self.values_only(radius)
             fold = None
             if not pinned and self._settled(control, radius):
                 break
@@ -506,7 +506,7 @@ class AdhesiveCurve:
         """
         low, high = self.stretch(control, value, branch)
         root = _Root(self, control, value, low, high)
-        root.run(self.glance, exact=False)
+        root.run(self.values_only, exact=False)
         root.run(lambda a: value_of(self.at(a)), exact=True)
         found = self.at(root.radius, pointwise=pointwise)
         one = value_of(found)
@@ -583,7 +583,7 @@ class _Root:
         self._base = max((b for b in (0.0, *curve.corners) if b <= low), default=0.0)
         least = _NEXT * (self._base or low)
         self._ends = log(max(low - self._base, least)), log(high - self._base)
-        states = [curve.glance(low), curve.glance(high)]
+        states = [curve.values_only(low), curve.values_only(high)]
         misses = [control.value(one) - value for one in states]
         self._sign = 1.0 if misses[1] > misses[0] else -1.0
         # where it is not between, for rounding, the nearer end is next to it

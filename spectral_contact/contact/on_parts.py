@@ -72,7 +72,7 @@ class Indentation:
         ``a dp/ddelta`` at the radius ``a``: the pressure under a flat punch of that radius, for an
         approach of a.
     approach_error, load_error, work_error, stiffness_error : float
-        Estimates of relative errors; 0 if `indented.glance` computed the values alone.
+        Estimates of relative errors; 0 if `indented.values_only` computed the values alone.
     pressure_error : float
         The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
     overclosure : float
@@ -175,7 +175,7 @@ class PartedProblem:
         degrees = space.degrees
         spaces = []
         for count in self.counts:
-            spaces.append(DiscreteSpace(replace(space.panels, panels=count), degrees[:count]))
+            spaces.append(DiscreteSpace(replace(space.panels, count=count), degrees[:count]))
             degrees = degrees[count:]
         return tuple(spaces)
 

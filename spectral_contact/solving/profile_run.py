@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
-from spectral_contact.contact.indented import glance
+from spectral_contact.contact.indented import values_only
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.layers.scene_layer import endless
@@ -152,7 +152,7 @@ class ProfileRun(Run):
                 approach=scene.approach,
                 pointwise=pointwise,
                 near=path.near(along),
-                first=lambda a: glance(profile, a, alpha, self.rtol, self.max_unknowns),
+                first=lambda a: values_only(profile, a, alpha, self.rtol, self.max_unknowns),
             )
             path.add(along, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
