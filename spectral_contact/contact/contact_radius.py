@@ -67,14 +67,12 @@ class RadiusScale:
         return (radius - low) * room
 
 
-def indenter(
-    profile: Profile, compliance: float, max_unknowns: int, adhesion: float = 0.0
-) -> Solver:
+def indenter(profile: Profile, compliance: float, max_unknowns: int) -> Solver:
     """Return what solves normal contact with a linear layer at a radius, to a tolerance."""
 
     def solve(radius: float, tolerance: float, pointwise: bool) -> Contact:
         given = profile, radius, compliance, tolerance, max_unknowns
-        return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
+        return solve_indentation(*given, pointwise=pointwise)
 
     return solve
 

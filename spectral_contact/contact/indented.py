@@ -22,8 +22,8 @@ from spectral_contact.contact.on_parts import (
     Indentation,
     PartedProblem,
     edge_value,
+    feature_depths,
     field_of,
-    layer_depth,
     pointwise_errors,
     profile_parts,
     series_on_parts,
@@ -39,7 +39,8 @@ from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
 
-#: Places next to the edge, in units of the layer, where the pressure's slope is taken.
+#: Places next to the edge, in units of the layer or of the distance to a pole, where the pressure's
+#: slope is taken.
 _SLOPE = 1e-4
 #: Error of ``eps`` over what the tail at the edge changes.
 _EDGE = 1.0
@@ -109,7 +110,7 @@ class _IndentationProblem(PartedProblem):
         #: in units of the contact radius
         self.compliance = compliance / radius
         parts, thin = profile_parts(profile, radius), min(self.compliance, 1.0)
-        depths = [layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends]
+        depths = feature_depths(parts, thin, profile._to_pole(radius))
         super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
@@ -228,7 +229,8 @@ class _IndentationProblem(PartedProblem):
 
     def _growth(self, edge: LogSeries, reach: float, flat_edge: float) -> float:
         """Return ``ddelta/da``, from how the pressure falls to the edge."""
-        y = min(_SLOPE * min(self.compliance, 1.0), 0.5 * reach)
+        to_pole = self.profile._to_pole(self.radius)
+        y = min(_SLOPE * min(self.compliance, to_pole, 1.0), 0.5 * reach)
         return 2.0 * edge.value(y / reach) / y / flat_edge
 
 

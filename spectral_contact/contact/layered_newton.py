@@ -38,7 +38,7 @@ _POINTWISE_STEPS, _POINTWISE = 200, 1e-10
 _SOFT, _STIFFER, _EASED, _NEAR = 10.0, 0.2, 12, 0.02
 #: Degrees in which that is done.
 _LOW = 5
-#: Where next to the edge the slope is taken, in units of the layer.
+#: Where next to the edge the slope is taken, in units of the layer or of the distance to a pole.
 _SLOPE = 1e-4
 #: A rule that integrates any power there: its points, and how they crowd to the edge.
 _EDGE_POINTS, _EDGE_GRADE = 24, 8
@@ -404,7 +404,9 @@ class LayeredNewton:
         if self._fixed:
             return 0.0
         slope = float(self.setting.slope(self.sampling.values(fields.overclosure)).max())
-        y = min(_SLOPE * min(1.0 / max(slope, 1.0), 1.0), 0.5 * self.setting.parts.ends[-1][2])
+        setting = self.setting
+        near = min(1.0 / max(slope, 1.0), setting.profile._to_pole(setting.radius))
+        y = min(_SLOPE * near, 0.5 * setting.parts.ends[-1][2])
         falls = 2.0 * self.form.next_to_edge(fields.overclosure, y) / y
         return falls / self.form.at_edge(fields.rate)
 

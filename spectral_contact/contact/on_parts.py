@@ -167,6 +167,23 @@ def profile_parts(profile: Profile, radius: float) -> DiskPartition:
     return DiskPartition(breaks, profile.pointed)
 
 
+def feature_depths(parts: DiskPartition, thin: float, to_pole: float) -> tuple[float, ...]:
+    """Return how deep in ``x`` the deepest feature at the end of every part is.
+
+    Parameters
+    ----------
+    parts : DiskPartition
+    thin : float
+        Width of the layer over the contact radius, at most 1.
+    to_pole : float
+        How far beyond the edge the half-integral has its pole, in the same unit: inside, it is a
+        logarithm of the distance from there (`Sphere`), which takes panels graded to it.
+    """
+    inner = [layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends[:-1]]
+    edge, _, extent = parts.ends[-1]
+    return *inner, layer_depth(min(thin, to_pole), edge, extent)
+
+
 def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
     """Return how deep in ``x`` a layer of this width next to a boundary is."""
     return max(-log(thin * max(boundary.value, thin) / extent), 0.0)
