@@ -5,8 +5,8 @@ With v the vector of the fields, b the boundaries (as logits) and m a parameter,
     residual(v, b, m) = 0,      boundary residual(v, b, m) = 0.
 
 At given boundaries they are linear in v, and each parameter multiplies a term of them, so that the
-derivative of a residual by it is the difference to the residual for twice the parameter, over the
-parameter: exact, without differences of solutions. One more right-hand side for each parameter,
+derivative of a residual by it is the difference to the residual for a larger parameter, over the
+increase: exact, without differences of solutions. One more right-hand side for each parameter,
 with the factors at hand, gives ``dv/dm`` on zones that stay where they are. Its traction has a jump
 at every boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual;
 its Jacobian J is that of polynomials through residuals at boundaries close by.
@@ -103,7 +103,7 @@ def differentiated(
     parameters : Parameters
         As for `FreeBoundaryProblem`.
     layout : Layout
-        The zones, to all digits of the solution.
+        The zones, to all digits of the solution; boundaries with a Jacobian stay where they are.
     names : sequence of str
         Names of the parameters, which must not be 0; under a known pressure alpha is the parameter
         of that pressure.
@@ -126,7 +126,7 @@ def differentiated(
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         return ContactSystem(radii, layout.states, spaces, parameters, pressures)
 
-    return _SolutionDerivatives(parameters, logits, system_at, names).outcome()
+    return _SolutionDerivatives(parameters, logits, system_at, names, layout.jacobian).outcome()
 
 
 class _FunctionalDerivatives(NamedTuple):
@@ -157,6 +157,8 @@ class _SolutionDerivatives:
         Returns the system with some parameters and boundaries.
     names : sequence of str
         Names of the parameters of the derivatives.
+    jacobian : ndarray, optional
+        In place of that of the boundary residual by the logits (`layout.fixed_disk`).
     """
 
     def __init__(
@@ -165,6 +167,7 @@ class _SolutionDerivatives:
         logits: Array,
         system_at: Callable[[Parameters, Array], ContactSystem],
         names: Sequence[str],
+        jacobian: Array | None,
     ) -> None:
         self.parameters = parameters
         self.names = names
@@ -172,8 +175,11 @@ class _SolutionDerivatives:
         self.narrowest = min_zone_width(logits)
         self.fields = self._solution(logits)
         #: rows: derivatives of boundary residual, approach and shear by the logit of a boundary
-        self.by_logits = self._boundary_derivatives(logits)
-        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if len(logits) else 0):
+        if jacobian is None:
+            self.by_logits = self._boundary_derivatives(logits)
+        else:
+            self.by_logits = np.pad(jacobian, ((0, 0), (0, 2)))
+        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if jacobian is None and len(logits) else 0):
             residual = self.fields.boundary_residual
             logits = logits - np.linalg.solve(self.by_logits[:, :-2].T, residual)
             self.fields = self._solution(logits)
@@ -290,12 +296,14 @@ class _SolutionDerivatives:
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
-            size = getattr(system.parameters, name)
-            doubled = self.parameters._replace(**{name: 2.0 * size})
-            after = self._evaluated(self.system_at(doubled, self.logits))
+            # rounding of the other terms is not divided by a parameter that is small
+            increase = max(getattr(system.parameters, name), 1.0)
+            larger = getattr(system.parameters, name) + increase
+            increased = self.parameters._replace(**{name: larger})
+            after = self._evaluated(self.system_at(increased, self.logits))
             residual, jumps_by, residuals_by, shear_by = (
-                (doubled_value - value) / size
-                for value, doubled_value in zip(before, after, strict=True)
+                (increased_value - value) / increase
+                for value, increased_value in zip(before, after, strict=True)
             )
             right_sides[:, i] = residual
             partial.jumps[:, i] = jumps_by
