@@ -297,9 +297,9 @@ class _SolutionDerivatives:
                 values[1, i] = 1.0
                 continue
             # rounding of the other terms is not divided by a parameter that is small
-            increase = max(getattr(system.parameters, name), 1.0)
-            larger = getattr(system.parameters, name) + increase
-            increased = self.parameters._replace(**{name: larger})
+            size = getattr(system.parameters, name)
+            increase = max(size, 1.0)
+            increased = self.parameters._replace(**{name: size + increase})
             after = self._evaluated(self.system_at(increased, self.logits))
             residual, jumps_by, residuals_by, shear_by = (
                 (increased_value - value) / increase

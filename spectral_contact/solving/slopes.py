@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.little_friction import full_slip_problem
 from spectral_contact.contact.normal import compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
@@ -76,14 +77,11 @@ class SolutionSlopes:
         self.couples = self.scene.coupling and bool(zones)
         #: whether all slips, around a stick disk that is too small to be solved for
         self.slips = any(self.states) and not self.inner
-        moving = [n for n in PARAMETERS[:3] if 0.0 < (getattr(self.scene, n) or 0.0) < math.inf]
-        if self.slips:
-            moving = [*moving[: self.scene.normal_compliance > 0.0], "friction"]
-        elif not self.inner:
-            moving = moving[:2] if "friction" not in moving else moving[:-1]
-        if self.couples and not self.slips:
-            moving.append("poisson_ratio")
-        self.moving = moving
+        self.moving = [name for name in PARAMETERS[:2] if getattr(self.scene, name) > 0.0]
+        if any(self.states):
+            self.moving.append("friction")
+        if self.couples:
+            self.moving.append("poisson_ratio")
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         self.smooth = bool(self.inner) and not any(compliances) and not self.couples
 
@@ -105,15 +103,12 @@ class SolutionSlopes:
         friction = scene.friction if scene.friction is not None else math.inf
         own = scene.normal_compliance, scene.tangential_compliance
         parameters = Parameters(*own, scene.kappa, friction)
-        if not self.couples:
-            known = [one for one in self.normal if one is not None]
-            parameters = Parameters(*own, 1.0, friction / scene.kappa)
         layout = Layout(tuple(one.logit for one in self.inner), self.states)
         if self.slips:
-            from spectral_contact.contact.little_friction import full_slip_problem
-
-            known = []
-            parameters, layout = full_slip_problem(Parameters(*own, scene.kappa, friction))
+            parameters, layout = full_slip_problem(parameters)
+        elif not self.couples:
+            known = [one for one in self.normal if one is not None]
+            parameters = Parameters(*own, 1.0, friction / scene.kappa)
         names = [_COLUMNS[name] for name in self.moving]
         return differentiated(parameters, layout, names, self.tolerance, known)
 
