@@ -356,7 +356,7 @@ class AdhesiveCurve:
         v = np.arange(-_REACH, _REACH, _STEP / 2.0)
         with np.errstate(all="ignore"):
             a = flat + np.exp(v) if isinf(reach) else flat + (reach - flat) / (1.0 + np.exp(-v))
-            # nearer to its end radii round to it, and no space resolves the slope of a sphere
+            # nearer to its end radii round to it
             a = a[(a > flat) & (a < reach * (1.0 - _NEXT))]
             c = self.compliance / a
             softness = 1.0 / 8.0 + c / pi

@@ -69,14 +69,12 @@ class RadiusScale:
         return (radius - low) * to_reach
 
 
-def indenter(
-    profile: Profile, compliance: float, max_unknowns: int, adhesion: float = 0.0
-) -> Solver:
+def indenter(profile: Profile, compliance: float, max_unknowns: int) -> Solver:
     """Return the solver for normal contact with a linear layer."""
 
     def solve(radius: float, tolerance: float, pointwise: bool) -> Contact:
         given = profile, radius, compliance, tolerance, max_unknowns
-        return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
+        return solve_indentation(*given, pointwise=pointwise)
 
     return solve
 

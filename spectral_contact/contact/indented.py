@@ -25,8 +25,8 @@ from spectral_contact.contact.on_parts import (
     Indentation,
     PartedProblem,
     edge_value,
+    feature_depths,
     field_of,
-    layer_depth,
     pointwise_errors,
     profile_parts,
     series_on_parts,
@@ -42,8 +42,8 @@ from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
 
-#: Distance y from the edge, in widths of the edge layer, at which the slope of the pressure is
-#: taken.
+#: Distance y from the edge, over the width of the edge layer or the distance of the edge to the pole
+#: of the half-integral, at which the slope of the pressure is taken.
 _SLOPE_DISTANCE = 1e-4
 #: Error of ``eps``, in changes of the pressure at the edge by the top degrees of the tail there.
 _EDGE_FACTOR = 1.0
@@ -117,7 +117,7 @@ class _IndentationProblem(PartedProblem):
         self.compliance = compliance / radius
         parts = profile_parts(profile, radius)
         width = min(self.compliance, 1.0)
-        depths = [layer_depth(width, boundary, extent) for boundary, _, extent in parts.ends]
+        depths = feature_depths(parts, width, profile._to_pole(radius))
         super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
@@ -265,7 +265,8 @@ class _IndentationProblem(PartedProblem):
         with delta like that of the flat punch. `edge` is the pressure on the last part, without
         adhesion, and `extent` the extent of the part.
         """
-        y = min(_SLOPE_DISTANCE * min(self.compliance, 1.0), 0.5 * extent)
+        to_pole = self.profile._to_pole(self.radius)
+        y = min(_SLOPE_DISTANCE * min(self.compliance, to_pole, 1.0), 0.5 * extent)
         return 2.0 * edge.value(y / extent) / y / flat_edge
 
 

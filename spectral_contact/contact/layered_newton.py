@@ -55,7 +55,8 @@ _MAX_SLOPE = 10.0
 _SPRING_RATIO, _SPRING_STEPS, _SPRING_CHANGE = 0.2, 12, 0.02
 #: Highest degree in the steps with a spring.
 _SPRING_DEGREE = 5
-#: Distance y from the edge, in widths of the edge layer, at which the slope of w is taken.
+#: Distance y from the edge, over the width of the edge layer or the distance of the edge to the pole
+#: of the half-integral, at which the slope of w is taken.
 _SLOPE_DISTANCE = 1e-4
 #: A rule that integrates any power of the distance from the edge: number of points, and the power
 #: by which they are clustered there.
@@ -477,8 +478,9 @@ class LayeredNewton:
         if self._fixed:
             return 0.0
         slope = float(self.setting.slope(self.sampling.values(fields.overclosure)).max())
-        layer_width = min(1.0 / max(slope, 1.0), 1.0)
-        y = min(_SLOPE_DISTANCE * layer_width, 0.5 * self.setting.parts.ends[-1][2])
+        setting = self.setting
+        width = min(1.0 / max(slope, 1.0), setting.profile._to_pole(setting.radius))
+        y = min(_SLOPE_DISTANCE * width, 0.5 * setting.parts.ends[-1][2])
         edge_slope = 2.0 * self.form.next_to_edge(fields.overclosure, y) / y
         return edge_slope / self.form.at_edge(fields.rate)
 

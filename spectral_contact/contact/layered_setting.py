@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.layered_bends import Bend
 from spectral_contact.contact.layered_newton import LayeredSetting, balanced
-from spectral_contact.contact.on_parts import layer_depth, profile_parts
+from spectral_contact.contact.on_parts import feature_depths, layer_depth, profile_parts
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.layers.layer_base import Layer
@@ -160,7 +160,7 @@ def _to_edge(
     centre = np.array([room / radius])
     slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
     thin = 1.0 / max(slope, 1.0)
-    depths = tuple(layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends)
+    depths = feature_depths(parts, thin, profile._to_pole(radius))
     smooth = (False,) * len(depths)
     return replace(setting, depths=depths, smooth=smooth, bends=bends)
 

@@ -186,6 +186,23 @@ def profile_parts(profile: Profile, radius: float) -> DiskPartition:
     return DiskPartition(breaks, profile.pointed)
 
 
+def feature_depths(parts: DiskPartition, width: float, to_pole: float) -> tuple[float, ...]:
+    """Return the depth x of the deepest feature at the end of every part.
+
+    Parameters
+    ----------
+    parts : DiskPartition
+    width : float
+        Of the layer over the contact radius, at most 1.
+    to_pole : float
+        How far beyond the edge the half-integral has its pole, in the same unit: inside, it is a
+        logarithm of the distance from there (`Sphere`), which takes panels graded to it.
+    """
+    inner = [layer_depth(width, boundary, extent) for boundary, _, extent in parts.ends[:-1]]
+    edge, _, extent = parts.ends[-1]
+    return *inner, layer_depth(min(width, to_pole), edge, extent)
+
+
 def layer_depth(width: float, boundary: Radius, extent: float) -> float:
     """Return the depth x of a layer of this width, a difference of radii, next to a boundary.
 

@@ -4,12 +4,12 @@ With v the vector of the fields, b the boundaries (as logits) and m a parameter,
 
     residual(v, b, m) = 0,      boundary residual(v, b, m) = 0.
 
-At given boundaries they are linear in v, and in each parameter. So the derivative of a residual by
-a parameter is the difference between its value for twice the parameter and its value, over the
-parameter: this is exact, and takes no second solution. With it as right-hand side, the factors of
-the system give ``dv/dm`` for boundaries that do not move. Its traction has a jump at every
-boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual, with the
-Jacobian J. This is the derivative of polynomials through residuals at nearby boundaries.
+At given boundaries they are linear in v, and each parameter multiplies a term of them. So the
+derivative of a residual by a parameter is its difference to the residual for a larger parameter,
+over the increase: this is exact, and takes no second solution. With it as right-hand side, the
+factors of the system give ``dv/dm`` for boundaries that do not move. Its traction has a jump at
+every boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual, with
+the Jacobian J. This is the derivative of polynomials through residuals at nearby boundaries.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def differentiated(
     parameters : Parameters
         As for `FreeBoundaryProblem`.
     layout : Layout
-        The zones, to all digits of the solution.
+        The zones, to all digits of the solution; boundaries with a Jacobian stay where they are.
     names : sequence of str
         Names of the parameters by which to differentiate. They must not be 0. Under a known
         pressure alpha enters through that pressure only.
@@ -126,7 +126,7 @@ def differentiated(
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         return ContactSystem(radii, layout.states, spaces, parameters, pressures)
 
-    return _SolutionDerivatives(parameters, logits, system_at, names).outcome()
+    return _SolutionDerivatives(parameters, logits, system_at, names, layout.jacobian).outcome()
 
 
 class _FunctionalDerivatives(NamedTuple):
@@ -157,6 +157,8 @@ class _SolutionDerivatives:
         Returns the system with some parameters and boundaries.
     names : sequence of str
         Names of the parameters of the derivatives.
+    jacobian : ndarray, optional
+        In place of that of the boundary residual by the logits (`layout.fixed_disk`).
     """
 
     def __init__(
@@ -165,6 +167,7 @@ class _SolutionDerivatives:
         logits: Array,
         system_at: Callable[[Parameters, Array], ContactSystem],
         names: Sequence[str],
+        jacobian: Array | None,
     ) -> None:
         self.parameters = parameters
         self.names = names
@@ -172,9 +175,12 @@ class _SolutionDerivatives:
         #: width in the logit of the narrowest zone
         self.min_width = min_zone_width(logits)
         self.fields = self._solution(logits)
-        #: derivatives of boundary residual, approach and shear, a row for the logit by which
-        self.by_logits = self._boundary_derivatives(logits)
-        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if len(logits) else 0):
+        #: rows: derivatives of boundary residual, approach and shear by the logit of a boundary
+        if jacobian is None:
+            self.by_logits = self._boundary_derivatives(logits)
+        else:
+            self.by_logits = np.pad(jacobian, ((0, 0), (0, 2)))
+        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if jacobian is None and len(logits) else 0):
             residual = self.fields.boundary_residual
             logits = logits - np.linalg.solve(self.by_logits[:, :-2].T, residual)
             self.fields = self._solution(logits)
@@ -293,12 +299,14 @@ class _SolutionDerivatives:
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
+            # rounding of the other terms is not divided by a parameter that is small
             size = getattr(system.parameters, name)
-            doubled = self.parameters._replace(**{name: 2.0 * size})
-            after = self._evaluated(self.system_at(doubled, self.logits))
+            increase = max(size, 1.0)
+            increased = self.parameters._replace(**{name: size + increase})
+            after = self._evaluated(self.system_at(increased, self.logits))
             residual, jumps_by, residuals_by, shear_by = (
-                (doubled_value - value) / size
-                for value, doubled_value in zip(before, after, strict=True)
+                (increased_value - value) / increase
+                for value, increased_value in zip(before, after, strict=True)
             )
             right_sides[:, i] = residual
             partial.jumps[:, i] = jumps_by

@@ -212,6 +212,8 @@ class _Slopes:
         self.own = Continuation(_TIGHT[0], wanted, _MOST_UNKNOWNS).solve(scene)
         zones = () if self.friction is None else self.own.zones
         self.kinds = tuple(zone.kind for zone in zones)
+        #: whether all slips, around a stick disk that is too small to be solved for
+        self.slips = self.kinds == ("slip",) and self.friction != 0.0
         self._known: tuple[SolutionSlopes, SolutionSlopes] | None = None
 
     @property
@@ -232,8 +234,7 @@ class _Slopes:
         return found
 
     def _derivative(self, quantity: str, name: str) -> Derivative:
-        scene = self.scene
-        if quantity == "approach" and not scene.couples:
+        if quantity == "approach" and not self._couples(name):
             return self._approach(name)
         known = self._known_number(quantity, name)
         if known is not None:
@@ -276,10 +277,23 @@ class _Slopes:
         value = approach_slope(lambda d: self.own.pressure(from_edge=d))
         return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + _ROUNDING)
 
+    def _couples(self, name: str) -> bool:
+        """Return whether a parameter moves pressure and approach by coupling.
+
+        Friction does so from none on, where there is no coupling yet.
+        """
+        first = name == "friction" and self.friction == 0.0 and self.scene.coupling
+        return self.scene.couples or first
+
     def _by_itself(self, name: str) -> tuple[float, str] | None:
         """Return what all derivatives by a parameter are and what is said of it, if known."""
         if self.friction == 0.0 and name != "friction":
             return 0.0, _ALL_SLIPS
+        uncoupled = name == "poisson_ratio" and not self.scene.couples
+        if self.slips and (name == "tangential_compliance" or uncoupled):
+            return 0.0, _ALL_SLIPS
+        if self.friction == 0.0:
+            return None
         if self.kinds == ("stick",) and name == "friction":
             return 0.0, self.note or _ALL_STICKS
         if getattr(self.scene, name) == 0.0 and name != "poisson_ratio":
@@ -288,11 +302,16 @@ class _Slopes:
 
     def _known_number(self, quantity: str, name: str) -> Derivative | None:
         """Return a derivative that follows without a system, or that there is none."""
-        if self.friction == 0.0 and name == "friction":
+        if self.friction == 0.0 and name == "friction" and quantity != "approach":
             # near the centre beta q = kappa s p / 2, which is f p at the rim
             rim = 2.0 * self.scene.tangential_compliance / self.scene.kappa
             value = 1.0 if quantity == "total_shear" else rim
             return Derivative(value, 0.0, "one-sided")
+        if self.slips and quantity == "stick_radius":
+            return Derivative(math.nan, math.inf, _UNKNOWN)
+        if self.slips and quantity == "total_shear":  # f, less what the disk lacks
+            error = self.own.error.total_shear or 0.0
+            return Derivative(float(name == "friction"), error, _ALL_SLIPS)
         if quantity == "stick_radius" and self.kinds == ("stick",):
             return Derivative(0.0, 0.0, self.note or _ALL_STICKS)
         known = self._by_itself(name)
@@ -326,11 +345,12 @@ class _Slopes:
 
     def _pressure(self, name: str) -> FieldDerivative:
         scene = self.scene
-        if not scene.couples and name != "normal_compliance":
+        couples = self._couples(name)
+        if not couples and name != "normal_compliance":
             return self._constant(0.0)
         if scene.normal_compliance == 0.0:
-            return self._constant(math.nan, _SINGULAR if scene.couples else _NOT_AT_ZERO)
-        known = self._by_itself(name) if scene.couples else None
+            return self._constant(math.nan, _SINGULAR if couples else _NOT_AT_ZERO)
+        known = self._by_itself(name) if couples else None
         return self._constant(*known) if known else self._compared("pressure", name)
 
     def _traction(self, name: str) -> FieldDerivative:
@@ -359,7 +379,8 @@ class _Slopes:
         known = np.isfinite(best)
         if quantity == "traction":
             known &= ~self._at_a_boundary(*both)
-        off = np.abs(best - other) / np.where(size > 0.0, size, 1.0)
+        differences = np.subtract(best, other, out=np.zeros(best.shape), where=known)
+        off = np.abs(differences) / np.where(size > 0.0, size, 1.0)
         share = _SAFETY * float(off[known].max(initial=0.0)) + 10.0 * _ROUNDING
         inherited = np.zeros(len(best))
         if name == "poisson_ratio" and quantity == "traction" and not self.scene.couples:

@@ -235,6 +235,47 @@ def test_the_first_friction():
     assert little.stick_radius / 1e-6 == pytest.approx(slope.value, rel=1e-4)
 
 
+#: Of the approach by the friction where all slips with coupling, by polynomials through solves.
+WHERE_ALL_SLIPS = {(0.1, 0.0, 1e-3): -0.0140601005465, (0.1, 0.1, 0.0): -0.014061724347}
+
+
+@pytest.mark.parametrize("scene", WHERE_ALL_SLIPS)
+def test_friction_moves_the_approach_where_all_slips_with_coupling(scene):
+    """Without friction it was said to be 0, exactly, and where all slips there was an error."""
+    true = WHERE_ALL_SLIPS[scene]
+    scene = Scene(0.3, *scene, coupling=True)
+    one = solve(scene, 1e-6, ["approach"]).sensitivity(["friction", "poisson_ratio"])
+    slope = one["approach", "friction"]
+    assert abs(slope.value / true - 1.0) <= slope.error + 2e-10  # the polynomials have ten digits
+    assert slope.error < 1e-11
+    # the product of kappa and friction is what counts
+    share = -0.25 / (1.0 - scene.poisson_ratio) ** 2 * scene.friction / scene.kappa
+    assert one["approach", "poisson_ratio"].value == pytest.approx(share * slope.value, rel=1e-12)
+    assert one["total_shear", "friction"].value == 1.0
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(0.3, 0.1, 0.1, 1e-18, coupling=True),
+        Scene(0.3, 0.1, 0.0, 1e-18),
+        Scene(0.3, 0.0, 0.0, 1e-18),
+    ],
+    ids=["coupled", "rough", "smooth"],
+)
+def test_how_a_disk_too_small_to_be_solved_for_moves_is_not_known(scene):
+    solution = solve(scene)
+    one = solution.sensitivity(["friction", "normal_compliance"], s=[0.5, 1.0])
+    assert [zone.kind for zone in solution.zones] == ["slip"]
+    assert math.isnan(one["stick_radius", "friction"].value)
+    assert one["stick_radius", "friction"].error == math.inf
+    assert one["total_shear", "friction"].value == 1.0
+    if scene.normal_compliance:
+        assert one["total_shear", "normal_compliance"].value == 0.0
+        traction = one.fields["traction", "friction"]
+        assert (np.abs(traction.value - solution.pressure([0.5, 1.0])) <= traction.error).all()
+
+
 def test_what_is_not_finite_is_said():
     smooth = solve(Scene(0.3, 0.0, 0.5, 0.05), 1e-3).sensitivity(["normal_compliance"])
     for quantity in ("approach", "stick_radius"):
