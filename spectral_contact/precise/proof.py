@@ -15,7 +15,7 @@ u the residual is known exactly (docs/theory, Proved bounds):
 and ``<r, r> = sum 2 (2 k + 1) <r, P_k>**2`` by Parseval, with a bound of the tail. All of this is
 computed in balls, midpoints with radii that contain every rounding (python-flint). So the bounds
 are a proof: the doubles decide how narrow they are, not whether they hold. Nothing is shared with
-`spectral`, nor with `reference`.
+``spectral_contact.spectral``, nor with `reference`.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Enclosure:
 
     @property
     def width(self) -> float:
-        """The width over the upper end: the middle is right to half of this."""
+        """The width over the upper end, of which half is the error of the middle at most."""
         return float((self.upper - self.lower) / self.upper)
 
     @property
