@@ -81,7 +81,7 @@ class IndentationFit:
         ``reduced_modulus`` is E* [Pa], ``normal_compliance`` alpha [m/Pa], ``zero_point`` the depth
         of first touch [m], that of zero approach under a nonlinear layer; numbers of its law as in
         SI units. ``load_offset`` [N] and ``tilt`` [N/m] are a straight line that is added to the
-        loads: its value at the zero point and its slope.
+        loads: its value at the zero point and its slope. ``work_of_adhesion`` is w [J/m²].
     errors : tuple of float
         Their standard deviations, in the same units; to first order.
     covariance : tuple of tuple of float
