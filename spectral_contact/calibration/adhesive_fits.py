@@ -44,6 +44,8 @@ _NEXT_TO_FLAT: Final = 1e-9
 _SMALLEST: Final = 1e-4
 #: Relative change of the layer for the differences, whose error is of the order of its square.
 _CHANGE: Final = 1e-3
+#: Share of approach and pull below which a difference or a rate of the two is rounding.
+_ROUNDED: Final = 1e-9
 #: Places at which a branch is sampled, and steps of Newton's method from there.
 _SAMPLES: Final = 400
 _STEPS: Final = 40
@@ -198,12 +200,13 @@ class BranchLoads:
         places = _places(functions, root, approaches, low, high)
         one = functions.at(places)
         pull = root * one.pull
-        rate = one.approach_rate - root * one.pull_rate
+        resolved = _ROUNDED * (one.approach + pull)
+        # it is 0 at a fold, where the derivatives have no bound
+        rate = np.maximum(one.approach_rate - root * one.pull_rate, resolved)
         softening = 4.0 * math.pi * adhesion * one.radius * one.radius_rate / pull  # d S'
-        beyond = approaches < (one.approach - pull) - 1e-9 * (one.approach + pull)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = one.stiffness - softening / rate
-            by_adhesion = -2.0 * math.pi * adhesion * one.radius * one.radius_rate / rate
+        beyond = approaches < one.approach - pull - resolved
+        slope = one.stiffness - softening / rate
+        by_adhesion = -2.0 * math.pi * adhesion * one.radius * one.radius_rate / rate
         by_layer = np.zeros(len(approaches))
         if layer > 0.0:
             by_layer = self._by_layer(curve, (low, high), places, slope)
@@ -264,8 +267,7 @@ class BranchLoads:
             one = _ContactFunctions(changed, *ends, self.rtol).at(places)
             approach += sign * (one.approach - root * one.pull) / (2.0 * _CHANGE)
             load += sign * (one.load - root * one.stiffness * one.pull) / (2.0 * _CHANGE)
-        with np.errstate(invalid="ignore"):
-            return np.asarray(load - slope * approach)
+        return np.asarray(load - slope * approach)
 
 
 def _places(

@@ -177,3 +177,11 @@ def test_what_cannot_be_fitted_is_refused():
         fit(Scene(0.3, profile=TIP, load=0.0, work_of_adhesion=1.0), measured(), FREE)
     with pytest.raises(SceneError, match="stays inside the profile"):
         fit(start(profile=profiles.Sphere(2e-7), normal_compliance=1e-9), measured(), FREE)
+
+
+def test_derivatives_at_a_fold_are_finite():
+    ball = profiles.Parabola(1.0)
+    scene = Scene(0.3, profile=ball, load=0.0, work_of_adhesion=0.2)
+    fold = pull_off(scene, "approach").approach
+    found = BranchLoads(ball, 1e-10).loads(np.array([fold, fold, 0.1]), 0.0, 0.2)
+    assert np.isfinite([found.value, found.by_approach, found.by_adhesion]).all()
