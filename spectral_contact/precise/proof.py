@@ -75,6 +75,11 @@ class Enclosure:
         """The digits that are proved, ``-log10(width)`` rounded down; None if the width is 0."""
         return None if self.lower == self.upper else max(floor(-log10(self.width)), 0)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle the ends exactly: mpmath rounds numbers to the precision of who reads them."""
+        ends = ((int(m), int(e)) for m, e in (self.lower.man_exp, self.upper.man_exp))
+        return _rebuilt, (*ends, self.terms)
+
     def __contains__(self, value: Any) -> bool:
         return bool(self.lower <= value <= self.upper)
 
@@ -346,6 +351,11 @@ def _exact(mantissa: int, exponent: int) -> Any:
     context = MPContext()
     context.prec = _BITS
     return context.make_mpf(from_man_exp(mantissa, exponent))
+
+
+def _rebuilt(lower: tuple[int, int], upper: tuple[int, int], terms: int) -> Enclosure:
+    """Return an enclosure from mantissas and exponents of its ends."""
+    return Enclosure(_exact(*lower), _exact(*upper), terms)
 
 
 def _fraction(value: Any) -> Fraction:

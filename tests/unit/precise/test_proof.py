@@ -3,6 +3,7 @@
 Oracles: gold tables, which were computed in fixed point by panels; the elliptic kernel.
 """
 
+import pickle
 import sys
 from fractions import Fraction
 from math import pi
@@ -215,6 +216,14 @@ def test_ends_are_rounded_outward():
     exact = [Fraction(int(end.man)) * Fraction(2) ** end.exp for end in (found.lower, found.upper)]
     assert lower <= exact[0] < exact[1] <= upper
     assert upper - lower <= Fraction(102, 100) * (exact[1] - exact[0])
+
+
+def test_pickles_keep_every_bit():
+    found = proof.enclose_approach(Scene(0.3, 1.0), 12)
+    again = pickle.loads(pickle.dumps(found))
+    assert again == found
+    assert str(again) == str(found)
+    assert again.lower.man_exp == found.lower.man_exp
 
 
 def test_the_identity_of_the_edge_pressure():
