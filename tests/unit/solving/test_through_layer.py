@@ -25,7 +25,7 @@ def corrections(monkeypatch):
 
 
 def test_newton_begins_at_the_contact_of_the_radius_before(corrections):
-    """Where each radius began with the pressure of every point by itself, it took 60 corrections."""
+    """Begun with the pressure of every point by itself, each radius took 60 corrections."""
     scene = Scene(
         0.3,
         layer=layers.Table(OVERCLOSURES, PRESSURES),
