@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from spectral_contact import testing as testing
     from spectral_contact.calibration import fit as fit
     from spectral_contact.gold import benchmarks as benchmarks
+    from spectral_contact.precise import proof as proof
     from spectral_contact.precise.reference import reference as reference
     from spectral_contact.solving.pull_off import adhesion_cycle as adhesion_cycle
     from spectral_contact.solving.pull_off import pull_off as pull_off
@@ -94,6 +95,7 @@ __all__ = [
     "plotting",
     "precise",
     "profiles",
+    "proof",
     "pull_off",
     "reference",
     "solve",
@@ -114,6 +116,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "explore": ("view.explorer", "explore"),
     "fit": ("calibration", "fit"),
     "plotting": ("view.plotting", None),
+    "proof": ("precise.proof", None),
     "pull_off": ("solving.pull_off", "pull_off"),
     "reference": ("precise", "reference"),
     "sweep": ("sweeps", "sweep"),

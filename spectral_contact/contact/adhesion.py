@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 #: States through which the curve is a polynomial, and half of what they span in the logarithm of
 #: the distance from the last break: its terms, as those of ``exp(3 x)``, fall to 1e-14.
 _NODES, _HALF_WIDTH = 10, 0.12
+#: Distance from the equator of a sphere, where its slope is infinite, over half of what they span.
+_ROOM = 12.0
 #: Longest step along the curve, in the same logarithm, and most steps of any search.
 _STEP, _STEPS = 0.5, 200
 #: Of so many states one is solved with estimates.
@@ -162,25 +164,24 @@ class LocalCurve:
     states_at : callable
         Returns the states of some radii.
     radius : float
-    base : float
-        Radius of the last break of the profile before it, or 0.
-    limit : float
-        Radius up to which the curve is smooth.
+    profile : Profile
+        The base is its last break before the radius, or 0.
     """
 
     def __init__(
         self,
         states_at: Callable[[Sequence[float]], list[Indentation]],
         radius: float,
-        base: float,
-        limit: float,
+        profile: Profile,
     ) -> None:
-        self.base = base
+        breaks = (profile.flat_part, *profile.breaks, profile.reach)
+        self.base = base = max((b for b in breaks if b < radius), default=0.0)
+        limit = min(b for b in breaks if b > radius)
         place = log(radius - base)
         # a singularity at the limit is as far as one at the base, which is pi away
         room = (limit - radius) / (radius - base)
-        high = place + min(_HALF_WIDTH, room / 2.0)
-        self._middle, self._half = high - _HALF_WIDTH, _HALF_WIDTH
+        self._half = min(_HALF_WIDTH, (profile.reach - radius) / (radius - base) / _ROOM)
+        self._middle = place + min(0.0, room / 2.0 - self._half)
         nodes = chebyshev.chebpts1(_NODES)
         states = states_at((base + np.exp(self._middle + self._half * nodes)).tolist())
         self._to_terms = np.linalg.inv(chebyshev.chebvander(nodes, _NODES - 1))
@@ -307,10 +308,7 @@ class AdhesiveCurve:
 
     def local(self, radius: float) -> LocalCurve:
         """Return the curve near a radius."""
-        breaks = [b for b in (self.profile.flat_part, *self.profile.breaks) if b < radius]
-        base = max(breaks, default=0.0)
-        beyond = [b for b in (*self.profile.breaks, self.profile.reach) if b > radius]
-        return LocalCurve(self.states, radius, base, min(beyond, default=inf))
+        return LocalCurve(self.states, radius, self.profile)
 
     def past_flat_part(self) -> Indentation:
         """Return a state next to the one in which the contact is the flat part."""

@@ -42,8 +42,8 @@ from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
 
-#: Distance y from the edge, over the width of the edge layer or the distance of the edge to the pole
-#: of the half-integral, at which the slope of the pressure is taken.
+#: Distance y from the edge, over the width of the edge layer or the distance to the pole of
+#: the half-integral, at which the slope of the pressure is taken.
 _SLOPE_DISTANCE = 1e-4
 #: Error of ``eps``, in changes of the pressure at the edge by the top degrees of the tail there.
 _EDGE_FACTOR = 1.0

@@ -55,8 +55,8 @@ _MAX_SLOPE = 10.0
 _SPRING_RATIO, _SPRING_STEPS, _SPRING_CHANGE = 0.2, 12, 0.02
 #: Highest degree in the steps with a spring.
 _SPRING_DEGREE = 5
-#: Distance y from the edge, over the width of the edge layer or the distance of the edge to the pole
-#: of the half-integral, at which the slope of w is taken.
+#: Distance y from the edge, over the width of the edge layer or the distance to the pole of
+#: the half-integral, at which the slope of w is taken.
 _SLOPE_DISTANCE = 1e-4
 #: A rule that integrates any power of the distance from the edge: number of points, and the power
 #: by which they are clustered there.

@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.equations.residuals import approach_slope
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import radii
 from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.scene_layer import refuse_layer
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -57,6 +59,9 @@ _ALL_STICKS: Final = "everything sticks"
 _BEGINS: Final = "one-sided, of full stick: slip begins here"
 _UNKNOWN: Final = "the zones are hardly known here"
 _RIGID: Final = "not computed without tangential compliance where zones move"
+#: What solutions with adhesion are differentiated by.
+_ADHESION: Final = "work_of_adhesion"
+_PULLS_OFF: Final = "not finite at pull-off"
 _SINGULAR: Final = "not computed on a smooth surface with coupling"
 _AT_ZERO: Final = "not finite at 0, where it grows like the logarithm"
 
@@ -153,12 +158,19 @@ def sensitivity(
     Raises
     ------
     SceneError
-        If it is no solution, or one under a profile; for a parameter that is not known, and for
-        radii that are not in [0, 1], or given twice.
+        If it is no solution, or one under a profile without adhesion; for a parameter that is not
+        known, and for radii that are not in [0, 1], or given twice.
     NotComputedError
         With elastic coupling, if no zones are found that obey the friction law.
     """
     scene = instance("solution", solution, Solution).scene
+    if scene.work_of_adhesion is not None:
+        if parameters is not None:
+            names("parameters", parameters, (_ADHESION,))
+        if s is not None or from_edge is not None:
+            told = "None with adhesion: scalars alone are differentiated"
+            raise SceneError("from_edge" if s is None else "s", from_edge if s is None else s, told)
+        return Sensitivity(scene, _by_adhesion(solution))
     known = _of_scene(scene)
     asked = known if parameters is None else names("parameters", parameters, known)
     refuse_profile(scene, "sensitivity")
@@ -169,6 +181,56 @@ def sensitivity(
         own = [PARAMETERS[known.index(name)] for name in asked]
         found = Sensitivity(scene, problem.derivatives(own), problem.fields(own))
     return found if scene.mismatch is None else _by_kappa(found)
+
+
+def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
+    """Return the derivatives of what is not given of load, approach and radius, by w.
+
+    With the pull d, the stiffness S at a fixed radius and K along the curve of states, they are
+
+        dP/dw = -S d/(2 w),  d delta/dw = -d/(2 w)                     at a given radius,
+        dP/dw = -d (S - K)/(2 w),  da/dw = d**2 (S - K)/(8 pi a w**2)  at a given approach,
+
+    where ``4 pi a w = d (S - K) d delta/da`` (docs/theory, Adhesion). At a given load the
+    derivative of the approach is that of the load over -K, and that of a has a factor ``S/K``.
+    """
+    scene, w = solution.scene, solution.scene.work_of_adhesion
+    assert w is not None
+    others = "load" if scene.load is None else "approach", "contact_radius"
+    if isinstance(scene.profile, Flat):  # whose radius does not change
+        return {(name, _ADHESION): Derivative(0.0, 0.0) for name in others}
+    a, stiffness, scales = solution.contact_radius, solution.stiffness, solution.error_scales
+    pull = (scales["approach"] - solution.approach) / 2.0
+    errors = {name: getattr(solution.error, name) or 0.0 for name in ("load", "approach")}
+    own = solution.error.stiffness or 0.0
+    off = errors["approach"] * scales["approach"] / pull + 2.0 * own + _ROUNDING
+    off += errors["load"] * scales["load"] / (stiffness * pull)
+    if scene.contact_radius is not None:
+        fixed = {"load": -stiffness * pull / (2.0 * w), "approach": -pull / (2.0 * w)}
+        return {(name, _ADHESION): Derivative(one, off) for name, one in fixed.items()}
+    try:
+        along = solution.stiffness_on_branch
+    except NotComputedError as error:
+        unknown = Derivative(math.nan, math.inf, error.reason)
+        return {(name, _ADHESION): unknown for name in others}
+    of_along = (solution.error.stiffness_on_branch or 0.0) * max(abs(along), stiffness)
+    softer = stiffness - along
+    if along == 0.0 if scene.approach is None else math.isinf(along):
+        unknown = Derivative(math.nan, math.inf, _PULLS_OFF)
+        return {(name, _ADHESION): unknown for name in others}
+    by_radius = pull**2 / (8.0 * math.pi * a * w**2)
+    if scene.approach is None:
+        share = stiffness / along - 1.0
+        values = pull * share / (2.0 * w), by_radius * stiffness * share
+        lost = 0.0 if math.isinf(along) else stiffness / along**2 / abs(share)
+        off += of_along * lost + 2.0 * own * (1.0 + 1.0 / abs(share))
+    else:
+        values = -pull * softer / (2.0 * w), by_radius * softer
+        off += (own * stiffness + of_along) / abs(softer)
+    return {
+        (name, _ADHESION): Derivative(one, 2.0 * off)
+        for name, one in zip(others, values, strict=True)
+    }
 
 
 def _of_scene(scene: Scene) -> tuple[str, ...]:
