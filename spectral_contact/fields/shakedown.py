@@ -25,7 +25,7 @@ class Shakedown(NamedTuple):
 
 
 def shakedown(critical: ArrayLike, critical_error: ArrayLike, friction: ArrayLike) -> Shakedown:
-    """Return ``lambda* = (R - f)/(R + f)``, which is 0 where f is not below R (docs/theory).
+    """Return ``lambda* = (R - f)/(R + f)``, which is 0 where f is not below R (docs/cycles).
 
     Parameters
     ----------

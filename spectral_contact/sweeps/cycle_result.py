@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -18,6 +17,7 @@ from spectral_contact.io.choices import Suggesting, one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution, Zone
+from spectral_contact.sweeps.forward_slip import admissible_tractions
 from spectral_contact.view.physical_solution import PhysicalSolution
 from spectral_contact.view.report import digits_text, estimate_text, scene_text, table
 
@@ -242,7 +242,7 @@ class SteadyCycle(Suggesting):
         self._require_unloading("traction_bounds")
         _, distance = checks.radii(s, from_edge)
         limit = np.abs(self._limit(distance))
-        low, high = bounds(self.states, self._friction, limit, distance)
+        low, high = admissible_tractions(self.states, self._friction, limit, distance)
         if at == "lowest":
             change = self.traction_change(from_edge=distance)
             low = low - change
@@ -379,37 +379,6 @@ class SteadyCycle(Suggesting):
         else:
             numbers += f" dissipation={self.dissipation:.16g}"
         return f"<SteadyCycle lowest={self.lowest:.6g} {numbers} converged={self.converged}>"
-
-
-def bounds(
-    states: Sequence[Solution], friction: float, limit: Array, from_edge: Array
-) -> tuple[Array, Array]:
-    """Return the bounds of a traction at the largest load with which nothing slips forward.
-
-    ``|q - (1 - l) q*(f (1 + l)/(1 - l))| <= f l p`` at every load l, which the states are for. Full
-    stick changes in proportion: it is enough to look where slip begins.
-
-    Parameters
-    ----------
-    states : sequence of Solution
-        As of `SteadyCycle`.
-    friction : float
-    limit : ndarray
-        ``f p`` of the largest load at places.
-    from_edge : ndarray
-        The places.
-    """
-    low = -limit
-    high = limit
-    for one in states:
-        of_state = float(one.scene.friction or 0.0)
-        if np.isinf(of_state) or of_state == 0.0:
-            continue
-        load = (of_state - friction) / (of_state + friction)
-        change = (1.0 - load) * np.asarray(one.traction(from_edge=from_edge))
-        low = np.maximum(low, change - load * limit)
-        high = np.minimum(high, change + load * limit)
-    return low, high
 
 
 def _given(

@@ -13,8 +13,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
-import numpy as np
-
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields.shakedown import shakedown
 from spectral_contact.io import checks
@@ -23,8 +21,9 @@ from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import Continuation
-from spectral_contact.sweeps.cycle_result import CycleErrors, SteadyCycle, bounds
-from spectral_contact.sweeps.mean_slip import ASKED, Mean, MeanSlipCurve, annulus_nodes, mean_slip
+from spectral_contact.sweeps.cycle_result import CycleErrors, SteadyCycle
+from spectral_contact.sweeps.forward_slip import forward_slack, slack_rounding
+from spectral_contact.sweeps.mean_slip import ASKED, Mean, MeanSlipCurve, mean_slip
 from spectral_contact.threads import one_thread
 
 _TOLERANCES: Final = "in [1e-11, 1e-2]"
@@ -34,10 +33,6 @@ _CLOSER: Final = (0.1, 1e-3)
 _NEXT: Final = 1e-2
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
-#: Nodes of an annulus where it is checked whether the surface goes on to slip forward.
-_NODES: Final = 2
-#: What counts as rounding of that, of errors of tractions.
-_ROUNDING: Final = 10.0
 
 
 @suggesting()
@@ -179,7 +174,7 @@ class CycleFamily:
         else:
             unloading, reloading = self._dissipated(friction, lowest, loop)
         slack = forward_slack(states, friction)
-        known = slack >= -_rounding(states)
+        known = slack >= -slack_rounding(states)
         of_unloading = _relative(unloading) if known else None
         found = SteadyCycle(
             scene,
@@ -240,35 +235,3 @@ def _relative(mean: Mean) -> float:
 def loop_friction(friction: float, lowest: float) -> float:
     """Return the friction under which unit load has the zones of a loop."""
     return friction * (1.0 + lowest) / (1.0 - lowest)
-
-
-def forward_slack(states: Sequence[Solution], friction: float) -> float:
-    """Return how much room there is for a traction at the largest load, relative to f p.
-
-    Nothing slips forward while the load falls from 1 to lambda if and only if `bounds` leave room
-    for it everywhere. It is 0 where the surface slips back, and negative where there is none.
-
-    Parameters
-    ----------
-    states : sequence of Solution
-        As of `SteadyCycle`.
-    friction : float
-    """
-    if friction == 0.0:
-        return 0.0
-    if friction == math.inf:
-        return 2.0
-    loop = states[0]
-    nodes = [
-        annulus_nodes(zone.inner_from_edge, zone.outer_from_edge, _NODES)[0] for zone in loop.zones
-    ]
-    from_edge = np.concatenate(nodes)
-    limit = friction * loop.pressure(from_edge=from_edge)
-    low, high = bounds(states, friction, limit, from_edge)
-    return float(((high - low) / limit).min())
-
-
-def _rounding(states: Sequence[Solution]) -> float:
-    """Return what errors of tractions and pressures may make of the room."""
-    errors = [(one.error.traction or 0.0) + (one.error.pressure or 0.0) for one in states]
-    return _ROUNDING * (max(errors) + float(np.finfo(float).eps))

@@ -6,6 +6,7 @@ integrals of arcosh and of square roots, and every step of the load minimises th
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -94,8 +95,9 @@ def step(own, friction, load, traction, before):
 
 def march(own, friction, loads, traction):
     """Return the steps through some loads, from a traction at the first of them."""
-    states, moved = [traction], [own.stiffness @ traction - loads[0] * own.drive]
-    for before, load in zip(loads[:-1], loads[1:], strict=True):
+    states = [traction]
+    moved = [own.stiffness @ traction - loads[0] * own.drive]
+    for before, load in pairwise(loads):
         states.append(step(own, friction, load, states[-1], before))
         moved.append(own.stiffness @ states[-1] - load * own.drive)
     q, u = np.array(states), np.array(moved)
