@@ -1,8 +1,12 @@
 """Stick radii of a coupled contact at which the traction is continuous: there may be several.
 
-With elastic coupling it is not proved that one stick radius alone satisfies all conditions. Here
-the boundary residual of one stick disk is scanned over many radii, in small spaces. A logit is
-``ln(c**2/(1 - c**2))`` of the stick radius c.
+With elastic coupling it is not proved that one stick radius alone satisfies all conditions. So the
+boundary residual of one stick disk is scanned over many stick radii. It is the number that has to
+be added to the tangential equation at the boundary for the traction to be continuous there: where
+it is zero, the traction is continuous without it. The scan solves in spaces of low degree, at the
+tolerance `COARSE_TOL`.
+
+Radii are over the radius of the contact. The logit of a stick radius c is ``ln(c**2/(1 - c**2))``.
 """
 
 from __future__ import annotations
@@ -32,8 +36,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class PossibleRadius:
-    """A radius at which the traction is continuous, to the accuracy of a small space.
+class CandidateRadius:
+    """A stick radius at which the traction is continuous, to `COARSE_TOL`.
 
     Attributes
     ----------
@@ -41,7 +45,7 @@ class PossibleRadius:
     positive : bool
         Whether the pressure is positive everywhere.
     excess : float
-        The largest ``|q|/(f p) - 1`` in stick, or 0.
+        The largest ``|q|/(f p) - 1`` in stick, or 0; infinite if the pressure is not positive.
     """
 
     logit: float
@@ -49,26 +53,27 @@ class PossibleRadius:
     excess: float
 
     @property
-    def possible(self) -> bool:
-        """Whether it may be a contact: the law holds in stick to what the small space resolves.
+    def admissible(self) -> bool:
+        """Whether pressure and traction obey the friction law in stick, to `COARSE_TOL`.
 
-        The sense of the slip is not verified.
+        Whether slip opposes the traction is not verified.
         """
         return self.positive and self.excess <= COARSE_TOL
 
 
 def stick_radii(
-    problem: FreeBoundaryProblem, logits: Iterable[float], *, contacts: bool = False
-) -> Iterator[PossibleRadius]:
-    """Yield the radii at which the traction is continuous, between the first and the last of some.
+    problem: FreeBoundaryProblem, logits: Iterable[float], *, positive_only: bool = False
+) -> Iterator[CandidateRadius]:
+    """Yield the stick radii at which the traction is continuous, within the range of the scan.
 
     Parameters
     ----------
     problem : FreeBoundaryProblem
-        One stick disk.
+        The problem of one stick disk.
     logits : iterable of float
-        So close to each other that the boundary residual changes its sign at most once between two.
-    contacts : bool
+        Where the scan evaluates the boundary residual, so close to each other that it changes its
+        sign at most once between two.
+    positive_only : bool
         Whether the scan ends at the first logit at which the pressure is not positive.
     """
     from scipy.optimize import brentq
@@ -78,31 +83,37 @@ def stick_radii(
 
     def continues(trial: tuple[float, FieldSolution]) -> bool:
         solution = trial[1]
-        return not contacts or all_positive(solution.system.series(solution.values)[0])
+        return not positive_only or all_positive(solution.system.series(solution.values)[0])
 
     trials = takewhile(continues, ((logit, problem.coarse_solution(logit)) for logit in logits))
-    for (low, low_solution), (high, high_solution) in pairwise(trials):
-        low_residual = low_solution.boundary_residual[0]
-        high_residual = high_solution.boundary_residual[0]
-        if (low_residual > 0.0) != (high_residual > 0.0):
-            root = float(brentq(residual, low, high, xtol=SCAN_ACCURACY))
+    for (left, left_solution), (right, right_solution) in pairwise(trials):
+        left_residual = left_solution.boundary_residual[0]
+        right_residual = right_solution.boundary_residual[0]
+        if (left_residual > 0.0) != (right_residual > 0.0):
+            root = float(brentq(residual, left, right, xtol=SCAN_ACCURACY))
             yield _assessed(root, problem.coarse_solution(root))
 
 
 def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
-    """Yield the logits of a scan: from a first one to where all slip is within the layers."""
-    layers = min(problem.parameters.alpha, problem.parameters.beta)
-    last = min(EPSILON_DEPTH, SCAN_PAST_LAYERS - log(layers)) if layers > 0.0 else EPSILON_DEPTH
+    """Yield the logits of a scan, `step` apart.
+
+    Next to the edge fields change over distances like the compliances alpha and beta (boundary
+    layers). The scan ends where slip is narrower than both, or is lost in rounding.
+    """
+    layer_width = min(problem.parameters.alpha, problem.parameters.beta)
+    last = EPSILON_DEPTH
+    if layer_width > 0.0:
+        last = min(last, SCAN_PAST_LAYERS - log(layer_width))
     yield from np.arange(first, max(last, first + step) + step, step).tolist()
 
 
-def _assessed(logit: float, solution: FieldSolution) -> PossibleRadius:
-    """Return whether the fields at a stick radius obey the law in stick."""
+def _assessed(logit: float, solution: FieldSolution) -> CandidateRadius:
+    """Return a stick radius, and how far its fields break the friction law in stick."""
     system = solution.system
     pressures, shears = system.series(solution.values)
     if not all_positive(pressures):
-        return PossibleRadius(logit, False, inf)
+        return CandidateRadius(logit, False, inf)
     radii = system.radii[0].value * np.sqrt(1.0 - DISTANCES)
     q = radii * shears[0](DISTANCES)
     excess = stick_violation(system.parameters.friction, [(q, pressures[0](DISTANCES))])
-    return PossibleRadius(logit, True, excess)
+    return CandidateRadius(logit, True, excess)

@@ -1,9 +1,13 @@
-"""Full stick: one zone without a boundary, equation (4.2), with elastic coupling or without.
+"""The fields and numbers of full stick: one zone without a boundary, equation (4.2) of the paper.
 
-Without coupling everything is computed for kappa = 1; the traction is proportional to it. With
-coupling, on a smooth surface and under a thin layer, pressure and traction oscillate near the edge,
-and the pressure is negative in places: there the contact would open. The result solves the
-equations as they stand, in which the surfaces cannot part; `FullStick.opening` is where they would.
+Radii s are over the radius of the contact; ``y = 1 - s**2`` is the distance from the edge, and
+``x = -ln y`` the depth there. kappa is the coupling parameter of docs/theory.
+
+Without elastic coupling the traction is proportional to kappa, and everything is computed for
+kappa = 1. With coupling, on a smooth surface and under a thin layer, pressure and traction
+oscillate near the edge, and the pressure is negative in places: there the contact would open. The
+result solves the equations as they stand, in which the surfaces cannot part; `FullStick.opening` is
+where they would.
 """
 
 from __future__ import annotations
@@ -36,16 +40,17 @@ def full_stick(
     pointwise: bool = True,
     ratios: bool = True,
 ) -> Refinement[FullStick]:
-    """Return a solution that sticks everywhere as full stick, for unit load.
+    """Return the `FullStick` record of a contact that was solved to stick everywhere.
 
     Parameters
     ----------
     solved : Refinement
-        As `solve_stick` returns it.
+        What `solve_stick` returns, for unit load. Its best solution is that of the largest space.
     contact : NormalContact, optional
-        The normal contact with the pressure, if that was known.
+        The normal contact whose pressure was known: without elastic coupling.
     pointwise : bool
-        Whether the fields are wanted; under a known pressure they always come along.
+        Whether pressure and traction are wanted as functions of the radius, and not only approach
+        and total shear. Under a known pressure both are there in any case.
     ratios : bool
         Whether the ratios of traction to pressure are wanted, under a known pressure.
     """
@@ -56,25 +61,25 @@ def full_stick(
     else:
         approach = contact.approach
         approach_error = contact.approach_error
-    stick = FullStick(
+    result = FullStick(
         approach=approach,
         total_shear=zones.total_shear,
         approach_error=approach_error,
         shear_error=zones.shear_error,
     )
     if contact is not None:
-        stick = _with_known_pressure(stick, solved.best, contact, ratios=ratios)
+        result = _with_known_pressure(result, solved.best, contact, ratios=ratios)
     elif pointwise:
-        stick = _with_unknown_pressure(stick, zones)
-    best = replace(solved.best, value=stick)  # type: ignore[arg-type]
+        result = _with_unknown_pressure(result, zones)
+    best = replace(solved.best, value=result)  # type: ignore[arg-type]
     return replace(solved, best=best)  # type: ignore[return-value]
 
 
 def smooth_full_stick(contact: NormalContact) -> FullStick:
     """Return full stick on a smooth surface under the pressure that it has without friction.
 
-    The weight ``-ln(y) / (s^2 sqrt y)`` is the exact solution, with ``Q* = 2 kappa ln 2``
-    (docs/theory), and there is nothing to refine.
+    The exact traction is ``q = -kappa ln(y) / (pi**2 s sqrt(y))``, an endpoint weight without a
+    series, and the total shear is ``2 kappa ln 2`` (docs/theory). There is nothing to refine.
     """
     return FullStick(
         approach=contact.approach,
@@ -89,55 +94,67 @@ def smooth_full_stick(contact: NormalContact) -> FullStick:
     )
 
 
-def _with_unknown_pressure(stick: FullStick, zones: ZoneSolution) -> FullStick:
-    """Return full stick with both fields, and with their ratio if the pressure is positive."""
+def _with_unknown_pressure(totals: FullStick, zones: ZoneSolution) -> FullStick:
+    """Add both fields to the totals, and their ratio if the pressure is positive.
+
+    Pressure and traction are both unknown fields of the system: with elastic coupling.
+    """
     system = zones.system
     parameters = system.parameters
-    p, q = with_asymptotic_tail(zones.pressures[0], zones.shears[0], parameters, 1.0)
-    opening = _opening(p)
-    stick = stick._replace(
-        pressure=PressureField(None, p),
-        traction=DiskSeries(EDGE, q),
+    pressure, shear = with_asymptotic_tail(zones.pressures[0], zones.shears[0], parameters, 1.0)
+    opening = _opening(pressure)
+    result = totals._replace(
+        pressure=PressureField(None, pressure),
+        traction=DiskSeries(EDGE, shear),
         opening=opening,
         pressure_error=zones.pressure_error,
         traction_error=zones.traction_error,
     )
-    if opening is not None or p.oscillation:
-        return stick
+    if opening is not None or pressure.oscillation:
+        return result
     panels = system.fields[-1].panels
+    # column 0 holds the coefficients of the solution, column 1 what the top two degrees contribute
     field_changes = relative_changes(system, zones.solution[:, 0], zones.solution[:, 1])
     changes = [(panels, change) for change in field_changes]
-    return stick.with_ratios(panels.panels * panels.width, changes, _edge_change(zones))
+    return result.with_ratios(panels.panels * panels.width, changes, _edge_change(zones))
 
 
 def _with_known_pressure(
-    stick: FullStick, solution: SpaceSolution[ZoneSolution], contact: NormalContact, *, ratios: bool
+    totals: FullStick,
+    solution: SpaceSolution[ZoneSolution],
+    contact: NormalContact,
+    *,
+    ratios: bool,
 ) -> FullStick:
-    """Return full stick with both fields, and with their ratio if it is wanted."""
+    """Add both fields to the totals, and their ratio if it is wanted.
+
+    The pressure is that of the normal contact, the traction is the unknown field of the system.
+    """
     zones = solution.value
-    stick = stick._replace(
+    result = totals._replace(
         pressure=contact.pressure,
         traction=DiskSeries(EDGE, zones.shears[0]),
         pressure_error=contact.pressure_error,
         traction_error=zones.traction_error,
     )
     if not ratios:
-        return stick
+        return result
     panels = zones.system.fields[-1].panels
     changes = [(panels, solution.indicators)]
     edge_change = _edge_change(zones)
     if contact.panels is not None and contact.changes:
         top = contact.changes[0].coefficients
-        relative = relative_panel_changes(contact.panels, top, contact.pressure.at_ends())
-        changes.append((contact.panels, relative))
+        pressure_changes = relative_panel_changes(contact.panels, top, contact.pressure.at_ends())
+        changes.append((contact.panels, pressure_changes))
         edge_change += abs(series_of(contact.panels, top).limit / contact.pressure.value(0.0))
-    return stick.with_ratios(panels.panels * panels.width, changes, edge_change)
+    return result.with_ratios(panels.panels * panels.width, changes, edge_change)
 
 
 def _edge_change(zones: ZoneSolution) -> float:
     """Return the sum of the relative changes of the unknown fields at the edge.
 
-    It is 0 if one of them is singular there: the ratio is 0 or infinite then.
+    It is 0 if one of them is singular there (its panels have a power), because the ratio is then 0
+    or infinite, and has no error.
     """
     fields = zones.system.fields
     if any(field.panels.power for field in fields):
@@ -145,17 +162,22 @@ def _edge_change(zones: ZoneSolution) -> float:
     total = 0.0
     for field in fields:
         limit, *changes = (
-            series_of(field.panels, column).limit for column in field.coefficients(zones.solution).T
+            series_of(field.panels, coefficients).limit
+            for coefficients in field.coefficients(zones.solution).T
         )
         total += max(map(abs, changes)) / abs(limit)
     return total
 
 
 def _opening(pressure: LogSeries) -> float | None:
-    """Return the distance ``1 - s`` from the edge at which the pressure first changes sign."""
-    count = len(pressure.coefficients)
-    depth = count * pressure.width
-    # as many points as coefficients show every change of sign
+    """Return the distance ``1 - s`` from the edge of the innermost place where the pressure is 0.
+
+    Outward from the centre, where it is positive, that is the first change of sign. None if there
+    is none, or if it is nearer to the edge than doubles resolve.
+    """
+    panel_count = len(pressure.coefficients)
+    depth = panel_count * pressure.width
+    # by experience as many points as coefficients show every change of sign
     x = sample_depths(depth, pressure.coefficients.size + 1)
     negative = np.flatnonzero(pressure(np.exp(-x)) <= 0.0)
     if len(negative):
@@ -167,5 +189,5 @@ def _opening(pressure: LogSeries) -> float | None:
     else:
         return None
     y = exp(-depth)
-    distance = y / (1.0 + sqrt(1.0 - y))  # 1 - s, without cancellation
+    distance = y / (1.0 + sqrt(1.0 - y))  # 1 - s without cancellation
     return distance if distance > TINY else None

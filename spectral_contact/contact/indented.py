@@ -114,7 +114,7 @@ class _IndentationProblem(PartedProblem):
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
         """Solve in a space."""
-        used = self.used(resolution)
+        used = self.part_spaces(resolution)
         space = disk_space(self.parts, used)
         return self._judged(space, used, self._solve(space, used[-1][0]))
 
@@ -152,7 +152,7 @@ class _IndentationProblem(PartedProblem):
 
     def glance(self, max_unknowns: int) -> Indentation:
         """Return the contact in the first space, whatever its errors are: they are 0."""
-        used = self.used(within_budget(self.start(), max_unknowns))
+        used = self.part_spaces(within_budget(self.start(), max_unknowns))
         space = disk_space(self.parts, used)
         return self._contact(space, used, self._solve(space, used[-1][0]))
 

@@ -68,8 +68,8 @@ class LayeredProblem(Layered, PartedProblem):
         Layered.__init__(self, setting, pointwise=pointwise)
         PartedProblem.__init__(self, setting.parts, setting.depths, tolerance, pointwise=pointwise)
 
-    def _first(self, part: int, depth: float) -> DiscreteSpace:
-        space = super()._first(part, depth)
+    def _first_space(self, part: int, depth: float) -> DiscreteSpace:
+        space = super()._first_space(part, depth)
         if not self.setting.smooth[part]:
             if self.pointwise or self.parts.ends[part][0] is not EDGE:
                 return space
@@ -84,7 +84,7 @@ class LayeredProblem(Layered, PartedProblem):
         return DiscreteSpace(space.panels, space.degrees[:count])
 
     def _form(self, resolution: DiscreteSpace) -> PanelForm:
-        return PanelForm(self.parts, self.used(resolution))
+        return PanelForm(self.parts, self.part_spaces(resolution))
 
 
 class BentProblem(LayeredProblem):

@@ -1,7 +1,10 @@
-"""Coupled slip under little friction: the stick disk is too small to change the fields.
+"""Slip with elastic coupling under so little friction f that the stick disk changes no field.
 
-Such a disk is not solved for. It is replaced by a *regularising* disk of a given radius, larger
-than the true one and small enough not to change the fields, which carries no traction of its own.
+Such a disk is not solved for. It is replaced by a *regularising disk* of a fixed radius, larger
+than the true one and small enough to change no field, in which the traction is zero.
+
+alpha and beta are the normal and the tangential compliance and kappa the coupling parameter of
+docs/theory; radii are over the radius of the contact.
 """
 
 from __future__ import annotations
@@ -9,26 +12,20 @@ from __future__ import annotations
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, fixed_disk
-from spectral_contact.contact.resolution import (
-    TINY,
-)
-from spectral_contact.contact.stick_radius import (
-    min_logit,
-)
-from spectral_contact.contact.tuning import (
-    MAX_REGULARISING_RADIUS,
-    ROUNDING,
-)
+from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.stick_radius import min_logit
+from spectral_contact.contact.tuning import MAX_REGULARISING_RADIUS, ROUNDING
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
 
 def regularising_radius(parameters: Parameters) -> Radius:
-    """Return the radius of the stick disk that replaces a smaller one.
+    """Return the radius of the regularising disk.
 
-    With normal compliance it is the least radius that is solved for. Without, p is a power of s
-    around the disk, and loses digits like 1/c next to a disk of radius c, so that the radius is
-    ``2 sqrt(eps) (kappa f)**(-1/3)`` with the rounding error eps.
+    With normal compliance it is the least radius that is solved for. Without normal compliance p is
+    like a power of s around the disk, and next to a disk of radius c its rounding error is like
+    ``eps/c`` with the rounding error eps of doubles. The radius that keeps rounding and the error
+    of the disk below the estimates is ``2 sqrt(eps) (kappa f)**(-1/3)``.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
@@ -39,12 +36,13 @@ def regularising_radius(parameters: Parameters) -> Radius:
 
 
 def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
-    """Return parameters and zones to solve for slip everywhere but in the regularising disk.
+    """Return the parameters and zones whose solution stands for slip everywhere.
 
-    The radius of the disk is given. A huge tangential compliance makes the traction in it vanish: a
-    traction that sticks would exceed f p, and cost as many digits. The friction is at least the
-    rounding error, because a smaller one leaves the traction without a digit.
+    The regularising disk is a stick zone whose boundary is no unknown. In place of beta it has a
+    compliance of ``1/eps``, so that the traction in it vanishes: with beta it would exceed f p by
+    far, and the fields around it would lose digits to it. The friction is at least the rounding
+    error eps, because the traction of a smaller one is all rounding.
     """
     alpha, _, kappa, friction = parameters
-    regularised = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    return regularised, fixed_disk(regularising_radius(parameters).logit)
+    parameters_with_disk = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
+    return parameters_with_disk, fixed_disk(regularising_radius(parameters).logit)

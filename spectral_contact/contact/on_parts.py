@@ -1,4 +1,9 @@
-"""What problems for a pressure under a profile share: parts, first spaces, series, estimates."""
+"""Parts, first spaces, series and error estimates of the pressure under a profile.
+
+A profile with breaks cuts the contact into parts: a disk and annuli, whose panels are graded toward
+the breaks and the edge. On a part ``x = -ln d`` is the depth of a place whose distance in s**2 from
+the end of the part is d, in units of the extent of the part.
+"""
 
 from __future__ import annotations
 
@@ -36,20 +41,22 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: A part that ends at a break is seen from beyond it: its first two panels take so many degrees
-#: for a digit (base e) more than others.
-_FIRST, _SECOND = 1.0, 0.55
-#: By so many digits (base e) a degree more on the first panels lowers the error of a smooth
-#: pressure in a thin layer: 5.3 under a parabola, at layers of 1e-10 ... 1e-16.
-_BY_DEGREE = 5
-#: What breaks add to the expected error of the pressure, as the worst of three times 300 random
-#: profiles need it.
-_BROKEN = 4.0
+#: Least degrees per digit (base e) on the first and on the second panel of a part, if there are
+#: several parts: the pressure on the next part is singular at their common break.
+_MIN_DEGREES_PER_DIGIT = (1.0, 0.55)
+#: Digits (base e) by which one degree more on the first two panels of a disk without breaks lowers
+#: the error of a smooth pressure: 5.3 under a parabola, with compliances of 1e-10 ... 1e-16.
+_DIGITS_PER_DEGREE = 5
+#: Factor of the expected error of the pressure on a disk with breaks: the largest that one of three
+#: times 300 random profiles needs.
+_BREAK_FACTOR = 4.0
 
 
 @dataclass(frozen=True, slots=True)
 class Indentation:
-    """Contact of a given radius under a profile; lengths in the profile's, tractions in E'.
+    """Contact of a given radius under a profile.
+
+    Lengths are in the unit of length of the profile, tractions in units of E'.
 
     Attributes
     ----------
@@ -58,24 +65,25 @@ class Indentation:
     stiffness : float
         ``dP/ddelta``.
     growth : float
-        ``ddelta/da``, to some digits.
+        ``ddelta/da``, to the few digits that a Newton step for the radius needs.
     pressure : PressureField or ZonalField or None
-        Over ``s = r/a``; None if it was not wanted and is not needed for the rest.
+        The pressure p over ``s = r/a``; None if it was not wanted and is not needed for the rest.
     flat : PressureField or ZonalField or None
-        ``a dp/ddelta`` at the radius ``a``: the pressure of a flat punch.
+        ``a dp/ddelta`` at the radius ``a``: the pressure under a flat punch of that radius, for an
+        approach of a.
     approach_error, load_error, work_error, stiffness_error : float
-        Estimates of relative errors; 0 of a `glance`.
+        Estimates of relative errors; 0 if `indented.glance` computed the values alone.
     pressure_error : float
         The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
     overclosure : float
-        The largest, under a nonlinear layer.
+        The largest overclosure in the contact, under a nonlinear layer.
     normal : NormalContact or None
-        The pressure under a flat punch as it drives a traction, if that is wanted.
+        The pressure under a flat punch for unit load, which drives the traction, if that is wanted.
     bends : tuple of Bend
-        Where the law of a nonlinear layer bends.
+        The radii at which the law of a nonlinear layer bends.
     pull : float
-        By how much adhesion lowers the approach at this radius; the load it lowers by `stiffness`
-        times as much. The work is then the elastic energy that is stored.
+        What adhesion takes from the approach at this radius. From the load it takes `stiffness`
+        times as much. With adhesion `work` is the stored elastic energy.
     """
 
     radius: float
@@ -98,52 +106,62 @@ class Indentation:
 
     @property
     def approach_size(self) -> float:
-        """What the error of the approach is relative to."""
+        """The length that the error of the approach is relative to."""
         if self.pull > 0.0:
             return self.approach + 2.0 * self.pull
         return max(abs(self.approach), self.approach - self.overclosure)
 
     @property
     def load_size(self) -> float:
-        """What the error of the load is relative to: with adhesion the sum of its two parts."""
+        """The load that the error of the load is relative to.
+
+        With adhesion the load is that without adhesion less `stiffness` times `pull`, and may be
+        zero; the errors are relative to the sum of both.
+        """
         return self.load + 2.0 * self.stiffness * self.pull
 
 
 class PartedProblem:
-    """First spaces for a pressure on a disk in parts, and how a vector is cut.
+    """First spaces for a pressure on a disk in parts, and the parts of a space for all of them.
 
     Parameters
     ----------
     parts : DiskPartition
     depths : sequence of float
-        ``x`` of the deepest feature at the end of every part.
+        Depth x of the narrowest feature of the pressure on every part, such as a layer at its end.
     tolerance : float
-        Bound on the relative error.
+        Bound on the relative errors of load and approach.
     pointwise : bool
-        Whether it is that of the pressure, too.
+        Whether it bounds the relative error of the pressure, too. If not, the attribute `tolerance`
+        is the root of the parameter: load and approach superconverge, and have about the square of
+        the relative error of the pressure.
     """
 
     def __init__(
         self, parts: DiskPartition, depths: Sequence[float], tolerance: float, *, pointwise: bool
     ) -> None:
-        # integrals superconverge: their errors are the squares of the pressure's
-        self.tolerance, self.pointwise = tolerance if pointwise else sqrt(tolerance), pointwise
+        self.tolerance = tolerance if pointwise else sqrt(tolerance)
+        self.pointwise = pointwise
         self.parts = parts
-        self.spaces = [self._first(k, depth) for k, depth in enumerate(depths)]
-        self.counts = [len(one.degrees) for one in self.spaces]
+        self.spaces = [self._first_space(k, depth) for k, depth in enumerate(depths)]
+        self.counts = [len(space.degrees) for space in self.spaces]
 
-    def _first(self, part: int, depth: float) -> DiscreteSpace:
-        """Return the first space of a part in which the deepest feature is at a depth in ``x``."""
-        # square roots of the distance in s**2 at a tip
+    def _first_space(self, part: int, depth: float) -> DiscreteSpace:
+        """Return the first space of a part whose narrowest feature is at the depth x."""
+        # at the tip of a pointed profile the pressure has powers of s, roots of the distance s**2
         rate = 0.5 if self.parts.ends[part][0] is CENTRE else 1.0
         space = graded_space(depth, self.tolerance, rate)
-        digits, degrees = -log(self.tolerance), list(space.degrees)
-        least = [share * digits for share in (_FIRST, _SECOND)]
+        digits = -log(self.tolerance)
         if len(self.parts.ends) == 1:
-            # what they leave acts on a thin layer like a flat punch: it grows by the root of the
-            # width
-            least = [2.0 + (digits + depth / 2.0) / _BY_DEGREE] * 2
-        degrees[:2] = [max(one, ceil(other)) for one, other in zip(degrees, least, strict=False)]
+            # an error of the first panels acts next to the edge like the load of a flat punch; in a
+            # layer of the width exp(-depth) the pressure under it is larger by exp(depth / 2)
+            least = [2.0 + (digits + depth / 2.0) / _DIGITS_PER_DEGREE] * 2
+        else:
+            least = [rate_per_digit * digits for rate_per_digit in _MIN_DEGREES_PER_DIGIT]
+        degrees = list(space.degrees)
+        degrees[:2] = [
+            max(degree, ceil(minimum)) for degree, minimum in zip(degrees, least, strict=False)
+        ]
         return DiscreteSpace(space.panels, tuple(degrees))
 
     def start(self) -> DiscreteSpace:
@@ -152,53 +170,79 @@ class PartedProblem:
         capacity = 4 * ceil((max(space.degrees) + 1) / 4)
         return DiscreteSpace(replace(space.panels, degree=capacity), space.degrees)
 
-    def used(self, resolution: DiscreteSpace) -> tuple[DiscreteSpace, ...]:
-        """Return the panels of every part, and the degrees on them."""
-        degrees, used = resolution.degrees, []
+    def part_spaces(self, space: DiscreteSpace) -> tuple[DiscreteSpace, ...]:
+        """Return the space of every part: its panels and their degrees."""
+        degrees = space.degrees
+        spaces = []
         for count in self.counts:
-            used.append(DiscreteSpace(replace(resolution.panels, panels=count), degrees[:count]))
+            spaces.append(DiscreteSpace(replace(space.panels, panels=count), degrees[:count]))
             degrees = degrees[count:]
-        return tuple(used)
+        return tuple(spaces)
 
 
 def profile_parts(profile: Profile, radius: float) -> DiskPartition:
-    """Return how a profile cuts a contact of this radius."""
+    """Return the parts into which the breaks of a profile cut a contact of this radius."""
     breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in profile.breaks if b < radius)
     return DiskPartition(breaks, profile.pointed)
 
 
-def layer_depth(thin: float, boundary: Radius, extent: float) -> float:
-    """Return how deep in ``x`` a layer of this width next to a boundary is."""
-    return max(-log(thin * max(boundary.value, thin) / extent), 0.0)
+def layer_depth(width: float, boundary: Radius, extent: float) -> float:
+    """Return the depth x of a layer of this width, a difference of radii, next to a boundary.
+
+    `extent` is that of the part, in s**2.
+    """
+    return max(-log(width * max(boundary.value, width) / extent), 0.0)
 
 
 def pointwise_errors(
-    parts: DiskPartition, used: tuple[DiscreteSpace, ...], whole: Array, change: Change, mean: float
+    parts: DiskPartition,
+    spaces: tuple[DiscreteSpace, ...],
+    coefficients: Array,
+    change: Change,
+    mean: float,
 ) -> Array:
     """Return the expected errors of the pressure on all panels.
 
     They are relative to the pressure, or to its mean if that is larger.
+
+    Parameters
+    ----------
+    parts : DiskPartition
+    spaces : tuple of DiscreteSpace
+        The space of every part.
+    coefficients : ndarray
+        Those of the pressure, part by part.
+    change : Change
+        What the pressure loses with the top degrees of the space.
+    mean : float
+        The mean of the pressure.
     """
     errors: list[Array] = []
-    series = series_on_parts(used, whole)
-    each = zip(used, series, split_parts(used, change.coefficients), strict=True)
-    # a change next to a break says less about the one after it
-    factor = _BROKEN if len(used) > 1 else 1.0
-    for (panels, _), one, changed in each:
-        size = np.maximum(np.abs(one.at_ends()), mean)
-        expected = factor * relative_panel_changes(panels, changed, size)
+    # next to a break one change is a worse measure of the next one
+    factor = _BREAK_FACTOR if len(spaces) > 1 else 1.0
+    for (panels, _), series, part_change in zip(
+        spaces,
+        series_on_parts(spaces, coefficients),
+        split_parts(spaces, change.coefficients),
+        strict=True,
+    ):
+        size = np.maximum(np.abs(series.at_ends()), mean)
+        expected = factor * relative_panel_changes(panels, part_change, size)
         if parts.pointed and not errors:
-            # no degree lowers what the tail at a tip lacks, a root: 1.8 times what it sheds
-            tail = float(np.abs(changed[-panels.tail_terms :]).sum()) / float(size[-1])
-            expected[-1] = max(float(expected[-1]), 2.0 * tail)
+            # the pressure has a root at the tip, which the polynomials of the tail do not
+            # represent whatever the degree: the error there is 1.8 times the change of the tail at
+            # most
+            tail_change = float(np.abs(part_change[-panels.tail_terms :]).sum()) / float(size[-1])
+            expected[-1] = max(float(expected[-1]), 2.0 * tail_change)
         errors.append(expected)
     return np.concatenate(errors)
 
 
-def series_on_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> list[LogSeries]:
-    """Return the function on every part."""
+def series_on_parts(spaces: tuple[DiscreteSpace, ...], coefficients: Array) -> list[LogSeries]:
+    """Return the series on every part of the function with these coefficients."""
     return [
-        series_of(p, c) for (p, _), c in zip(used, split_parts(used, coefficients), strict=True)
+        series_of(space.panels, part_coefficients)
+        for space, part_coefficients in zip(spaces, split_parts(spaces, coefficients), strict=True)
     ]
 
 
@@ -212,12 +256,12 @@ def field_of(
     return replace(ZonalField.on_parts(bounds, series, pointed=parts.pointed), weight=weight)
 
 
-def split_parts(used: tuple[DiscreteSpace, ...], coefficients: Array) -> list[Array]:
+def split_parts(spaces: tuple[DiscreteSpace, ...], coefficients: Array) -> list[Array]:
     """Return the coefficients of every part."""
-    return np.split(coefficients, np.cumsum([panels.size for panels, _ in used])[:-1])
+    return np.split(coefficients, np.cumsum([space.panels.size for space in spaces])[:-1])
 
 
 def edge_value(panels: LogPanels, coefficients: Array) -> float:
-    """Return the value at the edge, which the last part's tail has."""
+    """Return the value at the edge, which is that of the tail of the last part at its end."""
     tail = coefficients[-panels.tail_terms :].tolist()
     return float(sum(tail[::2]) - sum(tail[1::2]))

@@ -1,4 +1,7 @@
-"""The load of a pressure outside of a radius, and its mean inside of one, with ``y = 1 - s**2``."""
+"""The load of a pressure outside of a radius, and its mean inside of one.
+
+Radii s are over the radius of the contact, and ``y = 1 - s**2``. Loads are over 2 pi.
+"""
 
 from __future__ import annotations
 
@@ -12,38 +15,39 @@ from spectral_contact.spectral.tuning import FAR_POINTS
 
 
 def load_outside(pressure: PressureField, y: Array) -> Array:
-    """Return ``1/2 int_0^y p dy``, which is ``int_s^1 p s ds``.
+    """Return ``int_s^1 p s ds = 1/2 int_0^y p dy``, the load outside of s over 2 pi.
 
     The endpoint weight ``amplitude / sqrt(y + shift)`` is integrated in closed form.
     """
     load = np.zeros(len(y))
     if pressure.series is not None:
-        load += 0.5 * _integral(pressure.series, y)
+        load += 0.5 * _integral_to_edge(pressure.series, y)
     weight = pressure.weight
     if weight is not None:
-        root = np.sqrt(y + weight.shift) + sqrt(weight.shift)
-        load += weight.amplitude * y / np.where(root > 0.0, root, 1.0)
+        root_sum = np.sqrt(y + weight.shift) + sqrt(weight.shift)
+        load += weight.amplitude * y / np.where(root_sum > 0.0, root_sum, 1.0)
     return load
 
 
 def mean_inside(pressure: PressureField, y: Array) -> Array:
     """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""
-    # the pressure is analytic up to the edge, at half the length of the interval or more
+    # the nearest singularity is the edge y = 0; it is at least half the length of the interval away
     nodes, weights = gauss_rule(FAR_POINTS)
     points = 1.0 - (1.0 - y)[..., None] * (1.0 + nodes) / 2.0
     return np.asarray(pressure.evaluate(points) @ (weights / 2.0))
 
 
-def _integral(series: LogSeries, y: Array) -> Array:
-    """Return ``int_0^y`` of a series, panel by panel.
+def _integral_to_edge(series: LogSeries, y: Array) -> Array:
+    """Return ``int_0^y`` of a series in y, panel by panel.
 
     Panel k covers depths ``x = -ln y`` from ``k width`` to ``(k + 1) width``; the tail is all
-    beyond the last panel, and counts as one more panel. Gauss rules in x, and in y for the tail.
+    beyond the last panel, and counts as one more panel. Gauss's rule is used in x on panels, and in
+    y on the tail.
     """
     panels, terms = series.coefficients.shape
     width = series.width
     x = -np.log(y)
-    # one row per whole panel, then one per distance: the part of its panel that is closer than y
+    # one row per whole panel, then one per y: that part of its panel which is nearer to the edge
     panel = np.concatenate([np.arange(panels + 1), np.clip(x / width, 0.0, panels).astype(int)])
     start = np.concatenate([width * np.arange(panels + 1), x])
     distance = np.concatenate([series.ends, y])
@@ -57,6 +61,6 @@ def _integral(series: LogSeries, y: Array) -> Array:
     weights[in_tail] = distance[in_tail, None]
     values = series(points.ravel()).reshape(points.shape)
     integrals = (values * weights) @ (gauss_weights / 2.0)
-    # from the far end of panel k to y = 0
+    # of all panels nearer to the edge than panel k
     remainder = np.append(np.cumsum(integrals[panels:0:-1])[::-1], 0.0)
     return np.asarray(integrals[panels + 1 :] + remainder[panel[panels + 1 :]])

@@ -1,14 +1,19 @@
-r"""Radial displacement in slip.
+r"""Radial displacement u in slip.
 
-With the residual of full stick ``E = kappa R - G``, which slip leaves, the displacement is
+With the traction q, the drive g of the pressure (docs/theory) and the operator T,
 
     -u(s) = kappa g - T q - beta q = (1/(pi s)) int_0^s t^2 E dt / sqrt(s^2 - t^2) - beta q,
+    E(t) = kappa R(t) - G(t),
+    R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2),     G(t) = int_t^1 q ds / sqrt(s^2 - t^2).
 
-zero in stick by the tangential equation (docs/theory.md). It is computed for kappa = 1: friction is
-``f / kappa`` and displacements are ``u / kappa``. Each slip zone is an annulus with two halves,
-whose panels are graded toward its boundaries: a `GradedMesh` is the panels of one half, and
-`OffsetRadii` are radii given by offsets of ``z = s**2`` from an anchor, so that radii next to a
-boundary keep their digits; ``y = 1 - s**2`` is `rest` of a `Radius`.
+E is known from pressure and traction, in stick as in slip. In stick u is zero, which is the
+tangential equation, so that only u in slip is computed. It takes E of all zones inside. Everything
+is computed for kappa = 1: `friction` is ``f / kappa``, and displacements are ``u / kappa``.
+
+Each slip zone is an annulus with two halves, whose panels are graded toward its boundaries: a
+`GradedMesh` is the panels of one half, and `OffsetRadii` are radii given by offsets of ``z = s**2``
+from an anchor, so that radii next to a boundary keep their digits. ``y = 1 - s**2`` is the
+attribute `rest` of a `Radius`.
 """
 
 from __future__ import annotations
@@ -102,8 +107,9 @@ class SlipFields(NamedTuple):
     largest : float
         The largest modulus of all values.
     unresolved : float
-        Bound on the error of sampling: what the last coefficients of the series are, with the
-        safety factor of all error estimates and another 2.
+        Estimate of the error that sampling on finitely many points leaves in u: twice the last
+        coefficients of the series of E and of u, as `GradedMesh.truncated` and `unresolved`
+        measure them.
     """
 
     fields: list[AnnulusSeries]
@@ -119,7 +125,7 @@ def slip_displacement(
     beta: float,
     friction: float,
 ) -> SlipFields:
-    """Return the displacement on every slip zone.
+    """Return the displacement ``u / kappa`` on every slip zone.
 
     Parameters
     ----------
@@ -136,14 +142,14 @@ def slip_displacement(
         annulus = zone.annulus
         weighted = zone.weighted_residual
         p = pressure.evaluate(annulus.y) if beta > 0.0 else np.zeros(annulus.y.shape)
-        layer = annulus.split(beta * zone.sign * friction * p)
+        layer_displacements = annulus.split(beta * zone.sign * friction * p)
         integrals = annulus.integrals(weighted, -1)
         series: list[LogSeries] = []
         zone_samples: list[Array] = []
         for mesh, half_residual, integral, layer_displacement in zip(
-            annulus.meshes, weighted, integrals, layer, strict=True
+            annulus.meshes, weighted, integrals, layer_displacements, strict=True
         ):
-            total = integral
+            total = integral.copy()
             for stick_zone in _zones_inside(stick_zones, annulus.inner):
                 total += _integral_at_samples(stick_zone, mesh)
             for inner_zone in slip_zones[:number]:
@@ -151,11 +157,11 @@ def slip_displacement(
                     inner_zone.annulus.meshes, inner_zone.weighted_residual, strict=True
                 ):
                     total += abel_integral_on(mesh, inner_mesh, inner_mesh.expand(values), -1)
-            values_here = layer_displacement - total / (pi * np.sqrt(mesh.sampling().z))
-            series.append(sampled_series(mesh.panels, values_here))
+            displacement = layer_displacement - total / (pi * np.sqrt(mesh.sampling().z))
+            series.append(sampled_series(mesh.panels, displacement))
             residual_error = mesh.truncated(half_residual, 0.5) / DISPLACEMENT_SMOOTHING
             unresolved = max(unresolved, residual_error + mesh.unresolved(series[-1]))
-            zone_samples.append(zone.sign * values_here)
+            zone_samples.append(zone.sign * displacement)
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(np.concatenate(zone_samples))
     largest = max(float(np.abs(values).max()) for values in samples)
@@ -170,11 +176,11 @@ def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZon
 def _integral_at_samples(zone: StickZone, mesh: GradedMesh) -> Array:
     """Integrate ``t^2 E dt / sqrt(s^2 - t^2)`` over a stick zone, at samples s of half a slip zone.
 
-    The zone lies inside. The outer half is farther from it than it is wide, so that a polynomial in
-    ``s**2`` through few points is right to rounding there.
+    The stick zone lies inside the slip zone. The outer half of a slip zone is at least its own
+    width away from there, so that a polynomial in ``s**2`` through few points is right to rounding.
     """
     points = mesh.sampling()
-    if mesh.sign > 0:
+    if mesh.sign > 0:  # the inner half
         return _integral_at(zone, points)
     reach = -mesh.extent
     nodes = OffsetRadii(mesh.boundary, reach * (1.0 + FAR_NODES) / 2.0)
@@ -195,7 +201,7 @@ def _integral_at(zone: StickZone, points: OffsetRadii) -> Array:
 
 
 def largest_displacement(stick_zones: list[StickZone], inner: Radius, outer: Radius) -> float:
-    """Return the largest displacement on an annulus that E in the stick zones inside it makes.
+    """Return the largest modulus on an annulus of the part of u that stick zones inside it cause.
 
     The points are graded toward the inner boundary, where it is largest.
     """
@@ -211,7 +217,7 @@ def free_displacement(
 ) -> tuple[DiskSeries, float]:
     """Return ``-kappa g``, the displacement without any traction, and its relative error.
 
-    ``g = (1/s) int_0^s eta p deta`` is ``s`` times a function of y, which is sampled.
+    ``g = (1/s) int_0^s r p dr`` is ``s`` times a function of y, which is sampled.
 
     Parameters
     ----------
@@ -229,7 +235,8 @@ def free_displacement(
     # near the centre the difference cancels: there g/s is half the mean of p inside s
     values = np.where(y < 0.5, load_inside / (1.0 - y), mean_inside(contact.pressure, y) / 2.0)
     series = sampled_series(panels, values)
-    last = np.abs(series.coefficients[:, -3:]).sum(axis=1).max() + np.abs(series.tail[1:]).sum()
-    truncation_error = float(last / np.abs(values).max())
+    last_terms = np.abs(series.coefficients[:, -3:]).sum(axis=1).max()
+    last_terms += np.abs(series.tail[1:]).sum()
+    truncation_error = float(last_terms / np.abs(values).max())
     error = contact.pressure_error + 2.0 * truncation_error + FIELD_ROUNDING
     return DiskSeries(EDGE, series.times(-kappa)), error

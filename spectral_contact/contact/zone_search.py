@@ -636,8 +636,8 @@ class CoupledSearch(ZoneSearch):
             return []
         problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
         logits = scan_logits(problem, logit + SCAN_START, SCAN_STEP)
-        radii = stick_radii(problem, logits, contacts=True)
-        return [Radius.from_logit(radius.logit).value for radius in radii if radius.possible]
+        radii = stick_radii(problem, logits, positive_only=True)
+        return [Radius.from_logit(radius.logit).value for radius in radii if radius.admissible]
 
     def _full_slip(self) -> PartialSlip:
         """Return full slip: the stick disk is too small to change the fields around it.

@@ -39,8 +39,8 @@ NAMES = ("approach", "load", "work", "stiffness", "pressure")
 class BetterPanels(LayeredProblem):
     """The problem with eight degrees and two panels more."""
 
-    def _first(self, part: int, depth: float) -> DiscreteSpace:
-        found = super()._first(part, depth)
+    def _first_space(self, part: int, depth: float) -> DiscreteSpace:
+        found = super()._first_space(part, depth)
         return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
 
     def start(self) -> DiscreteSpace:

@@ -38,8 +38,8 @@ NAMES = ("radius", "approach", "load", "work", "stiffness", "pressure")
 class Better(indented._IndentationProblem):  # the problem itself, in a larger space
     """The problem with eight degrees more, and two panels more at every end."""
 
-    def _first(self, part: int, depth: float) -> DiscreteSpace:
-        found = super()._first(part, depth)
+    def _first_space(self, part: int, depth: float) -> DiscreteSpace:
+        found = super()._first_space(part, depth)
         return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
 
     def start(self) -> DiscreteSpace:

@@ -23,7 +23,7 @@ import numpy as np
 
 import spectral_contact
 from spectral_contact import Scene, solve
-from spectral_contact.contact.coupled_radii import PossibleRadius, scan_logits, stick_radii
+from spectral_contact.contact.coupled_radii import CandidateRadius, scan_logits, stick_radii
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
@@ -56,7 +56,7 @@ def draw(number: int) -> Scene:
     return Scene(ratio, alpha, beta, friction, coupling=True)
 
 
-def radii(scene: Scene) -> list[PossibleRadius]:
+def radii(scene: Scene) -> list[CandidateRadius]:
     """Return all stick radii of a scene."""
     compliances = scene.normal_compliance, scene.tangential_compliance
     assert scene.friction is not None
@@ -94,7 +94,7 @@ def main(count: int) -> None:
     for number in range(count):
         scene = draw(number)
         found = [
-            {"logit": round(one.logit, 3), "positive": one.positive, "possible": one.possible}
+            {"logit": round(one.logit, 3), "positive": one.positive, "possible": one.admissible}
             for one in radii(scene)
         ]
         rows.append({"number": number, "scene": asdict(scene), "radii": found})

@@ -5,7 +5,7 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact import coupled_radii
-from spectral_contact.contact.coupled_radii import PossibleRadius, stick_radii
+from spectral_contact.contact.coupled_radii import CandidateRadius, stick_radii
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
@@ -21,7 +21,7 @@ def radii(scene, logits):
 def test_a_thick_layer_has_one_which_is_that_of_the_solution():
     scene = Scene(0.1, 0.5, 0.5, friction=0.1, coupling=True)
     [found] = radii(scene, np.linspace(-10.0, 20.0, 31))
-    assert found.possible
+    assert found.admissible
     c = solve(scene, 1e-6, ("stick_radius",)).stick_radius
     assert found.logit == pytest.approx(np.log(c**2 / (1.0 - c**2)), abs=0.03)
 
@@ -33,13 +33,13 @@ def test_where_the_edge_sticks_both_are_told_from_contacts():
     )
     assert second.positive
     assert second.excess > 0.1
-    assert not second.possible
+    assert not second.admissible
 
 
 def test_on_a_smooth_surface_the_pressure_of_others_is_negative():
     scene = Scene(0.026, 0.0, 0.0, friction=0.2143, coupling=True)
     first, *others = radii(scene, np.linspace(-6.0, 30.0, 37))
-    assert first.possible
+    assert first.admissible
     assert others
     assert not any(one.positive for one in others)
 
@@ -56,14 +56,14 @@ def test_others_are_looked_for_where_there_may_be_some_and_named(monkeypatch, sc
     plain = solve(scene, 1e-3).plan
     seen = []
 
-    def all_possible(problem, logits, *, contacts):
+    def all_admissible(problem, logits, *, positive_only):
         logits = list(logits)
         seen.append(logits[0])
-        assert contacts
-        yield PossibleRadius(5.0, True, 0.0)
-        yield PossibleRadius(6.0, True, 0.5)
+        assert positive_only
+        yield CandidateRadius(5.0, True, 0.0)
+        yield CandidateRadius(6.0, True, 0.5)
 
-    monkeypatch.setattr(coupled_radii, "stick_radii", all_possible)
+    monkeypatch.setattr(coupled_radii, "stick_radii", all_admissible)
     solution = solve(scene, 1e-3)
     text = "; a larger stick radius may satisfy the friction law, too: 0.997"
     assert (text in str(solution.plan)) == looked == bool(seen)
@@ -85,7 +85,7 @@ def test_no_more_is_looked_at_where_the_pressure_is_negative():
             taken.append(one)
             yield one
 
-    assert list(stick_radii(problem, logits(), contacts=True)) == []
+    assert list(stick_radii(problem, logits(), positive_only=True)) == []
     assert 3 < len(taken) < 20
 
 

@@ -1,0 +1,53 @@
+"""Names of a module for the stranger's test of docs/contributing.md.
+
+Run as ``python validation/names.py contact.refine [seed]``: prints twenty names that the module
+defines (functions, classes, parameters, variables, attributes and constants), drawn at random by
+the seed, or all of them if there are fewer, each with the line where it first appears.
+"""
+
+from __future__ import annotations
+
+import ast
+import random
+import sys
+from pathlib import Path
+
+LIBRARY = Path(__file__).parents[1] / "spectral_contact"
+ASKED = 20
+
+
+def defined_names(source: str) -> dict[str, int]:
+    """Return the names that a module defines, each with the line of its first definition."""
+    lines: dict[str, int] = {}
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.ClassDef():
+                name = node.name
+            case ast.arg():
+                name = node.arg
+            case ast.Name(ctx=ast.Store()):
+                name = node.id
+            case ast.Attribute(ctx=ast.Store()):
+                name = node.attr
+            case _:
+                continue
+        if not name.startswith("__") and name not in {"self", "_", "annotations"}:
+            lines[name] = min(node.lineno, lines.get(name, node.lineno))
+    return lines
+
+
+def main() -> None:
+    """Draw and print."""
+    module = sys.argv[1]
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    path = LIBRARY / (module.replace(".", "/") + ".py")
+    lines = defined_names(path.read_text())
+    names = sorted(lines)
+    drawn = random.Random(seed).sample(names, min(ASKED, len(names)))
+    print(f"{module}: {len(drawn)} of {len(names)} names, seed {seed}")
+    for name in sorted(drawn, key=lambda one: (lines[one], one)):
+        print(f"{lines[name]:5d}  {name}")
+
+
+if __name__ == "__main__":
+    main()
