@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -342,23 +342,24 @@ class SteadyCycle(Suggesting):
         with reported(path, "cannot be written"):
             replace_file(path, ("\n".join(lines) + "\n").encode())
 
-    def _rows(self) -> list[tuple[str, float | None, float | None]]:
+    @property
+    def _numbers(self) -> list[_Printed]:
         error = self.error
+        slip = float(self.slip_amplitude(1.0))
         return [
-            ("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
-            ("stick radius", self.stick_radius, error.stick_radius),
-            ("slip amplitude, edge", float(self.slip_amplitude(1.0)), error.slip_amplitude),
-            ("dissipation", self.dissipation, error.dissipation),
-            ("  unloading", self.unloading_dissipation, error.unloading_dissipation),
-            ("  reloading", self.reloading_dissipation, error.reloading_dissipation),
+            _Printed("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
+            _Printed("stick radius", self.stick_radius, error.stick_radius),
+            _Printed("slip amplitude, edge", slip, error.slip_amplitude),
+            *_losses(self, error),
         ]
 
     def summary(self) -> str:
         """Return the numbers with their errors as text, in SI units as well if there are any."""
-        cells = [("quantity", "value", "error estimate")]
-        cells += [(name, digits_text(v, e), estimate_text(e)) for name, v, e in self._rows()]
         load = f"load between 1 and {self.lowest!r} of the largest"
-        parts = [f"{scene_text(self.scene)}\n{load}; rtol = {self.rtol!r}", table(cells)]
+        parts = [
+            f"{scene_text(self.scene)}\n{load}; rtol = {self.rtol!r}",
+            _table("quantity", self._numbers),
+        ]
         if self.scene.physical is not None:
             parts.append(str(self.physical))
         if self.lowest >= self.shakedown_ratio:
@@ -379,6 +380,34 @@ class SteadyCycle(Suggesting):
         else:
             numbers += f" dissipation={self.dissipation:.16g}"
         return f"<SteadyCycle lowest={self.lowest:.6g} {numbers} converged={self.converged}>"
+
+
+class _Printed(NamedTuple):
+    """A number as it is printed."""
+
+    name: str
+    value: float | None
+    error: float | None
+    unit: str = ""
+
+
+def _losses(
+    cycle: SteadyCycle | PhysicalSteadyCycle, error: CycleErrors, unit: str = ""
+) -> list[_Printed]:
+    """Return what is dissipated, and of it what either way takes."""
+    return [
+        _Printed("dissipation", cycle.dissipation, error.dissipation, unit),
+        _Printed("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
+        _Printed("  reloading", cycle.reloading_dissipation, error.reloading_dissipation, unit),
+    ]
+
+
+def _table(title: str, numbers: list[_Printed]) -> str:
+    cells = [(title, "value", "error estimate")]
+    for one in numbers:
+        unit = f" {one.unit}" if one.unit and one.value is not None else ""
+        cells.append((one.name, digits_text(one.value, one.error) + unit, estimate_text(one.error)))
+    return table(cells)
 
 
 def _given(
@@ -456,25 +485,15 @@ class PhysicalSteadyCycle(Suggesting):
 
     def __str__(self) -> str:
         error = self.cycle.error
-        rows: list[tuple[str, float | None, str, float | None]] = [
-            ("largest load", self.load, "N", 0.0),
-            ("lowest load", self.lowest_load, "N", 0.0),
-            ("stick radius", self.stick_radius, "m", error.stick_radius),
-            (
-                "slip amplitude, edge",
-                float(self.slip_amplitude(from_edge=0.0)),
-                "m",
-                error.slip_amplitude,
-            ),
-            ("dissipation", self.dissipation, "J", error.dissipation),
-            ("  unloading", self.unloading_dissipation, "J", error.unloading_dissipation),
-            ("  reloading", self.reloading_dissipation, "J", error.reloading_dissipation),
+        slip = float(self.slip_amplitude(from_edge=0.0))
+        numbers = [
+            _Printed("largest load", self.load, 0.0, "N"),
+            _Printed("lowest load", self.lowest_load, 0.0, "N"),
+            _Printed("stick radius", self.stick_radius, error.stick_radius, "m"),
+            _Printed("slip amplitude, edge", slip, error.slip_amplitude, "m"),
+            *_losses(self, error, "J"),
         ]
-        cells = [("SI", "value", "error estimate")]
-        for name, value, unit, own in rows:
-            shown = digits_text(value, own) + (f" {unit}" if value is not None else "")
-            cells.append((name, shown, estimate_text(own)))
-        return table(cells)
+        return _table("SI", numbers)
 
     def __repr__(self) -> str:
         return f"<PhysicalSteadyCycle of {self.cycle!r}>"

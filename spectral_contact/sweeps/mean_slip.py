@@ -106,7 +106,7 @@ def annulus_nodes(
 
 
 @dataclass(frozen=True, slots=True)
-class _Panel:
+class _SeriesPanel:
     """``ln A`` between two values of tau, as a Chebyshev series; `error` is that of A, relative."""
 
     start: float
@@ -154,7 +154,7 @@ class MeanSlipCurve:
     ) -> None:
         self._solve, self._lowest, self._critical, self._scale = solve, lowest, critical, scale
         self._solved: dict[float, tuple[Solution, Mean]] = {}
-        self._panels: list[_Panel] = []
+        self._panels: list[_SeriesPanel] = []
         #: short intervals of tau in which zones appear or vanish
         self._crossings: dict[float, float] = {}
         #: what the integral of A beyond the last panel is at most
@@ -212,10 +212,10 @@ class MeanSlipCurve:
             # where A has fallen, fewer of its digits count
             share = min(here / whole, 1.0)
             if start in self._crossings:
-                panel: _Panel | float = self._crossing(start)
+                panel: _SeriesPanel | float = self._crossing(start)
             else:
                 panel = self._panel(start, start + width, min(rtol / share, 1e-3))
-            if not isinstance(panel, _Panel):
+            if not isinstance(panel, _SeriesPanel):
                 width = panel
                 continue
             self._panels.append(panel)
@@ -229,7 +229,7 @@ class MeanSlipCurve:
         else:
             self._beyond = math.inf
 
-    def _panel(self, start: float, stop: float, tolerance: float) -> _Panel | float:
+    def _panel(self, start: float, stop: float, tolerance: float) -> _SeriesPanel | float:
         """Return the series on a panel, or the width of a narrower one to be tried."""
         for degree in _DEGREES:
             local = -np.cos(np.pi * np.arange(degree + 1) / degree)
@@ -247,11 +247,11 @@ class MeanSlipCurve:
             if not known < 1.0:
                 break
             if missing <= max(tolerance, known):
-                return _Panel(start, stop, terms, missing + _SAFETY * known)
+                return _SeriesPanel(start, stop, terms, missing + _SAFETY * known)
         if stop - start > 2.0 * _NARROWEST:
             return (stop - start) / 2.0
         logs = np.log(np.maximum(values, np.finfo(float).tiny))
-        return _Panel(start, stop, chebyshev.chebfit(local, logs, degree), math.inf)
+        return _SeriesPanel(start, stop, chebyshev.chebfit(local, logs, degree), math.inf)
 
     def _zones(self, tau: float) -> list[str]:
         self._mean(tau)
@@ -270,14 +270,14 @@ class MeanSlipCurve:
         self._crossings[low] = high
         return low
 
-    def _crossing(self, start: float) -> _Panel:
+    def _crossing(self, start: float) -> _SeriesPanel:
         """Return the panel on which zones appear or vanish: so short that A is a parabola."""
         stop = self._crossings[start]
         local = np.array([-1.0, 0.0, 1.0])
         means = [self._mean(tau) for tau in (start, (start + stop) / 2.0, stop)]
         terms = chebyshev.chebfit(local, np.log([one.value for one in means]), 2)
         known = max(one.error for one in means)
-        return _Panel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + known))
+        return _SeriesPanel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + known))
 
     def integrate(self, weight: Callable[[Array], Array], friction: float, step: float) -> Mean:
         """Return the integral of A times a weight that falls, from a friction on.
@@ -297,7 +297,8 @@ class MeanSlipCurve:
         """
         value = error = 0.0
         x, w = leggauss(_INNER)
-        for panel, start, stop in self._pieces(self._place(friction), step):
+        for panel, ends in self._pieces(self._place(friction), step):
+            start, stop = ends
             tau = start + (stop - start) * (x + 1.0) / 2.0
             f = self._friction(tau)
             terms = (stop - start) / 2.0 * w * self._slope(tau) * panel.mean(tau) * weight(f)
@@ -308,7 +309,9 @@ class MeanSlipCurve:
             error += self._beyond * float(weight(last)[0])
         return Mean(value, error)
 
-    def _pieces(self, first: float, step: float) -> Iterator[tuple[_Panel, float, float]]:
+    def _pieces(
+        self, first: float, step: float
+    ) -> Iterator[tuple[_SeriesPanel, tuple[float, float]]]:
         """Yield panels with the ends of pieces of them, fine where the distance from `first` is."""
         fine = first + step / float(self._slope(np.array(first))) * 2.0 ** np.arange(60)
         for panel in self._panels:
@@ -317,5 +320,5 @@ class MeanSlipCurve:
                 continue
             inner = fine[(fine > start) & (fine < panel.stop)].tolist()
             ends = [start, *inner, panel.stop]
-            for low, high in pairwise(ends):
-                yield panel, low, high
+            for piece in pairwise(ends):
+                yield panel, piece
