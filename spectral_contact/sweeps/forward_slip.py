@@ -27,8 +27,9 @@ def admissible_tractions(
 ) -> tuple[Array, Array]:
     """Return the bounds of a traction at the largest load with which nothing slips forward.
 
-    ``|q - (1 - l) q*(f (1 + l)/(1 - l))| <= f l p`` at every load l, which the states are for. Full
-    stick changes in proportion: it is enough to look where slip begins.
+    ``|q - (1 - l) q*(f (1 + l)/(1 - l))| <= f l p`` at every load l, which the states are for. In
+    full stick the change is in proportion to that of the load: it is enough to look where slip
+    begins, at the critical friction.
 
     Parameters
     ----------
@@ -40,11 +41,16 @@ def admissible_tractions(
     from_edge : ndarray
         The places.
     """
+    of_loop = float(states[0].scene.friction or 0.0)
     low = -limit
     high = limit
     for one in states:
         of_state = float(one.scene.friction or 0.0)
-        if np.isinf(of_state) or of_state == 0.0:
+        if of_state == math.inf:
+            of_state = one.critical_friction
+            if not of_loop < of_state < math.inf:
+                continue
+        if of_state == 0.0:
             continue
         load = (of_state - friction) / (of_state + friction)
         change = (1.0 - load) * np.asarray(one.traction(from_edge=from_edge))

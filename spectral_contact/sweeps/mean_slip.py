@@ -29,8 +29,8 @@ ASKED: Final = ("approach", "pressure", "traction", "slip", "zones", "stick_radi
 _DEGREES: Final = (8, 16)
 #: Width of the first panel, and the narrowest.
 _WIDTH, _NARROWEST = 2.0, 0.02
-#: How well a threshold is found.
-_BRACKET: Final = 2e-3
+#: How well a threshold is found, and how close to the begin of a panel one may be.
+_BRACKET, _STILL = 2e-3, 1e-9
 #: How many of the last coefficients tell what is missing, and by how much it may be more.
 _LAST, _SAFETY = 3, 2.0
 #: Most panels.
@@ -42,14 +42,14 @@ _POINTS, _FEWER, _FOLDS = 16, 12, 32
 _INNER: Final = 20
 
 
-class Mean(NamedTuple):
-    """The mean slip of one solution, and the estimate of its relative error."""
+class ValueWithError(NamedTuple):
+    """A number that is not negative, and the estimate of its error."""
 
     value: float
     error: float
 
 
-def mean_slip(solution: Solution) -> Mean:
+def mean_slip(solution: Solution) -> ValueWithError:
     """Return ``2 pi int p |u| s ds`` of a solution, by quadrature over the slip zones.
 
     Parameters
@@ -59,8 +59,8 @@ def mean_slip(solution: Solution) -> Mean:
 
     Returns
     -------
-    Mean
-        The error is infinite where no digit of the slip is known.
+    ValueWithError
+        The error is relative, and infinite where no digit of the slip is known.
     """
     value = other = weight = largest = 0.0
     for zone in solution.zones:
@@ -77,10 +77,11 @@ def mean_slip(solution: Solution) -> Mean:
             else:
                 other += float(load @ slip)
     if value == 0.0:
-        return Mean(0.0, 0.0)
+        return ValueWithError(0.0, 0.0)
     # the error of the slip is relative to its largest modulus
     of_slip = (solution.error.slip or 0.0) * largest * weight / value
-    return Mean(value, abs(value - other) / value + of_slip + (solution.error.pressure or 0.0))
+    of_rule = abs(value - other) / value
+    return ValueWithError(value, of_rule + of_slip + (solution.error.pressure or 0.0))
 
 
 def annulus_nodes(
@@ -153,7 +154,7 @@ class MeanSlipCurve:
         rtol: float,
     ) -> None:
         self._solve, self._lowest, self._critical, self._scale = solve, lowest, critical, scale
-        self._solved: dict[float, tuple[Solution, Mean]] = {}
+        self._solved: dict[float, tuple[Solution, ValueWithError]] = {}
         self._panels: list[_SeriesPanel] = []
         #: short intervals of tau in which zones appear or vanish
         self._crossings: dict[float, float] = {}
@@ -188,12 +189,12 @@ class MeanSlipCurve:
             return np.asarray(self._scale * np.exp(tau))
         return np.asarray((self._critical - self._lowest) * np.exp(-tau))
 
-    def _mean(self, tau: float) -> Mean:
+    def _mean(self, tau: float) -> ValueWithError:
         if tau not in self._solved:
             solution = self._solve(float(self._friction(np.array(tau))))
             mean = mean_slip(solution)
             if solution.ending is Ending.ZONES:
-                mean = Mean(mean.value, math.inf)
+                mean = ValueWithError(mean.value, math.inf)
             self._solved[tau] = solution, mean
         return self._solved[tau][1]
 
@@ -220,7 +221,8 @@ class MeanSlipCurve:
                 continue
             self._panels.append(panel)
             after = self._density(panel.stop)
-            fall = math.log(here / after) / width if 0.0 < after < here else 1.0 / width
+            length = panel.stop - panel.start
+            fall = math.log(here / after) / length if 0.0 < after < here else 1.0 / length
             self._beyond = after / fall
             if panel.stop >= last and self._beyond <= 0.1 * rtol * whole:
                 break
@@ -264,7 +266,7 @@ class MeanSlipCurve:
         if not changes:
             return None
         low, high = taus[changes[0] - 1], taus[changes[0]]
-        while high - low > _BRACKET or low == taus[0]:
+        while high - low > _BRACKET or (low == taus[0] and high - low > _STILL):
             middle = (low + high) / 2.0
             low, high = (middle, high) if self._zones(middle) == kinds[0] else (low, middle)
         self._crossings[low] = high
@@ -275,11 +277,14 @@ class MeanSlipCurve:
         stop = self._crossings[start]
         local = np.array([-1.0, 0.0, 1.0])
         means = [self._mean(tau) for tau in (start, (start + stop) / 2.0, stop)]
-        terms = chebyshev.chebfit(local, np.log([one.value for one in means]), 2)
+        values = np.maximum([one.value for one in means], np.finfo(float).tiny)
+        terms = chebyshev.chebfit(local, np.log(values), 2)
         known = max(one.error for one in means)
         return _SeriesPanel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + known))
 
-    def integrate(self, weight: Callable[[Array], Array], friction: float, step: float) -> Mean:
+    def integrate(
+        self, weight: Callable[[Array], Array], friction: float, step: float
+    ) -> ValueWithError:
         """Return the integral of A times a weight that falls, from a friction on.
 
         Parameters
@@ -292,7 +297,7 @@ class MeanSlipCurve:
 
         Returns
         -------
-        Mean
+        ValueWithError
             The error is absolute.
         """
         value = error = 0.0
@@ -304,10 +309,10 @@ class MeanSlipCurve:
             terms = (stop - start) / 2.0 * w * self._slope(tau) * panel.mean(tau) * weight(f)
             value += float(terms.sum())
             error += float(terms.sum()) * panel.error
-        if self._panels and self._beyond > 0.0:
-            last = self._friction(np.array([self._panels[-1].stop]))
+        if self._beyond > 0.0:
+            last = self._friction(np.array([self._panels[-1].stop if self._panels else 0.0]))
             error += self._beyond * float(weight(last)[0])
-        return Mean(value, error)
+        return ValueWithError(value, error)
 
     def _pieces(
         self, first: float, step: float

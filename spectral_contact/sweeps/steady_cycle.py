@@ -23,14 +23,14 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.cycle_result import CycleErrors, SteadyCycle
 from spectral_contact.sweeps.forward_slip import forward_slack, slack_rounding
-from spectral_contact.sweeps.mean_slip import ASKED, Mean, MeanSlipCurve, mean_slip
+from spectral_contact.sweeps.mean_slip import ASKED, MeanSlipCurve, ValueWithError, mean_slip
 from spectral_contact.threads import one_thread
 
 _TOLERANCES: Final = "in [1e-11, 1e-2]"
 #: Tolerances of solves, over that of the dissipation: the first, and one closer.
 _CLOSER: Final = (0.1, 1e-3)
 #: How close to shakedown, over the whole range, loops of a family are that have all their digits.
-_NEXT: Final = 1e-2
+_LEAST_DISTANCE: Final = 1e-2
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
 
@@ -126,7 +126,7 @@ class CycleFamily:
     tolerance : float
         Of the solves.
     max_unknowns : int
-    most : float, optional
+    highest_friction : float, optional
         The largest friction that will be asked for; by default that of the scene.
     """
 
@@ -137,7 +137,7 @@ class CycleFamily:
         rtol: float,
         tolerance: float,
         max_unknowns: int,
-        most: float | None = None,
+        highest_friction: float | None = None,
     ) -> None:
         assert scene.friction is not None
         self._rtol, self._scene = rtol, scene
@@ -145,14 +145,14 @@ class CycleFamily:
         self._solve: Callable[[float], Solution] = lambda f: path.solve(scene.replace(friction=f))
         self._stick = self._solve(math.inf)
         critical = self._stick.critical_friction
-        most = scene.friction if most is None else most
-        frictions = [loop_friction(f, one) for f in (scene.friction, most) for one in lowest]
+        ends = scene.friction, highest_friction or scene.friction
+        frictions = [loop_friction(f, one) for f in ends for one in lowest]
         slipping = [one for one in frictions if 0.0 < one < critical]
         first = min(slipping, default=critical)
         # of the loops next to shakedown, which dissipate less, the digits count as well
         last = max(slipping, default=critical)
         if critical < math.inf:
-            last = min(last, critical - _NEXT * (critical - first))
+            last = min(last, critical - _LEAST_DISTANCE * (critical - first))
         scale = abs(scene.kappa) + first
         self._curve = MeanSlipCurve(self._solve, first, last, critical, scale, rtol)
 
@@ -161,16 +161,16 @@ class CycleFamily:
         friction = scene.friction
         assert friction is not None
         largest = self._stick.critical_friction
-        unsure = self._stick.error.critical_friction or 0.0
-        ratio, ratio_error = shakedown(largest, unsure, friction)
-        of_loop = loop_friction(friction, lowest)
+        critical_error = self._stick.error.critical_friction or 0.0
+        ratio, ratio_error = shakedown(largest, critical_error, friction)
+        loop_f = loop_friction(friction, lowest)
         # at the shakedown ratio itself no digit of the slip is known, and it does not count
-        at_shakedown = largest * (1.0 - unsure) <= of_loop < largest
-        loop = self._stick if at_shakedown else self._solve(of_loop)
-        between = [one for one in self._curve.states if (one.scene.friction or 0.0) > of_loop]
+        at_shakedown = largest * (1.0 - critical_error) <= loop_f < largest
+        loop = self._stick if at_shakedown else self._solve(loop_f)
+        between = [one for one in self._curve.states if (one.scene.friction or 0.0) > loop_f]
         states = (loop, *between, self._stick)
         if at_shakedown:
-            unloading = reloading = Mean(0.0, 1.0)
+            unloading = reloading = ValueWithError(0.0, 1.0)
         else:
             unloading, reloading = self._dissipated(friction, lowest, loop)
         slack = forward_slack(states, friction)
@@ -188,7 +188,7 @@ class CycleFamily:
             slack,
             CycleErrors(
                 shakedown_ratio=float(ratio_error),
-                stick_radius=unsure if at_shakedown else loop.error.stick_radius,
+                stick_radius=critical_error if at_shakedown else loop.error.stick_radius,
                 slip_amplitude=1.0 if at_shakedown else loop.error.slip,
                 traction=max(loop.error.traction or 0.0, loop.error.pressure or 0.0),
                 reloading_dissipation=_relative(reloading),
@@ -199,35 +199,37 @@ class CycleFamily:
         within = reloading.value == 0.0 or found.worst_error <= self._rtol
         return replace(found, converged=loop.converged and within)
 
-    def _dissipated(self, friction: float, lowest: float, loop: Solution) -> tuple[Mean, Mean]:
+    def _dissipated(
+        self, friction: float, lowest: float, loop: Solution
+    ) -> tuple[ValueWithError, ValueWithError]:
         """Return what unloading and reloading dissipate, with absolute errors."""
         mean = mean_slip(loop)
         if mean.value == 0.0 or friction == 0.0:
-            return Mean(0.0, 0.0), Mean(0.0, 0.0)
-        of_loop = loop_friction(friction, lowest)
+            return ValueWithError(0.0, 0.0), ValueWithError(0.0, 0.0)
+        loop_f = loop_friction(friction, lowest)
         above = self._curve.integrate(
-            lambda f: 4.0 * friction**2 / (f + friction) ** 3, of_loop, of_loop + friction
+            lambda f: 4.0 * friction**2 / (f + friction) ** 3, loop_f, loop_f + friction
         )
         below = self._curve.integrate(
             lambda f: 4.0 * (lowest * friction) ** 2 / (f - friction) ** 3,
-            of_loop,
-            of_loop - friction,
+            loop_f,
+            loop_f - friction,
         )
         whole = (1.0 - lowest) * mean.value
         lost = math.inf if loop.ending is Ending.ZONES else whole * mean.error
         return (
-            Mean(
+            ValueWithError(
                 friction * (lowest * whole + above.value), friction * (lowest * lost + above.error)
             ),
-            Mean(friction * (whole - below.value), friction * (lost + below.error)),
+            ValueWithError(friction * (whole - below.value), friction * (lost + below.error)),
         )
 
 
-def _sum(one: Mean, other: Mean) -> Mean:
-    return Mean(one.value + other.value, one.error + other.error)
+def _sum(one: ValueWithError, other: ValueWithError) -> ValueWithError:
+    return ValueWithError(one.value + other.value, one.error + other.error)
 
 
-def _relative(mean: Mean) -> float:
+def _relative(mean: ValueWithError) -> float:
     """Return the absolute error of a mean over its value; of 0 it is 1 if it may be more."""
     return mean.error / mean.value if mean.value > 0.0 else min(mean.error, 1.0)
 

@@ -101,8 +101,8 @@ def test_nothing_is_dissipated_from_the_shakedown_ratio_on():
         assert found.stick_radius == 1.0
         assert (found.slip_amplitude(np.linspace(0.0, 1.0, 5)) == 0.0).all()
         assert "shaken down" in found.summary()
-    found = steady_cycle(SCENE, 0.9995 * ratio, rtol=1e-6)
-    assert found.dissipation == pytest.approx(1.4547526e-10, rel=1e-6)
+    found = steady_cycle(SCENE, 0.9995 * ratio, rtol=1e-4)
+    assert found.dissipation == pytest.approx(1.4547526e-10, rel=1e-4)
     assert found.unloading_dissipation > 0.0 < found.reloading_dissipation
 
 
@@ -120,7 +120,7 @@ def test_next_to_the_shakedown_ratio_a_power_of_the_distance_is_dissipated(scene
 
 def test_the_mirror_has_the_same_loop():
     mirror = Scene.from_kappa(-SCENE.kappa, 0.5, 0.5, friction=0.1)
-    own, other = (steady_cycle(one, 0.15, rtol=1e-3) for one in (SCENE, mirror))
+    own, other = (steady_cycle(one, 0.15, rtol=1e-2) for one in (SCENE, mirror))
     assert other.dissipation == own.dissipation
     assert other.slip_amplitude(0.95) == own.slip_amplitude(0.95) > 0.0
     for at in ("highest", "lowest"):
@@ -143,10 +143,10 @@ def test_limits_dissipate_nothing(changes, stick):
 
 def test_without_tangential_compliance_every_cycle_dissipates():
     scene = SCENE.replace(tangential_compliance=0.0)
-    found = steady_cycle(scene, 0.95, rtol=1e-3)
+    found = steady_cycle(scene, 0.95, rtol=1e-2)
     assert found.shakedown_ratio == 1.0
     assert found.converged
-    assert 0.0 < found.dissipation < steady_cycle(scene, 0.9, rtol=1e-3).dissipation
+    assert 0.0 < found.dissipation < steady_cycle(scene, 0.9, rtol=1e-2).dissipation
 
 
 @pytest.mark.parametrize("lowest", [0.0, 1.0, -0.1, 1.5, math.nan, "half", None])
