@@ -115,6 +115,17 @@ def test_other_poisson_ratios_are_on_the_same_line(work):
             assert own[f"{name}_error"] <= 1e-8
 
 
+def test_next_to_the_critical_friction_the_line_is_known_as_well(work):
+    critical = solve(Scene(0.3, 0.5, 0.5, 1.0), 1e-12, ("critical_friction",)).critical_friction
+    frictions = critical * np.linspace(0.3, 0.9995, 100)
+    found = sweep(Scene(0.3, 0.5, 0.5), friction=frictions, quantities=["shakedown_ratio"])
+    assert len(work) < 60
+    assert found.shakedown_ratio_error.max() > 1e-8
+    exact = (critical - frictions) / (critical + frictions)
+    off = np.abs(found.shakedown_ratio.values / exact - 1.0)
+    assert (off <= found.shakedown_ratio_error.values + 1e-11).all()
+
+
 def test_where_a_node_fails_the_scenes_are_solved_one_by_one(monkeypatch):
     def broken(self, scene, logit):
         raise FloatingPointError
