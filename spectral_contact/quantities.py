@@ -8,6 +8,7 @@ __all__ = [
     "ADHESION_QUANTITIES",
     "FIELDS",
     "FLAT_QUANTITIES",
+    "FULL_STICK_RATIOS",
     "NUMBERS",
     "OUTPUTS",
     "PROFILE_QUANTITIES",
@@ -164,6 +165,12 @@ OUTPUTS = (
         "1",
         scenes="flat",
     ),
+    OutputQuantity(
+        "shakedown_ratio",
+        "shakedown ratio λ*, the lowest load over the largest of cycles that stop slipping",
+        "1",
+        scenes="flat",
+    ),
 )
 
 #: Names of what can be asked of a flat punch, most of it of any scene, in the order of a report.
@@ -182,3 +189,6 @@ NUMBERS = tuple(one.name for one in OUTPUTS if one.kind == "number")
 #: Those that a flat punch alone has, and those that take the traction.
 FLAT_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.scenes == "flat")
 TANGENTIAL_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.contact == "tangential")
+
+#: Those that take q/p of full stick and nothing of the slip.
+FULL_STICK_RATIOS = frozenset({"edge_ratio", "critical_friction", "shakedown_ratio"})

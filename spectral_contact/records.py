@@ -201,6 +201,7 @@ class ErrorEstimates:
     stiffness: float | None = None
     indentation_work: float | None = None
     stiffness_on_branch: float | None = None
+    shakedown_ratio: float | None = None
 
     def __post_init__(self) -> None:
         _make_plain(self)

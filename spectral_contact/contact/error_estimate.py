@@ -56,7 +56,7 @@ from spectral_contact.spectral.transforms import series_of
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.spectral.factored import Symmetric
+    from spectral_contact.spectral.factored import CholeskyFactoredSystem
 
 
 class FieldErrors(NamedTuple):
@@ -420,7 +420,7 @@ class ZoneEstimate:
         """
         system = self.system
         fields = self.solution
-        factors = cast("Symmetric", fields.factors)
+        factors = cast("CholeskyFactoredSystem", fields.factors)
         energies = factors.energies(fields.values)
         dual_energies = factors.energies(factors.step(system.shear_row))
         # by panels, the tail last

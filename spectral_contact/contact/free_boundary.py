@@ -35,7 +35,7 @@ from spectral_contact.contact.tuning import (
     ROUNDING,
 )
 from spectral_contact.fields.series import Array
-from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.factored import FactoredSystem, factored
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class FieldSolution:
     Attributes
     ----------
     system : ContactSystem
-    factors : Factored
+    factors : FactoredSystem
         Factors of the matrix of this system, or of one with slightly different boundaries.
     values : ndarray, shape (unknowns,)
         The vector of the system.
@@ -80,12 +80,12 @@ class FieldSolution:
     """
 
     system: ContactSystem
-    factors: Factored
+    factors: FactoredSystem
     values: Array
     defects: Array
 
     @classmethod
-    def first(cls, factors: Factored, system: ContactSystem | None = None) -> FieldSolution:
+    def first(cls, factors: FactoredSystem, system: ContactSystem | None = None) -> FieldSolution:
         """Return the direct solution with the factors, as a start in their system or another."""
         system = system or factors.system
         no_defects = np.zeros(len(system.radii))

@@ -116,7 +116,7 @@ def _with_unknown_pressure(totals: FullStick, zones: ZoneSolution) -> FullStick:
     # column 0 holds the coefficients of the solution, column 1 what the top two degrees contribute
     field_changes = relative_changes(system, zones.solution[:, 0], zones.solution[:, 1])
     changes = [(panels, change) for change in field_changes]
-    return result.with_ratios(panels.panels * panels.width, changes, _edge_change(zones))
+    return result.with_ratios(panels.count * panels.width, changes, _edge_change(zones))
 
 
 def _with_known_pressure(
@@ -147,7 +147,7 @@ def _with_known_pressure(
         pressure_changes = relative_panel_changes(contact.panels, top, contact.pressure.at_ends())
         changes.append((contact.panels, pressure_changes))
         edge_change += abs(series_of(contact.panels, top).limit / contact.pressure.value(0.0))
-    return result.with_ratios(panels.panels * panels.width, changes, edge_change)
+    return result.with_ratios(panels.count * panels.width, changes, edge_change)
 
 
 def _edge_change(zones: ZoneSolution) -> float:

@@ -211,7 +211,7 @@ def relative_panel_changes(
     panels : LogPanels
     change : ndarray, shape (panels.size,)
         Coefficients of the change.
-    size : ndarray, shape (panels.panels + 1,)
+    size : ndarray, shape (panels.count + 1,)
         Values of the field at the ends of the panels, as `LogSeries.at_ends` returns them; of the
         two of a panel the one with the lesser modulus is taken.
     leading_depth : float
@@ -223,14 +223,14 @@ def relative_panel_changes(
     total = np.abs(panels.table(change)).sum(axis=1)
     tail = sum(map(abs, change[-panels.tail_terms :].tolist()))
     if panels.power != 0.0:
-        d = np.exp(-panels.width * np.arange(1, panels.panels + 1))
+        d = np.exp(-panels.width * np.arange(1, panels.count + 1))
         total = total * d**panels.power
         tail = tail * panels.end**panels.power
     size = np.maximum(np.abs(size), TINY)
     relative = total / np.minimum(size[1:], size[:-1])
     relative[-1] = max(relative[-1], tail / size[-1])
     if min(leading_depth, cutoff_depth) < inf:
-        x = panels.width * np.arange(panels.panels)
+        x = panels.width * np.arange(panels.count)
         relative *= np.exp(-np.maximum(x - leading_depth, 0.0))
         relative[x > cutoff_depth] = 0.0
     return np.asarray(relative)

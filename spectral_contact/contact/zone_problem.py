@@ -50,7 +50,7 @@ from spectral_contact.contact.zone_spaces import (
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.factored import FactoredSystem, factored
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
@@ -246,7 +246,7 @@ class FreeBoundaryProblem:
                 logits = logits + iterate.newton_step
             self._layout = self._layout_of(logits, iterate.jacobian)
         spaces = self.spaces(self.field_tolerance, logits)
-        self._panel_counts = [space.panels.panels for space in spaces]
+        self._panel_counts = [space.panels.count for space in spaces]
         return concatenate_spaces(spaces)
 
     def split(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:
@@ -310,7 +310,7 @@ class _GivenRadius(FreeBoundaryProblem):
         spaces = self.split(resolution)
         logits = np.array(self._layout.logits)
         residuals = []
-        factors: Factored | None = None
+        factors: FactoredSystem | None = None
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
             system = self.system(spaces, logits, changes=True)

@@ -63,8 +63,8 @@ from spectral_contact.contact.tuning import (
 )
 from spectral_contact.contact.zone_fields import (
     edge_exponent,
-    edge_stick_width,
-    min_stick_radius,
+    estimated_edge_stick_width,
+    estimated_stick_radius,
     with_central_asymptote,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
@@ -236,7 +236,7 @@ class ZoneSearch(ABC):
     @property
     def _edge_stick_width(self) -> float:
         """The order of the width in ``y`` over which a smooth edge sticks."""
-        return edge_stick_width(self.parameters, 0.0)
+        return estimated_edge_stick_width(self.parameters, 0.0)
 
     @property
     def _edge_stick_is_resolvable(self) -> bool:
@@ -484,7 +484,7 @@ class CoupledSearch(ZoneSearch):
             yield violated
         rings = ring_layout(self.parameters, coupled=True)
         decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
-        if decided and rings.on_rings.positive:
+        if decided and rings.ring_state.pressure_is_positive:
             zones = self._with_edge_stick(
                 [radius.logit for radius in rings.boundaries], rings.states
             )
@@ -501,7 +501,7 @@ class CoupledSearch(ZoneSearch):
 
     @property
     def _edge_stick_width(self) -> float:
-        return edge_stick_width(self.parameters, edge_exponent(self.parameters))
+        return estimated_edge_stick_width(self.parameters, edge_exponent(self.parameters))
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether zones of these states are possible.
@@ -516,7 +516,7 @@ class CoupledSearch(ZoneSearch):
     @property
     def _stick_disk_below_range(self) -> bool:
         """Whether the stick disk is smaller than any that is solved for."""
-        return min_stick_radius(self.parameters) ** 2 < exp(-EPSILON_DEPTH)
+        return estimated_stick_radius(self.parameters) ** 2 < exp(-EPSILON_DEPTH)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         unrefuted = [outcome for outcome in outcomes if not outcome.violation_text]

@@ -108,7 +108,7 @@ def without_rounding(space: DiscreteSpace, end: Radius, extent: float) -> Discre
     """
     most = ceil((CUBIC_TAIL_DEPTH + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
-    return DiscreteSpace(replace(space.panels, panels=len(degrees)), degrees)
+    return DiscreteSpace(replace(space.panels, count=len(degrees)), degrees)
 
 
 def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
@@ -144,7 +144,7 @@ def split_spaces(
     for first, end in pairwise(bounds):
         panels = replace(
             resolution.panels,
-            panels=end - first,
+            count=end - first,
             power=power if end == bounds[-1] else 0.0,
             root_tail=resolution.panels.root_tail and first == 0,
         )
@@ -227,7 +227,7 @@ def known_pressure_spaces(
     # located, has a coarse pressure, too
     degree = slip_degree(FIELD_ROUNDING if tolerance < COARSE_TOL else tolerance)
     return [
-        DiscreteSpace(replace(space.panels, degree=degree), (degree,) * space.panels.panels)
+        DiscreteSpace(replace(space.panels, degree=degree), (degree,) * space.panels.count)
         if states[(part + 1) // 2]
         else space
         for part, space in enumerate(spaces)

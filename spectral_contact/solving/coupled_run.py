@@ -85,7 +85,7 @@ class CoupledRun(Run):
             )
         if states[PARTIAL_SLIP] is StepState.SKIPPED:
             return
-        if self.is_supercritical(stick):
+        if self.is_supercritical():
             self.store_supercritical(stick)
         else:
             self._run_coupled_slip(stick)

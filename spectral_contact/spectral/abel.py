@@ -14,15 +14,15 @@ Sources lie at the distance d', points at the distance d before the boundary or 
 `abel_regular`      ``1/2 int psi dd' / sqrt(abs(d' + e))``       (points clear of all sources)
 ==================  =================================================================
 
-Next to the boundary what counts are differences to the value there, which these give without
+Next to the boundary the differences to the value there matter, which these give without
 cancellation:
 
-========================  ===========================================================
-`left_increment`          ``abel_left(d) - abel_left(0)`` `exterior_with_decrement`
-``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)`` `opposite_end_decrement`  the same
-for the kernel ``1 / sqrt(2 + e - d')``: the points lie next to the
-                          other end of an annulus, whose two halves have unit extent
-========================  ===========================================================
+=========================  =========================================================================
+`left_increment`           ``abel_left(d) - abel_left(0)``
+`exterior_with_decrement`  ``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)``
+`opposite_end_decrement`   the same with the kernel ``1 / sqrt(2 + e - d')``: the points lie next to
+                           the other end of an annulus, whose two halves have unit extent
+=========================  =========================================================================
 
 In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
 alone. ``u = theta**2`` removes the square-root singularity, where u is the distance in ``x``

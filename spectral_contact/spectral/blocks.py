@@ -159,7 +159,7 @@ def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direc
         Which side of a node is integrated: "toward" the boundary, or "away" from it. "values" is
         "away" where increments are values (`_increments_are_values`).
     """
-    form = (panels.panels, panels.width, panels.degree)
+    form = (panels.count, panels.width, panels.degree)
     functions = panels.functions(degrees)
     nodes = points_of(panels, placement)
     d = nodes.d
@@ -184,7 +184,7 @@ def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -
     difference of the panel numbers alone.
     """
     terms = panels.degree + 1
-    form = (panels.panels, panels.width, panels.degree, panels.power)
+    form = (panels.count, panels.width, panels.degree, panels.power)
     functions = panels.functions(degrees)
     nodes = graded_nodes(panels, node_degrees)
     tail = abel_right_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
@@ -333,7 +333,7 @@ def abel_integral_on(
     It is the half-integral (side +1) or the inner integral (-1), (..., points), of functions given
     by all coefficients of the source's panels, (..., size).
     """
-    degrees = (source.panels.degree,) * source.panels.panels
+    degrees = (source.panels.degree,) * source.panels.count
     integrals = block(source, degrees, target, target.panels, side)
     assert integrals is not None
     return integrals.apply(coefficients.T).T
@@ -355,7 +355,7 @@ def _adjacent_block(
     source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes, differences: bool
 ) -> Block:
     """Return the integrals over a part that lies on the other side of the target's boundary."""
-    count = source.panels.panels
+    count = source.panels.count
     width = source.panels.width
     # distances past the boundary of the source, in its extents
     e = target.extent / source.extent * nodes.samples
@@ -387,7 +387,7 @@ def _opposite_half_block(
 
     # from values of the kernel at `_OPPOSITE_NODES` to integrals with the functions on all panels
     # but the first: polynomials in `_OPPOSITE_NODES` take more points than low degrees have
-    moments = moments_on(panels, (panels.degree,) * panels.panels)
+    moments = moments_on(panels, (panels.degree,) * panels.count)
     reach = np.exp(-panels.width)
     chebyshev = chebvander(2.0 * moments.d / reach - 1.0, len(_OPPOSITE_NODES) - 1)
     integrals = moments.with_densities((chebyshev @ _OPPOSITE_EXPANSION).T)
@@ -485,6 +485,6 @@ def _far_reduction(panels: LogPanels, degrees: Degrees) -> Array:
     left; the shape is (far nodes, functions).
     """
     # polynomials in `FAR_NODES` take more points than low degrees have
-    moments = moments_on(panels, (panels.degree,) * panels.panels)
+    moments = moments_on(panels, (panels.degree,) * panels.count)
     integrals = moments.with_densities(far_values(moments.d).T)
     return np.ascontiguousarray(integrals[:, panels.functions(degrees)])

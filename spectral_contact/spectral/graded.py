@@ -71,7 +71,7 @@ class GradedNodes:
         # the integrals of the functions of both neighbours have square roots at the ends of a
         # panel; at the centre the measure dt has one, too, which counts like one degree more
         around = [degrees[0] + 1, *degrees, TAIL_TERMS]
-        counts = [_node_count(max(around[j : j + 3])) for j in range(panels.panels)]
+        counts = [_node_count(max(around[j : j + 3])) for j in range(panels.count)]
         rules = [clustered_rule(count, h) for count in counts]
         self.from_start: list[Array] = [from_start for from_start, _ in rules]
         weights = np.concatenate([panel_weights for _, panel_weights in rules])

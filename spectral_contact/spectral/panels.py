@@ -57,7 +57,7 @@ class LogPanels:
 
     Parameters
     ----------
-    panels : int
+    count : int
         Number of panels, at least 1.
     width : float
         Width of each in ``x``.
@@ -70,7 +70,7 @@ class LogPanels:
         The tail is polynomial in ``sqrt(d)``, for square roots at the boundary.
     """
 
-    panels: int
+    count: int
     width: float
     degree: int
     power: float = 0.0
@@ -78,13 +78,13 @@ class LogPanels:
 
     @property
     def end(self) -> float:
-        """Distance ``exp(-panels * width)`` at which the tail begins."""
-        return float(np.exp(-self.panels * self.width))
+        """Distance ``exp(-count * width)`` at which the tail begins."""
+        return float(np.exp(-self.count * self.width))
 
     @property
     def size(self) -> int:
         """Number of coefficients, tail included."""
-        return self.panels * (self.degree + 1) + self.tail_terms
+        return self.count * (self.degree + 1) + self.tail_terms
 
     @property
     def tail_terms(self) -> int:
@@ -93,7 +93,7 @@ class LogPanels:
 
     def table(self, coefficients: Array) -> Array:
         """Return the coefficients on the panels as (panels, degree + 1), a view without tail."""
-        return coefficients[: -self.tail_terms].reshape(self.panels, self.degree + 1)
+        return coefficients[: -self.tail_terms].reshape(self.count, self.degree + 1)
 
     @property
     def tail_points(self) -> int:
@@ -132,7 +132,7 @@ class LogPanels:
         The shape is (panels, count).
         """
         g, _ = gauss_rule(count or self.samples)
-        return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
+        return self.width * (np.arange(self.count)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:
         """Return the distances of Gauss-Legendre points on a tail that is polynomial in d, (n,)."""
@@ -167,7 +167,7 @@ class LogPanels:
         if self.power != 0.0:
             return mass
         masses = self._masses()
-        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        extents = np.exp(-self.width * np.arange(self.count))[:, None, None]
         blocks = constant * extents * masses[0].panel + rising * extents**2 * masses[1].panel
         stop = 0
         for n, block in zip(degrees, blocks, strict=True):
@@ -187,9 +187,9 @@ class LogPanels:
         used = self.functions(degrees)
         inner = slice(-self.tail_terms)
         table[used] = values
-        on_panels = table[inner].reshape(self.panels, self.degree + 1, -1)
+        on_panels = table[inner].reshape(self.count, self.degree + 1, -1)
         (first, tail), (second, rising_tail) = self._masses()
-        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        extents = np.exp(-self.width * np.arange(self.count))[:, None, None]
         each = constant * extents * (first @ on_panels) + rising * extents**2 * (second @ on_panels)
         product[inner] = each.reshape(-1, values.shape[1])
         last = slice(-self.tail_terms, None)

@@ -33,13 +33,13 @@ MESHES = pytest.mark.parametrize("panels", PANELS, ids=str)
 def constant(panels):
     """Return the coefficients of ``d**power``."""
     ones = np.zeros(panels.size)
-    ones[: panels.panels * (panels.degree + 1) : panels.degree + 1] = 1.0
+    ones[: panels.count * (panels.degree + 1) : panels.degree + 1] = 1.0
     ones[-panels.tail_terms] = 1.0
     return ones
 
 
 def series(panels, coefficients):
-    table = coefficients[: -panels.tail_terms].reshape(panels.panels, -1)
+    table = coefficients[: -panels.tail_terms].reshape(panels.count, -1)
     tail = coefficients[-panels.tail_terms :]
     return LogSeries(table, tail, panels.width, panels.power, panels.root_tail)
 
@@ -144,7 +144,7 @@ def test_weights_integrate_over_the_radius(panels):
 @MESHES
 def test_shear_moments(panels):
     # 2 pi int s u s ds = pi int u sqrt(1 - d) dd
-    moments = disk_shear(panels, (panels.degree,) * panels.panels)
+    moments = disk_shear(panels, (panels.degree,) * panels.count)
     exact = np.pi * special.beta(1 + panels.power, 1.5)
     assert_allclose(moments @ constant(panels), exact, rtol=3e-15)
     end = mp.exp(-mp.mpf(panels.width))

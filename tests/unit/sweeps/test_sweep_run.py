@@ -331,6 +331,18 @@ def test_two_decompositions_have_the_full_stick_of_solve(always_shared, rtol, lo
             assert own <= rtol or found.ending[i] == "converged"
 
 
+def test_the_shakedown_ratio_of_the_spectra_is_that_of_solve(always_shared):
+    compliances, _ = random_compliances(12, -2.0, 2.0)
+    axes = {"tangential_compliance": np.sort(compliances), "friction": [0.0, 0.02, 0.1, np.inf]}
+    found = sweep(Scene(0.1, 0.3), **axes, quantities=["shakedown_ratio"])
+    for beta in axes["tangential_compliance"]:
+        for friction in axes["friction"]:
+            own = found.sel(tangential_compliance=beta, friction=friction)
+            truth = solve(Scene(0.1, 0.3, beta, friction), 1e-12, ["shakedown_ratio"])
+            error = float(own.shakedown_ratio_error) + truth.error.shakedown_ratio + 1e-15
+            assert abs(float(own.shakedown_ratio) - truth.shakedown_ratio) <= error
+
+
 GOLD_NAMES = {"approach": 1e-14, "total_shear": 1e-13, "edge_ratio": 1e-12}
 
 
