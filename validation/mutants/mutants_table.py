@@ -129,7 +129,7 @@ MUTANTS = (
     Mutant(
         "slip about to start is ruled out",
         f"{_PACKAGE}/solving/run.py",
-        "if critical > friction * (1.0 - stick.critical_error):",
+        'if self.errors["shakedown_ratio"] > 0.0:',
         "if False:",
         _COUPLED,
     ),
