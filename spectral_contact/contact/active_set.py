@@ -49,6 +49,8 @@ class RingLaw:
     parameters : Parameters
     coupled : bool
         Whether q acts back on p.
+    frozen : ndarray, shape (rings,), optional
+        The displacement of each ring if it sticks, for unit load; by default zero.
 
     Attributes
     ----------
@@ -57,11 +59,19 @@ class RingLaw:
         Displacement of each ring that a traction of 1 on this ring alone makes.
     """
 
-    def __init__(self, rings: RingOperators, parameters: Parameters, *, coupled: bool) -> None:
+    def __init__(
+        self,
+        rings: RingOperators,
+        parameters: Parameters,
+        *,
+        coupled: bool,
+        frozen: Array | None = None,
+    ) -> None:
         alpha, beta, kappa, friction = parameters
         self.rings = rings
         self.friction = friction
         self._root_area = np.sqrt(rings.mass)
+        self.frozen = np.zeros(len(rings.mass)) if frozen is None else frozen
         scale = np.outer(self._root_area, self._root_area)
         identity = np.eye(len(self._root_area))
         self._normal = rings.normal / scale + alpha * identity
@@ -81,16 +91,18 @@ class RingLaw:
             p, q = self._solve_coupled(sticking, ratio)
         else:
             p = self._known_pressure
-            q = self._solve_traction(p, sticking, ratio)
+            load = 2.0 * pi * float(p @ self._root_area)
+            frozen = load * self._root_area * self.frozen
+            q = self._solve_traction(p, sticking, ratio, frozen)
         load = 2.0 * pi * float(p @ self._root_area)
         p = p / load
         q = q / load
-        slip = self._tangential @ q - self._coupling @ p
-        slip[sticking] = 0.0
         root = self._root_area
-        return RingState(self, states, 1.0 / load, p / root, q / root, slip / root)
+        slip = (self._tangential @ q - self._coupling @ p) / root
+        slip[sticking] = self.frozen[sticking]
+        return RingState(self, states, 1.0 / load, p / root, q / root, slip)
 
-    def _solve_traction(self, p: Array, sticking: Integers, ratio: Array) -> Array:
+    def _solve_traction(self, p: Array, sticking: Integers, ratio: Array, frozen: Array) -> Array:
         """Return the traction under a known pressure, for unit approach.
 
         Parameters
@@ -100,9 +112,11 @@ class RingLaw:
             Numbers of the rings that stick.
         ratio : ndarray, shape (rings,)
             q/p of the rings that slip.
+        frozen : ndarray, shape (rings,)
+            Displacement of the rings that stick.
         """
         q = ratio * p
-        right = (self._coupling @ p - self._tangential @ q)[sticking]
+        right = (self._coupling @ p - self._tangential @ q + frozen)[sticking]
         if len(sticking):
             q[sticking] = Cholesky(self._tangential[np.ix_(sticking, sticking)]).solve(right)
         return q
@@ -164,7 +178,7 @@ class RingState:
 
         Unlike the traction it passes smoothly from stick to slip.
         """
-        return self.traction - self.slip / self.law.self_compliance
+        return self.traction - (self.slip - self.law.frozen) / self.law.self_compliance
 
     @property
     def margin(self) -> Array:
@@ -263,6 +277,7 @@ def ring_layout(
     coupled: bool,
     rings: int = FIRST_RINGS,
     splits: int = RING_SPLITS,
+    unloaded_to: float = 1.0,
 ) -> RingLayout:
     """Return the zones that the friction law makes on rings.
 
@@ -276,7 +291,20 @@ def ring_layout(
         Rings of the first grid, but for those next to the centre and the edge.
     splits : int
         How often the rings around boundaries are split.
+    unloaded_to : float
+        The load over the largest load there was before, without coupling. Below 1 what sticks has
+        the displacement of before.
     """
+
+    def solved(logits: Array, states: Integers) -> RingState:
+        operators = ring_operators(logits)
+        loaded = solve_active_set(RingLaw(operators, parameters, coupled=coupled), states)
+        if unloaded_to == 1.0:
+            return loaded
+        frozen = loaded.slip / unloaded_to
+        law = RingLaw(operators, parameters, coupled=coupled, frozen=frozen)
+        return solve_active_set(law, loaded.states)
+
     logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, EPSILON_DEPTH, EPSILON_DEPTH)
     states = np.zeros(len(logits) - 1, dtype=int)
     if coupled:
@@ -284,14 +312,9 @@ def ring_layout(
         states = solve_active_set(
             RingLaw(ring_operators(logits), parameters, coupled=False), states
         ).states
-    on_rings = solve_active_set(
-        RingLaw(ring_operators(logits), parameters, coupled=coupled), states
-    )
+    on_rings = solved(logits, states)
     for _ in range(splits):
-        logits, states = _split(on_rings)
-        on_rings = solve_active_set(
-            RingLaw(ring_operators(logits), parameters, coupled=coupled), states
-        )
+        on_rings = solved(*_split(on_rings))
     zone_states = _without_spurious_zones(on_rings.states) if splits else on_rings.states
     last_rings, boundaries = _boundaries(replace(on_rings, states=zone_states))
     outermost = len(zone_states) - 1

@@ -356,3 +356,14 @@ PATH_POINTS = 6
 MAX_EXTRAPOLATION = 1.0
 #: Scenes are on one line if they are off it by less than this part of their largest distance.
 COLLINEARITY = 1e-6
+
+# The first unloading
+
+#: Fields at which it is decided whether a slip zone grows as the load falls.
+TURNING_TOLERANCE = 1e-8
+#: Error of the rate of a boundary, in its logit over the logarithm of the load.
+TURNING_RATE_ERROR = 1e-8
+#: Step of the logarithm of the load ratio in the search for thresholds of it.
+TURNING_STEP = 1e-3
+#: Width of the slip back at the edge that is tried where rings show none.
+NARROW_REVERSE_SLIP = 1e-6

@@ -53,6 +53,7 @@ from spectral_contact.contact.zone_spaces import (
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
+from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import Factored, factored
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -80,6 +81,8 @@ class FreeBoundaryProblem:
         Without elastic coupling, the contact with the pressure; parameters are those for kappa = 1.
     boundary_tolerance : float, optional
         Bound on the relative errors of the boundaries; by default the tolerance.
+    displacement : KnownDisplacement, optional
+        That of what sticks, under a known pressure.
     """
 
     def __init__(
@@ -91,6 +94,7 @@ class FreeBoundaryProblem:
         pointwise: bool = True,
         known: NormalContact | None = None,
         boundary_tolerance: float | None = None,
+        displacement: KnownDisplacement | None = None,
     ) -> None:
         self.parameters = parameters
         self.pointwise = pointwise
@@ -100,6 +104,7 @@ class FreeBoundaryProblem:
         self.warm_start = layout.jacobian is not None
         self._layout = layout
         self._known = known
+        self._displacement = displacement
         self._panel_counts: list[int] = []
 
     # systems
@@ -159,6 +164,7 @@ class FreeBoundaryProblem:
             self.parameters,
             pressures,
             truncated=changes and self._known is not None,
+            displacement=self._displacement,
         )
 
     def _newton(self, spaces: Sequence[DiscreteSpace], *, changes: bool = False) -> FreeBoundary:
@@ -196,7 +202,7 @@ class FreeBoundaryProblem:
         logits = np.array(layout.logits)
         spaces = self.spaces(COARSE_TOL, logits)
         newton = self._newton(spaces)
-        jacobian = self._jacobian(spaces, logits)
+        jacobian = self.jacobian(spaces, logits)
         boundary_tol = min(COARSE_TOL, 0.5 * JACOBIAN_RANGE * min_zone_width(logits))
         iterate = newton.solve(newton.start(logits, jacobian), boundary_tol, COARSE_TOL)
         next_step = float(np.abs(iterate.newton_step).max())
@@ -214,7 +220,7 @@ class FreeBoundaryProblem:
         logit, slope = enclosed_root(residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
-    def _jacobian(
+    def jacobian(
         self, spaces: Sequence[DiscreteSpace], logits: Array, tolerance: float = JACOBIAN_FIELD_TOL
     ) -> Array:
         """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
@@ -279,7 +285,7 @@ class FreeBoundaryProblem:
         if not iterate.converged:
             # next to the onset of a zone no step is below the tolerance, and Broyden's Jacobian is
             # not accurate enough for the estimates
-            jacobian = self._jacobian(
+            jacobian = self.jacobian(
                 self.spaces(COARSE_TOL, iterate.logits), iterate.logits, ROUNDING
             )
             iterate = replace(iterate, jacobian=jacobian)

@@ -88,7 +88,7 @@ class Factored:
         values[0, 0] = system.pressure_known
         values[1 : 1 + changes, count:] = np.eye(changes)
         units = np.eye(count, values.shape[1])
-        values += self.step(system.project(system.pointwise_residual(values, units[0], units[1:])))
+        values += self.step(system.residual(values, units[0], units[1:]))
         if not system.symmetric:
             # next to a narrow edge that sticks the factors lose digits of the responses to defects
             no_approach = np.zeros(count - 1)

@@ -118,6 +118,16 @@ class PhysicalSolution(choices.Suggesting):
         return float(self._in_si("stiffness"))
 
     @property
+    def reverse_ratio(self) -> float:
+        """Load over the largest load at which slip back begins."""
+        return self.solution.reverse_ratio
+
+    @property
+    def turning_ratio(self) -> float:
+        """Load over the largest load below which the history counts."""
+        return self.solution.turning_ratio
+
+    @property
     def stiffness_on_branch(self) -> float:
         """With adhesion dP/dδ along the curve of states [N/m]."""
         return float(self._in_si("stiffness_on_branch"))

@@ -1,0 +1,327 @@
+"""The first unloading: zones and fields at a load below the largest one, without coupling.
+
+Where the surface has slipped under growing load and sticks now, it keeps the displacement u_r that
+slip has left it with; where it has not slipped, u_r is zero. So the state at the load ratio lambda
+solves the same equations as that at the largest load, with a known displacement in what sticks
+(`spectral.contact_system`). All is divided by lambda, so that the pressure is that of unit load and
+the displacement is ``1/lambda`` times that at the largest load.
+
+From the centre outward the surface sticks, slips on (forward, q = +f p), sticks with memory and,
+below the *reverse ratio* of loads, slips back (q = -f p). Such a state does not depend on the way
+from the largest load as long as no slip zone has become narrower on the way: then every point that
+slips has slipped since, and every point that sticks has not. The largest load ratio at which a
+boundary of a slip zone turns is the *turning ratio*; below it the history counts.
+
+Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, all for
+kappa = 1; the logit of a radius s is ``ln(s**2/(1 - s**2))``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import exp, inf, log
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq, newton
+
+from spectral_contact.contact.error_estimate import relative_size
+from spectral_contact.contact.free_boundary import FieldSolution, corrected
+from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.refine import Refinement, refine
+from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
+from spectral_contact.contact.tuning import (
+    MAX_ZONES,
+    NARROW_REVERSE_SLIP,
+    ROUNDING,
+    TURNING_RATE_ERROR,
+    TURNING_STEP,
+    TURNING_TOLERANCE,
+)
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
+from spectral_contact.contact.zone_search import Candidate, NoZonesError, ZoneSearch
+from spectral_contact.fields.series import Array, Radius
+from spectral_contact.records import UNLOADING
+from spectral_contact.spectral.contact_fields import KnownDisplacement
+from spectral_contact.spectral.factored import factored
+from spectral_contact.threads import cached_property
+
+if TYPE_CHECKING:
+    from spectral_contact.contact.error_estimate import ZoneSolution
+    from spectral_contact.contact.zone_search import Record, UncoupledSearch
+
+
+#: Depths between samples at which the least q/p is looked for.
+_REFINED = 1001
+
+
+class LoadRatio(NamedTuple):
+    """A threshold of the load ratio, with an estimate of its relative error."""
+
+    value: float
+    error: float
+
+
+@dataclass(eq=False)
+class UnloadedSearch(ZoneSearch):
+    """The search for the zones at one load ratio.
+
+    Parameters
+    ----------
+    contact : NormalContact
+        Normal contact, whose pressure is known.
+    before : KnownDisplacement
+        The displacement at the largest load, times one over the load ratio.
+    load_ratio : float
+        Below 1.
+    reversing : bool
+        Whether zones may slip back. If not, the friction law may be broken at the edge.
+    """
+
+    contact: NormalContact
+    before: KnownDisplacement
+    load_ratio: float
+    reversing: bool = True
+
+    def _candidates(self) -> Iterator[Candidate]:
+        """Yield candidates: the zones at a like load, and those that rings show."""
+        if self.warm_start is not None:
+            yield Candidate(self.warm_start, "the zones at a like load", predicted=True)
+        from spectral_contact.contact.active_set import ring_layout
+
+        rings = ring_layout(self.parameters, coupled=False, unloaded_to=self.load_ratio)
+        logits = tuple(radius.logit for radius in rings.boundaries)
+        zones = Layout(logits, rings.states)
+        if self.reversing:
+            yield Candidate(zones, "the zones of an active set on rings")
+        forward = _without_reverse_slip(zones)
+        if forward.states != zones.states or not self.reversing:
+            yield Candidate(forward, "the zones on rings, without slip back")
+        if -1 not in zones.states and zones.states[-1] == 0 and self.reversing:
+            # slip back is about to begin, on less than a ring
+            narrow = Radius(1.0 - NARROW_REVERSE_SLIP, NARROW_REVERSE_SLIP).logit
+            begun = Layout((*logits, narrow), (*zones.states, -1))
+            yield Candidate(begun, "the zones on rings, and slip back at the edge")
+
+    def _is_possible(self, zones: Layout) -> bool:
+        """Return whether there may be such zones: stick at the centre, and memory further out."""
+        return zones.states[0] == 0 and 3 <= len(zones.states) <= MAX_ZONES + 2
+
+    def problem(self, zones: Layout, tolerance: float) -> FreeBoundaryProblem:
+        """Return the equations on these zones."""
+        return FreeBoundaryProblem(
+            self.parameters, zones, tolerance, known=self.contact, displacement=self.before
+        )
+
+    def _solve(self, candidate: Candidate) -> PartialSlip:
+        begin = perf_counter()
+        refinement = refine(
+            self.problem(candidate.zones, self.tolerance), self.tolerance, self.max_unknowns
+        )
+        self.solved: ZoneSolution = self.record(UNLOADING, refinement, begin)
+        return zones_outcome(self.solved, self.parameters, self.contact)
+
+    def solve_zones(self, zones: Layout) -> ZoneSolution:
+        """Return the solution on zones near these, which the friction law is not asked about."""
+        with np.errstate(all="ignore"):
+            problem = self.problem(zones, self.tolerance)
+            return refine(problem, self.tolerance, self.max_unknowns).best.value
+
+    def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
+        raise NoZonesError("; ".join(trial.text for trial in self._trials))
+
+    def growth(self, zones: Layout, tolerance: float) -> Array:
+        """Return by how much the slip zones grow at their ends, per ``-d ln(load)``.
+
+        At given boundaries the boundary residual r is linear in the displacement that what sticks
+        keeps, which goes like one over the load. So with ``r_0`` the residual without it and J the
+        Jacobian, ``d logit / d ln(load) = -J^-1 r_0``.
+
+        Returns
+        -------
+        ndarray, shape (boundaries,)
+            Changes of the logits, positive where slip grows.
+        """
+        logits = np.array(zones.logits)
+        problem = self.problem(zones, tolerance)
+        spaces = problem.spaces(tolerance, logits)
+        jacobian = problem.jacobian(spaces, logits, ROUNDING)
+        undisplaced = FreeBoundaryProblem(self.parameters, zones, tolerance, known=self.contact)
+        start = FieldSolution.first(factored(undisplaced.system(spaces, logits)))
+        residual = corrected(start, tolerance, relative_size).fields.boundary_residual
+        # a boundary grows the slip outside of it as it moves inward
+        inward = np.where(np.array(zones.states[1:]) != 0, 1.0, -1.0)
+        return np.asarray(-inward * np.linalg.solve(jacobian, residual))
+
+
+def _without_reverse_slip(zones: Layout) -> Layout:
+    """Return the zones with stick in place of slip back, and no boundary between stick zones."""
+    logits: list[float] = []
+    states = [zones.states[0]]
+    for logit, state in zip(zones.logits, zones.states[1:], strict=True):
+        forward = max(state, 0)
+        if forward != states[-1]:
+            logits.append(logit)
+            states.append(forward)
+    return Layout(tuple(logits), tuple(states))
+
+
+class HistoryError(ArithmeticError):
+    """The load is below the turning ratio, so that the state depends on the way to it.
+
+    Attributes
+    ----------
+    turning : LoadRatio
+    """
+
+    def __init__(self, turning: LoadRatio) -> None:
+        super().__init__(
+            f"below the turning ratio {turning.value:.7g} it depends on the loads in between"
+        )
+        self.turning = turning
+
+
+class Unloading:
+    """The first unloading from one loaded state.
+
+    Parameters
+    ----------
+    search : UncoupledSearch
+        That for the zones at the largest load.
+    loaded : PartialSlip
+        Its outcome, on zones that were solved for.
+    """
+
+    def __init__(self, search: UncoupledSearch, loaded: PartialSlip) -> None:
+        self._parameters = search.parameters
+        self._contact = search.contact
+        self._stick = search.stick
+        self._loaded = loaded
+        self._tolerance = search.tolerance
+        self._max_unknowns = search.max_unknowns
+        samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
+        self._slip_error = loaded.slip_error * float(np.abs(samples).max())
+
+    def state(self, load_ratio: float, record: Record) -> PartialSlip:
+        """Return the state at a load ratio below 1, for unit load.
+
+        Parameters
+        ----------
+        load_ratio : float
+        record : callable
+            As of `ZoneSearch`.
+
+        Raises
+        ------
+        HistoryError
+            If the load ratio is below the turning ratio.
+        NoZonesError
+            If the friction law holds on no zones that are tried.
+        """
+        search = self._search(load_ratio, record)
+        outcome = search.outcome()
+        assert outcome.layout is not None
+        if not search.growth(outcome.layout, TURNING_TOLERANCE).min() > 0.0:
+            turning = self.turning_ratio
+            if turning.value * (1.0 + turning.error) > load_ratio:
+                raise HistoryError(turning)
+        return outcome
+
+    def _search(
+        self,
+        load_ratio: float,
+        record: Record | None = None,
+        *,
+        start: Layout | None = None,
+        reversing: bool = True,
+    ) -> UnloadedSearch:
+        """Return the search at a load ratio."""
+        before = KnownDisplacement(
+            self._loaded.slip, 1.0 / load_ratio, self._slip_error / load_ratio
+        )
+        return UnloadedSearch(
+            self._parameters,
+            self._stick,
+            self._tolerance,
+            self._max_unknowns,
+            record or _unrecorded,
+            self._contact,
+            before,
+            load_ratio,
+            reversing,
+            warm_start=start,
+        )
+
+    @cached_property
+    def reverse_ratio(self) -> LoadRatio:
+        """The load ratio below which the surface slips back somewhere.
+
+        That is where q in a zone with memory, solved for without slip back, reaches -f p.
+        """
+        zones: Layout | None = None
+        error = inf
+
+        def margin(log_load: float) -> float:
+            nonlocal zones, error
+            search = self._search(exp(log_load), reversing=False)
+            if zones is None:
+                zones = list(search._candidates())[-1].zones
+            solved = search.solve_zones(zones)
+            zones = solved.layout
+            error = solved.traction_error + solved.pressure_error
+            return _reverse_margin(solved, self._parameters.friction)
+
+        critical, friction = self._stick.critical, self._parameters.friction
+        start = log((critical - friction) / (critical + friction))  # where cycles shake down
+        root = newton(margin, start, x1=start - TURNING_STEP, tol=self._tolerance)
+        slope = (margin(root + TURNING_STEP) - margin(root)) / TURNING_STEP
+        return LoadRatio(exp(root), 2.0 * error / abs(slope) + self._tolerance)
+
+    @cached_property
+    def turning_ratio(self) -> LoadRatio:
+        """The load ratio at which the first boundary of a slip zone turns."""
+        zones: Layout | None = None
+
+        def margin(log_load: float) -> float:
+            nonlocal zones
+            search = self._search(exp(log_load), start=zones)
+            zones = search.outcome().layout
+            assert zones is not None
+            return float(search.growth(zones, TURNING_TOLERANCE).min())
+
+        above = log(self.reverse_ratio.value * (1.0 - self.reverse_ratio.error))
+        step = TURNING_STEP
+        while margin(above - step) > 0.0:
+            above -= step
+            step *= 2.0
+        root = brentq(margin, above - step, above, xtol=TURNING_RATE_ERROR)
+        slope = (margin(root + TURNING_STEP) - margin(root)) / TURNING_STEP
+        return LoadRatio(exp(root), TURNING_RATE_ERROR * (1.0 + 1.0 / abs(slope)))
+
+
+def _unrecorded(name: str, result: Any, begin: float) -> Any:
+    """Return the value of a result, of which no work is noted."""
+    return result.best.value if isinstance(result, Refinement) else result
+
+
+def _reverse_margin(solved: ZoneSolution, friction: float) -> float:
+    """Return the least ``q/(f p) + 1`` in the zones that stick with memory."""
+
+    def ratio(k: int, depths: Array) -> Array:
+        d = np.exp(-depths)
+        s = np.sqrt(solved.system.parts[k].mesh.points(d).z)
+        return np.asarray(s * solved.shears[k](d) / (friction * solved.pressures[k](d)))
+
+    depths = -np.log(DISTANCES)
+    least = inf
+    for k in solved.system.known_displacement:
+        values = ratio(k, depths)
+        i = int(np.argmin(values))
+        ends = depths[[max(i - 1, 0), min(i + 1, len(depths) - 1)]]
+        around = np.linspace(ends[0], ends[1], _REFINED)
+        least = min(least, float(ratio(k, around).min()))
+    return least + 1.0
