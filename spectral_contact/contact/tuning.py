@@ -359,11 +359,14 @@ COLLINEARITY = 1e-6
 
 # The first unloading
 
-#: Fields at which it is decided whether a slip zone grows as the load falls.
+#: Tolerance of the fields that tell by how much slip zones grow as the load falls; and that where
+#: nothing slips back, before any of them turns.
 TURNING_TOLERANCE = 1e-8
-#: Error of the rate of a boundary, in its logit over the logarithm of the load.
-TURNING_RATE_ERROR = 1e-8
-#: Step of the logarithm of the load ratio in the search for thresholds of it.
-TURNING_STEP = 1e-3
+FIRST_GROWTH_TOLERANCE = 1e-5
+#: Error of the growth of a zone, in a logit over the logarithm of the load.
+GROWTH_ERROR = 1e-8
+#: First step of the logarithm of the load in the search for thresholds of it, and most steps.
+LOAD_STEP = 3e-3
+MAX_LOAD_STEPS = 20
 #: Width of the slip back at the edge that is tried where rings show none.
 NARROW_REVERSE_SLIP = 1e-6

@@ -18,14 +18,13 @@ kappa = 1; the logit of a radius s is ``ln(s**2/(1 - s**2))``.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import exp, inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, newton
 
 from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
@@ -35,11 +34,13 @@ from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.tuning import (
+    FIRST_GROWTH_TOLERANCE,
+    GROWTH_ERROR,
+    LOAD_STEP,
+    MAX_LOAD_STEPS,
     MAX_ZONES,
     NARROW_REVERSE_SLIP,
     ROUNDING,
-    TURNING_RATE_ERROR,
-    TURNING_STEP,
     TURNING_TOLERANCE,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
@@ -225,7 +226,9 @@ class Unloading:
         search = self._search(load_ratio, record)
         outcome = search.outcome()
         assert outcome.layout is not None
-        if not search.growth(outcome.layout, TURNING_TOLERANCE).min() > 0.0:
+        turns_next = -1 in outcome.layout.states
+        tolerance = TURNING_TOLERANCE if turns_next else FIRST_GROWTH_TOLERANCE
+        if not search.growth(outcome.layout, tolerance).min() > 0.0:
             turning = self.turning_ratio
             if turning.value * (1.0 + turning.error) > load_ratio:
                 raise HistoryError(turning)
@@ -238,6 +241,7 @@ class Unloading:
         *,
         start: Layout | None = None,
         reversing: bool = True,
+        tolerance: float | None = None,
     ) -> UnloadedSearch:
         """Return the search at a load ratio."""
         before = KnownDisplacement(
@@ -246,7 +250,7 @@ class Unloading:
         return UnloadedSearch(
             self._parameters,
             self._stick,
-            self._tolerance,
+            tolerance or self._tolerance,
             self._max_unknowns,
             record or _unrecorded,
             self._contact,
@@ -277,30 +281,51 @@ class Unloading:
 
         critical, friction = self._stick.critical, self._parameters.friction
         start = log((critical - friction) / (critical + friction))  # where cycles shake down
-        root = newton(margin, start, x1=start - TURNING_STEP, tol=self._tolerance)
-        slope = (margin(root + TURNING_STEP) - margin(root)) / TURNING_STEP
-        return LoadRatio(exp(root), 2.0 * error / abs(slope) + self._tolerance)
+        root, slope = _secant(margin, start, start - LOAD_STEP, self._tolerance)
+        return LoadRatio(exp(root), 2.0 * error / slope + self._tolerance)
 
     @cached_property
     def turning_ratio(self) -> LoadRatio:
-        """The load ratio at which the first boundary of a slip zone turns."""
+        """The load ratio at which a slip zone ceases to grow at one of its boundaries."""
         zones: Layout | None = None
 
-        def margin(log_load: float) -> float:
+        def growth(log_load: float) -> float:
             nonlocal zones
-            search = self._search(exp(log_load), start=zones)
+            search = self._search(exp(log_load), start=zones, tolerance=TURNING_TOLERANCE)
             zones = search.outcome().layout
             assert zones is not None
             return float(search.growth(zones, TURNING_TOLERANCE).min())
 
-        above = log(self.reverse_ratio.value * (1.0 - self.reverse_ratio.error))
-        step = TURNING_STEP
-        while margin(above - step) > 0.0:
-            above -= step
-            step *= 2.0
-        root = brentq(margin, above - step, above, xtol=TURNING_RATE_ERROR)
-        slope = (margin(root + TURNING_STEP) - margin(root)) / TURNING_STEP
-        return LoadRatio(exp(root), TURNING_RATE_ERROR * (1.0 + 1.0 / abs(slope)))
+        above = log(self.reverse_ratio.value) - LOAD_STEP
+        root, slope = _secant(growth, above, above - LOAD_STEP, GROWTH_ERROR)
+        return LoadRatio(exp(root), GROWTH_ERROR * (1.0 + 1.0 / slope))
+
+
+def _secant(
+    function: Callable[[float], float], first: float, second: float, tolerance: float
+) -> tuple[float, float]:
+    """Return a root by the secant method, and the least slope of two that are known by then.
+
+    Raises
+    ------
+    NoZonesError
+        If the steps do not become shorter than the tolerance.
+    """
+    at = second
+    before = first
+    value_before = function(first)
+    slopes: list[float] = []
+    for _ in range(MAX_LOAD_STEPS):
+        value = function(at)
+        slopes.append((value - value_before) / (at - before))
+        longest = 4.0 * abs(at - before)
+        step = min(max(-value / slopes[-1], -longest), longest)
+        before = at
+        value_before = value
+        at += step
+        if abs(step) < tolerance:
+            return at, min(abs(slopes[0]), abs(slopes[-1]))
+    raise NoZonesError("the load at which slip changes was not found")
 
 
 def _unrecorded(name: str, result: Any, begin: float) -> Any:
