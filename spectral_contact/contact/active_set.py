@@ -293,18 +293,8 @@ def ring_layout(
         How often the rings around boundaries are split.
     unloaded_to : float
         The load over the largest load there was before, without coupling. Below 1 what sticks has
-        the displacement of before.
+        the displacement of before. Rings are split around the boundaries at the largest load.
     """
-
-    def solved(logits: Array, states: Integers) -> RingState:
-        operators = ring_operators(logits)
-        loaded = solve_active_set(RingLaw(operators, parameters, coupled=coupled), states)
-        if unloaded_to == 1.0:
-            return loaded
-        frozen = loaded.slip / unloaded_to
-        law = RingLaw(operators, parameters, coupled=coupled, frozen=frozen)
-        return solve_active_set(law, loaded.states)
-
     logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, EPSILON_DEPTH, EPSILON_DEPTH)
     states = np.zeros(len(logits) - 1, dtype=int)
     if coupled:
@@ -312,9 +302,18 @@ def ring_layout(
         states = solve_active_set(
             RingLaw(ring_operators(logits), parameters, coupled=False), states
         ).states
-    on_rings = solved(logits, states)
+    on_rings = solve_active_set(
+        RingLaw(ring_operators(logits), parameters, coupled=coupled), states
+    )
     for _ in range(splits):
-        on_rings = solved(*_split(on_rings))
+        logits, states = _split(on_rings)
+        on_rings = solve_active_set(
+            RingLaw(ring_operators(logits), parameters, coupled=coupled), states
+        )
+    if unloaded_to < 1.0:
+        frozen = on_rings.slip / unloaded_to
+        law = RingLaw(ring_operators(logits), parameters, coupled=False, frozen=frozen)
+        on_rings = solve_active_set(law, np.zeros_like(states))
     zone_states = _without_spurious_zones(on_rings.states) if splits else on_rings.states
     last_rings, boundaries = _boundaries(replace(on_rings, states=zone_states))
     outermost = len(zone_states) - 1

@@ -370,3 +370,5 @@ LOAD_STEP = 3e-3
 MAX_LOAD_STEPS = 20
 #: Width of the slip back at the edge that is tried where rings show none.
 NARROW_REVERSE_SLIP = 1e-6
+#: How often rings are split around the boundaries at the largest load, until forward slip shows.
+RING_SPLITS_OF_UNLOADING = (3, 5, 7, 9)

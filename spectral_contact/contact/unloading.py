@@ -19,6 +19,7 @@ kappa = 1; the logit of a radius s is ``ln(s**2/(1 - s**2))``.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from math import exp, inf, log
 from time import perf_counter
@@ -40,6 +41,7 @@ from spectral_contact.contact.tuning import (
     MAX_LOAD_STEPS,
     MAX_ZONES,
     NARROW_REVERSE_SLIP,
+    RING_SPLITS_OF_UNLOADING,
     ROUNDING,
     TURNING_TOLERANCE,
 )
@@ -94,19 +96,23 @@ class UnloadedSearch(ZoneSearch):
             yield Candidate(self.warm_start, "the zones at a like load", predicted=True)
         from spectral_contact.contact.active_set import ring_layout
 
-        rings = ring_layout(self.parameters, coupled=False, unloaded_to=self.load_ratio)
-        logits = tuple(radius.logit for radius in rings.boundaries)
-        zones = Layout(logits, rings.states)
-        if self.reversing:
-            yield Candidate(zones, "the zones of an active set on rings")
-        forward = _without_reverse_slip(zones)
-        if forward.states != zones.states or not self.reversing:
-            yield Candidate(forward, "the zones on rings, without slip back")
-        if -1 not in zones.states and zones.states[-1] == 0 and self.reversing:
-            # slip back is about to begin, on less than a ring
-            narrow = Radius(1.0 - NARROW_REVERSE_SLIP, NARROW_REVERSE_SLIP).logit
-            begun = Layout((*logits, narrow), (*zones.states, -1))
-            yield Candidate(begun, "the zones on rings, and slip back at the edge")
+        for splits in RING_SPLITS_OF_UNLOADING:
+            # next to a boundary at the largest load slip may be narrower than rings
+            rings = ring_layout(
+                self.parameters, coupled=False, splits=splits, unloaded_to=self.load_ratio
+            )
+            logits = tuple(radius.logit for radius in rings.boundaries)
+            zones = Layout(logits, rings.states)
+            if self.reversing:
+                yield Candidate(zones, "the zones of an active set on rings")
+            forward = _without_reverse_slip(zones)
+            if forward.states != zones.states or not self.reversing:
+                yield Candidate(forward, "the zones on rings, without slip back")
+            if -1 not in zones.states and zones.states[-1] == 0 and self.reversing:
+                # slip back is about to begin, on less than a ring
+                narrow = Radius(1.0 - NARROW_REVERSE_SLIP, NARROW_REVERSE_SLIP).logit
+                begun = Layout((*logits, narrow), (*zones.states, -1))
+                yield Candidate(begun, "the zones on rings, and slip back at the edge")
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: stick at the centre, and memory further out."""
@@ -126,11 +132,23 @@ class UnloadedSearch(ZoneSearch):
         self.solved: ZoneSolution = self.record(UNLOADING, refinement, begin)
         return zones_outcome(self.solved, self.parameters, self.contact)
 
-    def solve_zones(self, zones: Layout) -> ZoneSolution:
-        """Return the solution on zones near these, which the friction law is not asked about."""
+    def solve_zones(self, zones: Layout | None) -> ZoneSolution:
+        """Return the solution on zones near these, or on the first candidate that has one.
+
+        The friction law is not asked.
+
+        Raises
+        ------
+        NoZonesError
+            If no candidate has a solution.
+        """
+        starts = [zones] if zones else (candidate.zones for candidate in self._candidates())
         with np.errstate(all="ignore"):
-            problem = self.problem(zones, self.tolerance)
-            return refine(problem, self.tolerance, self.max_unknowns).best.value
+            for start in starts:
+                with suppress(np.linalg.LinAlgError, ArithmeticError):
+                    problem = self.problem(start, self.tolerance)
+                    return refine(problem, self.tolerance, self.max_unknowns).best.value
+        raise NoZonesError("no zones have a solution")
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         raise NoZonesError("; ".join(trial.text for trial in self._trials))
@@ -272,8 +290,6 @@ class Unloading:
         def margin(log_load: float) -> float:
             nonlocal zones, error
             search = self._search(exp(log_load), reversing=False)
-            if zones is None:
-                zones = list(search._candidates())[-1].zones
             solved = search.solve_zones(zones)
             zones = solved.layout
             error = solved.traction_error + solved.pressure_error

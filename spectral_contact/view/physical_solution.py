@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -60,7 +60,7 @@ class PhysicalSolution(choices.Suggesting):
         """Return what a quantity of `OUTPUTS` is multiplied by to be in SI units."""
         [kind] = [one.si_factor for one in OUTPUTS if one.name == name]
         if kind == "force":
-            return self._modulus or self.load
+            return self._modulus or self._largest_load
         if kind == "displacement":  # under a profile it is a length as the others are
             return self.units.displacement if self._modulus is None else 1.0
         if kind == "stress":
@@ -74,17 +74,23 @@ class PhysicalSolution(choices.Suggesting):
     @property
     def load(self) -> float:
         """Normal load P [N]."""
+        return self.solution.scene.unloaded_to * self._largest_load
+
+    @property
+    def _largest_load(self) -> float:
+        """The load that dimensionless fields are in units of, which a scene is unloaded from."""
         if self._data.load is not None:
             return float(self._data.load)
         if self._modulus is not None:
             return self.solution.load * self._modulus
-        return float(self._data.load_for(self.solution.approach, self._nu))
+        largest_approach = self.solution.approach / self.solution.scene.unloaded_to
+        return float(self._data.load_for(largest_approach, self._nu))
 
     @property
     def approach(self) -> float:
         """Approach [m]."""
         if self._data.approach is not None:
-            return float(self._data.approach)
+            return self.solution.scene.unloaded_to * float(self._data.approach)
         if self._modulus is not None:
             return self.solution.approach
         return self.solution.approach * self.units.displacement
@@ -94,7 +100,7 @@ class PhysicalSolution(choices.Suggesting):
         """SI units of length a [m], stress [Pa] and displacement [m], of dimensionless fields."""
         if self._modulus is not None:
             return si_units(self.radius, self._modulus, self.radius)
-        stress, load = self._data.pressure_scale, self.load
+        stress, load = self._data.pressure_scale, self._largest_load
         return si_units(self.radius, stress(load), self._data.displacement_scale(load, self._nu))
 
     @property
@@ -169,8 +175,14 @@ class PhysicalSolution(choices.Suggesting):
         """Stick and slip zones, radii in m."""
         a = self.radius
         return tuple(
-            Zone(z.kind, z.inner * a, z.outer * a, z.inner_from_edge * a, z.outer_from_edge * a)
-            for z in self.solution.zones
+            replace(
+                zone,
+                inner=zone.inner * a,
+                outer=zone.outer * a,
+                inner_from_edge=zone.inner_from_edge * a,
+                outer_from_edge=zone.outer_from_edge * a,
+            )
+            for zone in self.solution.zones
         )
 
     def _scaled(self, name: str, r: ArrayLike | None, from_edge: ArrayLike | None) -> Any:

@@ -28,6 +28,7 @@ from spectral_contact.view.cli.scene_options import (
     missing_material,
     scene,
     si_given,
+    unloading,
 )
 
 #: Profiles that numbers describe, by the name on the command line.
@@ -189,6 +190,7 @@ def profile_scene(arguments: argparse.Namespace) -> Scene:
         "coupling": arguments.coupling,
         "layer": law(given, si),
         **_adhesion(given, si),
+        **unloading(given),
         **rest,
     }
     if "punch_profile" in given:
