@@ -13,6 +13,7 @@ from spectral_contact.solution import (
     PARTIAL_SLIP,
     UNLOADED_QUANTITIES,
     UNLOADING,
+    ZONE_SEARCH,
     PlannedStep,
     StepState,
 )
@@ -141,6 +142,7 @@ class UncoupledRun(Run):
             reason = f"no zones were found that obey the friction law ({error})"
             raise NotComputedError(told, reason) from None
         self.store(solved, self.scene.kappa)
+        self.skip("the zones are those of the step unloading", ZONE_SEARCH)
         self.updated_steps[UNLOADING] = PlannedStep(
             UNLOADING, StepState.RUN, "; ".join(trial.text for trial in solved.trials)
         )
