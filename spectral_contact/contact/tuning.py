@@ -359,16 +359,11 @@ COLLINEARITY = 1e-6
 
 # The first unloading
 
-#: Tolerance of the fields that tell by how much slip zones grow as the load falls; and that where
-#: nothing slips back, before any of them turns.
+#: Tolerance of the fields that tell by how much slip zones grow as the load falls, and error of
+#: that growth, in a logit over the logarithm of the load: at 1e-10 it changes by 1e-10.
 TURNING_TOLERANCE = 1e-8
-FIRST_GROWTH_TOLERANCE = 1e-5
-#: Error of the growth of a zone, in a logit over the logarithm of the load.
-GROWTH_ERROR = 1e-8
-#: First step of the logarithm of the load in the search for thresholds of it, and most steps.
+#: First step of the logarithm of the load in the search for thresholds of it.
 LOAD_STEP = 3e-3
-MAX_LOAD_STEPS = 20
-#: Width of the slip back at the edge that is tried where rings show none.
-NARROW_REVERSE_SLIP = 1e-6
-#: How often rings are split around the boundaries at the largest load, until forward slip shows.
-RING_SPLITS_OF_UNLOADING = (3, 5, 7, 9)
+#: How often rings are split around the boundaries at the largest load, next to which slip may be
+#: narrow: 7 times where 100 beta is 7 f/kappa.
+MOST_RING_SPLITS = 9

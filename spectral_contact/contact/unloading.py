@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp, inf, log
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -30,24 +30,24 @@ import numpy as np
 from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.friction_law import DISTANCES
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.tuning import (
-    FIRST_GROWTH_TOLERANCE,
-    GROWTH_ERROR,
     LOAD_STEP,
-    MAX_LOAD_STEPS,
+    MAX_STEPS,
     MAX_ZONES,
-    NARROW_REVERSE_SLIP,
-    RING_SPLITS_OF_UNLOADING,
+    MOST_RING_SPLITS,
+    RING_SPLITS,
     ROUNDING,
+    SAMPLES,
+    SLIP_ROUNDING,
     TURNING_TOLERANCE,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.contact.zone_search import Candidate, NoZonesError, ZoneSearch
-from spectral_contact.fields.series import Array, Radius
+from spectral_contact.fields.series import Array
 from spectral_contact.records import UNLOADING
 from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.factored import factored
@@ -56,10 +56,6 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
     from spectral_contact.contact.zone_search import Record, UncoupledSearch
-
-
-#: Depths between samples at which the least q/p is looked for.
-_REFINED = 1001
 
 
 class LoadRatio(NamedTuple):
@@ -89,6 +85,8 @@ class UnloadedSearch(ZoneSearch):
     before: KnownDisplacement
     load_ratio: float
     reversing: bool = True
+    #: the latest solution
+    solved: ZoneSolution | None = field(default=None, init=False)
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: the zones at a like load, and those that rings show."""
@@ -96,7 +94,7 @@ class UnloadedSearch(ZoneSearch):
             yield Candidate(self.warm_start, "the zones at a like load", predicted=True)
         from spectral_contact.contact.active_set import ring_layout
 
-        for splits in RING_SPLITS_OF_UNLOADING:
+        for splits in range(RING_SPLITS + 1, MOST_RING_SPLITS + 1, 2):
             # next to a boundary at the largest load slip may be narrower than rings
             rings = ring_layout(
                 self.parameters, coupled=False, splits=splits, unloaded_to=self.load_ratio
@@ -105,14 +103,12 @@ class UnloadedSearch(ZoneSearch):
             zones = Layout(logits, rings.states)
             if self.reversing:
                 yield Candidate(zones, "the zones of an active set on rings")
+                missing = self.solved and _with_missing_slip(self.solved)
+                if missing:
+                    yield Candidate(missing, "the zones before, with the slip missing there")
             forward = _without_reverse_slip(zones)
             if forward.states != zones.states or not self.reversing:
                 yield Candidate(forward, "the zones on rings, without slip back")
-            if -1 not in zones.states and zones.states[-1] == 0 and self.reversing:
-                # slip back is about to begin, on less than a ring
-                narrow = Radius(1.0 - NARROW_REVERSE_SLIP, NARROW_REVERSE_SLIP).logit
-                begun = Layout((*logits, narrow), (*zones.states, -1))
-                yield Candidate(begun, "the zones on rings, and slip back at the edge")
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: stick at the centre, and memory further out."""
@@ -129,8 +125,9 @@ class UnloadedSearch(ZoneSearch):
         refinement = refine(
             self.problem(candidate.zones, self.tolerance), self.tolerance, self.max_unknowns
         )
-        self.solved: ZoneSolution = self.record(UNLOADING, refinement, begin)
-        return zones_outcome(self.solved, self.parameters, self.contact)
+        solved: ZoneSolution = self.record(UNLOADING, refinement, begin)
+        self.solved = solved
+        return zones_outcome(solved, self.parameters, self.contact)
 
     def solve_zones(self, zones: Layout | None) -> ZoneSolution:
         """Return the solution on zones near these, or on the first candidate that has one.
@@ -175,6 +172,45 @@ class UnloadedSearch(ZoneSearch):
         # a boundary grows the slip outside of it as it moves inward
         inward = np.where(np.array(zones.states[1:]) != 0, 1.0, -1.0)
         return np.asarray(-inward * np.linalg.solve(jacobian, residual))
+
+
+def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
+    """Return the zones with slip where what sticks with memory exceeds friction; None if nowhere.
+
+    The slip is next to the largest ``|q|/(f p)``, as far as that is above 1.
+    """
+    system = solved.system
+    logits = [radius.logit for radius in system.radii]
+    states = list(system.states)
+    for zone in range(len(states) - 1, 0, -1):
+        if 2 * zone not in system.known_displacement:
+            continue
+        y, q, p = np.concatenate(
+            [
+                [
+                    system.parts[k].mesh.points(DISTANCES).y,
+                    np.sqrt(system.parts[k].mesh.points(DISTANCES).z) * solved.shears[k](DISTANCES),
+                    solved.pressures[k](DISTANCES),
+                ]
+                for k in (2 * zone - 1, 2 * zone)
+            ],
+            axis=1,
+        )
+        outward = np.argsort(-y)
+        y = y[outward]
+        ratio = (q / (system.parameters.friction * p))[outward]
+        largest = int(np.argmax(np.abs(ratio)))
+        within = np.flatnonzero(np.abs(ratio) <= 1.0)
+        if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(within):
+            continue
+        before = within[within < largest]
+        after = within[within > largest]
+        ends = [float(y[side]) for side in (*before[-1:], *after[:1])]
+        new_states = [0, int(np.sign(ratio[largest])), 0][: len(ends) + 1]
+        states[zone : zone + 1] = new_states
+        logits[zone:zone] = [logit_at(-log(end)) for end in ends]
+        return Layout(tuple(logits), tuple(states))
+    return None
 
 
 def _without_reverse_slip(zones: Layout) -> Layout:
@@ -244,9 +280,7 @@ class Unloading:
         search = self._search(load_ratio, record)
         outcome = search.outcome()
         assert outcome.layout is not None
-        turns_next = -1 in outcome.layout.states
-        tolerance = TURNING_TOLERANCE if turns_next else FIRST_GROWTH_TOLERANCE
-        if not search.growth(outcome.layout, tolerance).min() > 0.0:
+        if not search.growth(outcome.layout, TURNING_TOLERANCE).min() > 0.0:
             turning = self.turning_ratio
             if turning.value * (1.0 + turning.error) > load_ratio:
                 raise HistoryError(turning)
@@ -313,8 +347,8 @@ class Unloading:
             return float(search.growth(zones, TURNING_TOLERANCE).min())
 
         above = log(self.reverse_ratio.value) - LOAD_STEP
-        root, slope = _secant(growth, above, above - LOAD_STEP, GROWTH_ERROR)
-        return LoadRatio(exp(root), GROWTH_ERROR * (1.0 + 1.0 / slope))
+        root, slope = _secant(growth, above, above - LOAD_STEP, TURNING_TOLERANCE)
+        return LoadRatio(exp(root), TURNING_TOLERANCE * (1.0 + 1.0 / slope))
 
 
 def _secant(
@@ -327,20 +361,21 @@ def _secant(
     NoZonesError
         If the steps do not become shorter than the tolerance.
     """
-    at = second
-    before = first
+    place = second
+    place_before = first
     value_before = function(first)
-    slopes: list[float] = []
-    for _ in range(MAX_LOAD_STEPS):
-        value = function(at)
-        slopes.append((value - value_before) / (at - before))
-        longest = 4.0 * abs(at - before)
-        step = min(max(-value / slopes[-1], -longest), longest)
-        before = at
+    slope = first_slope = inf
+    for _ in range(MAX_STEPS):
+        value = function(place)
+        slope = (value - value_before) / (place - place_before)
+        first_slope = slope if first_slope == inf else first_slope
+        reach = 4.0 * abs(place - place_before)
+        step = min(max(-value / slope, -reach), reach)
+        place_before = place
         value_before = value
-        at += step
+        place += step
         if abs(step) < tolerance:
-            return at, min(abs(slopes[0]), abs(slopes[-1]))
+            return place, min(abs(first_slope), abs(slope))
     raise NoZonesError("the load at which slip changes was not found")
 
 
@@ -363,6 +398,6 @@ def _reverse_margin(solved: ZoneSolution, friction: float) -> float:
         values = ratio(k, depths)
         i = int(np.argmin(values))
         ends = depths[[max(i - 1, 0), min(i + 1, len(depths) - 1)]]
-        around = np.linspace(ends[0], ends[1], _REFINED)
+        around = np.linspace(ends[0], ends[1], SAMPLES)
         least = min(least, float(ratio(k, around).min()))
     return least + 1.0

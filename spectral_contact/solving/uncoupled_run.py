@@ -149,11 +149,15 @@ class UncoupledRun(Run):
         if set(UNLOADED_QUANTITIES).isdisjoint(self.plan.quantities):
             return
         begin = perf_counter()
-        ratios = {"reverse_ratio": unloading.reverse_ratio}
-        ratios["turning_ratio"] = unloading.turning_ratio
-        self.record(LOAD_RATIOS, ratios, begin)
-        self.values.update({name: ratio.value for name, ratio in ratios.items()})
-        self.errors.update({name: ratio.error for name, ratio in ratios.items()})
+        for name in UNLOADED_QUANTITIES:
+            try:
+                ratio = getattr(unloading, name)
+            except NoZonesError as error:
+                self.unavailable[name] = str(error)
+            else:
+                self.values[name] = ratio.value
+                self.errors[name] = ratio.error
+        self.record(LOAD_RATIOS, None, begin)
         self.updated_steps[LOAD_RATIOS] = PlannedStep(
             LOAD_RATIOS, StepState.RUN, "where slip back begins, and where a slip zone turns"
         )
