@@ -67,8 +67,8 @@ LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
 #: How many of the worst are named.
 NAMED = 5
-#: Modules of the core that came with profiles, nonlinear layers, sensitivities and adhesion. The
-#: goals are those of flat punches, without them. A module that is not listed is part of the flat
+#: Modules of the core that came with profiles, nonlinear layers, sensitivities, adhesion and
+#: unloading. The goals are those of flat punches, without them. A module that is not listed is part of the flat
 #: core.
 CAME_WITH = {
     "profiles": (
@@ -89,6 +89,7 @@ CAME_WITH = {
     ),
     "sensitivities": ("contact.zone_derivatives",),
     "adhesion": ("contact.adhesion", "contact.pinned"),
+    "unloading": ("contact.unloading",),
 }
 
 

@@ -18,14 +18,15 @@ kappa = 1; the logit of a radius s is ``ln(s**2/(1 - s**2))``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from math import exp, inf, log
+from math import exp, inf, log, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
@@ -312,71 +313,70 @@ class Unloading:
             warm_start=start,
         )
 
-    @cached_property
+    @property
     def reverse_ratio(self) -> LoadRatio:
         """The load ratio below which the surface slips back somewhere.
 
         That is where q in a zone with memory, solved for without slip back, reaches -f p.
         """
+        return self._onset_of_reverse_slip[0]
+
+    @cached_property
+    def _onset_of_reverse_slip(self) -> tuple[LoadRatio, Layout]:
+        """The reverse ratio, and the zones there.
+
+        The secant method begins where cycles shake down, ``(f_crit - f)/(f_crit + f)``.
+        """
         zones: Layout | None = None
-        error = inf
-
-        def margin(log_load: float) -> float:
-            nonlocal zones, error
-            search = self._search(exp(log_load), reversing=False)
-            solved = search.solve_zones(zones)
-            zones = solved.layout
-            error = solved.traction_error + solved.pressure_error
-            return _reverse_margin(solved, self._parameters.friction)
-
+        logs = list[float]()
+        margins = list[float]()
         critical, friction = self._stick.critical, self._parameters.friction
-        start = log((critical - friction) / (critical + friction))  # where cycles shake down
-        root, slope = _secant(margin, start, start - LOAD_STEP, self._tolerance)
-        return LoadRatio(exp(root), 2.0 * error / slope + self._tolerance)
+        log_load = log((critical - friction) / (critical + friction))
+        step = -LOAD_STEP
+        for _ in range(MAX_STEPS):
+            solved = self._search(exp(log_load), reversing=False).solve_zones(zones)
+            zones = solved.layout
+            logs.append(log_load)
+            margins.append(_reverse_margin(solved, friction))
+            if len(logs) > 1:
+                slope = (margins[-1] - margins[-2]) / (logs[-1] - logs[-2])
+                step = -margins[-1] / slope
+            if abs(step) < self._tolerance:
+                error = 2.0 * (solved.traction_error + solved.pressure_error)
+                slope = (margins[1] - margins[0]) / (logs[1] - logs[0])
+                return LoadRatio(exp(log_load), error / abs(slope) + self._tolerance), zones
+            log_load += step
+        raise NoZonesError("the load at which slip back begins was not found")
 
     @cached_property
     def turning_ratio(self) -> LoadRatio:
-        """The load ratio at which a slip zone ceases to grow at one of its boundaries."""
-        zones: Layout | None = None
+        """The load ratio at which a slip zone ceases to grow at one of its boundaries.
 
-        def growth(log_load: float) -> float:
-            nonlocal zones
-            search = self._search(exp(log_load), start=zones, tolerance=TURNING_TOLERANCE)
-            zones = search.outcome().layout
-            assert zones is not None
-            return float(search.growth(zones, TURNING_TOLERANCE).min())
+        Below the reverse ratio the width of the slip back, and so the growth of what it acts on,
+        goes like the distance from it or like the root of that, in which the root is looked for.
+        """
+        reverse, zones = self._onset_of_reverse_slip
+        top = log(reverse.value)
+        start: Layout | None = None
 
-        above = log(self.reverse_ratio.value) - LOAD_STEP
-        root, slope = _secant(growth, above, above - LOAD_STEP, TURNING_TOLERANCE)
-        return LoadRatio(exp(root), TURNING_TOLERANCE * (1.0 + 1.0 / slope))
+        def growth(root: float) -> float:
+            nonlocal start
+            if root == 0.0:
+                search = self._search(reverse.value)
+                return float(search.growth(zones, TURNING_TOLERANCE).min())
+            load = exp(top - root * root)
+            search = self._search(load, start=start, tolerance=TURNING_TOLERANCE)
+            start = search.outcome().layout
+            assert start is not None
+            return float(search.growth(start, TURNING_TOLERANCE).min())
 
-
-def _secant(
-    function: Callable[[float], float], first: float, second: float, tolerance: float
-) -> tuple[float, float]:
-    """Return a root by the secant method, and the least slope of two that are known by then.
-
-    Raises
-    ------
-    NoZonesError
-        If the steps do not become shorter than the tolerance.
-    """
-    place = second
-    place_before = first
-    value_before = function(first)
-    slope = first_slope = inf
-    for _ in range(MAX_STEPS):
-        value = function(place)
-        slope = (value - value_before) / (place - place_before)
-        first_slope = slope if first_slope == inf else first_slope
-        reach = 4.0 * abs(place - place_before)
-        step = min(max(-value / slope, -reach), reach)
-        place_before = place
-        value_before = value
-        place += step
-        if abs(step) < tolerance:
-            return place, min(abs(first_slope), abs(slope))
-    raise NoZonesError("the load at which slip changes was not found")
+        below = sqrt(LOAD_STEP)
+        while growth(below) > 0.0:
+            below *= 2.0
+        root = brentq(growth, 0.0, below, xtol=10.0 * TURNING_TOLERANCE)
+        slope = growth(0.9 * root) / (0.19 * root * root)
+        error = TURNING_TOLERANCE * (20.0 * root + 2.0 / slope) + reverse.error
+        return LoadRatio(exp(top - root * root), error)
 
 
 def _unrecorded(name: str, result: Any, begin: float) -> Any:

@@ -43,14 +43,14 @@ def graded_ends(radii: Sequence[float]) -> Array:
 class Elements:
     """Matrices of the functions of all elements; unknowns are coefficients, element by element."""
 
-    def __init__(self, radii: Sequence[float]) -> None:
-        ends = graded_ends(radii)
+    def __init__(self, ends: Array, degree: int = DEGREE) -> None:
         self.lower = ends[:-1]
         self.width = np.diff(ends)
-        self.functions = DEGREE + 1
-        x, weight = leggauss(DEGREE + 3)
+        self.degree = degree
+        self.functions = degree + 1
+        x, weight = leggauss(degree + 3)
         self._x = x
-        self._values = legvander(x, DEGREE)
+        self._values = legvander(x, degree)
         #: points of every element, and the weights of ``s ds``, (elements, points)
         self.z = self.lower[:, None] + self.width[:, None] * (1.0 + x) / 2.0
         self._weight = self.width[:, None] / 4.0 * weight
@@ -71,7 +71,7 @@ class Elements:
         # dt = d(t^2) / (2 t)
         step = self.width[:, None] * np.sin(2.0 * angle) * np.pi / 4.0 * weight
         self.t_weight = step.ravel() / (2.0 * self.t) / np.pi
-        nodes, node_weight = leggauss(DEGREE + 1)
+        nodes, node_weight = leggauss(self.degree + 1)
         table = np.zeros((self.count, _POINTS, self.count, self.functions))
         upper = self.lower + self.width
         for k in range(self.count):
@@ -89,7 +89,7 @@ class Elements:
             # z less the lower end, or t^2 in the element of t, over the width
             local = beyond * (2.0 * low[..., None] + beyond) / self.width[k]
             local[k] = 1.0 - (to_upper[k, :, None] - beyond[k] ** 2) / self.width[k]
-            values = legvander(2.0 * local - 1.0, DEGREE)
+            values = legvander(2.0 * local - 1.0, self.degree)
             table[rows, :, k] = np.einsum("epnf,n->epf", values, node_weight) * (
                 length[..., None] / 2.0
             )
@@ -126,14 +126,14 @@ class Elements:
         upper = self.lower + self.width
         places = np.isclose(upper, z, rtol=0.0, atol=1e-14) if inside else (self.lower == z)
         place = int(np.flatnonzero(places)[-1])
-        ends = legvander(np.array([1.0 if inside else -1.0]), DEGREE)[0]
+        ends = legvander(np.array([1.0 if inside else -1.0]), self.degree)[0]
         return float(ends @ coefficients.reshape(self.count, -1)[place])
 
     def load_inside(self, pressure: Array) -> Array:
         """Return ``int_0^s eta p d eta`` at the points, of the coefficients of p."""
         c = pressure.reshape(self.count, -1)
         n = np.arange(1, self.functions)
-        lower = legvander(self._x, DEGREE + 1)
+        lower = legvander(self._x, self.degree + 1)
         integral = np.empty((self.functions, len(self._x)))
         integral[0] = 1.0 + self._x
         integral[1:] = (lower[:, 2:] - lower[:, :-2]).T / (2.0 * n + 1.0)[:, None]
@@ -180,7 +180,7 @@ def _solved(
     scale: float,
 ) -> ZonesOnElements:
     """Return the fields on zones with given boundaries, for the load `scale`."""
-    elements = Elements(sorted([*boundaries, *marks]))
+    elements = Elements(graded_ends(sorted([*boundaries, *marks])))
     unit = elements.tested(np.ones_like(elements.z))
     pressure = _solution(alpha * elements.mass(0) + elements.gram(0), unit)
     pressure /= 2.0 * np.pi * float(unit @ pressure)
