@@ -45,8 +45,8 @@ from spectral_contact.view.cli.options import NotSolved, UsageError, joined, num
 from spectral_contact.view.cli.profile_options import (
     add_any_scene,
     any_scene,
+    given_scene,
     in_si_units,
-    profile_given,
 )
 from spectral_contact.view.report import report, write_csv
 
@@ -254,15 +254,14 @@ def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
         help="measure the errors and times of solvers",
         description="Measure errors against solutions to many digits, and times.",
     )
-    resumed = " A run that was stopped resumes from its --store."
-    for kind, command in _kinds(study, study_command.KINDS, resumed, " 1 no truth or no solve,"):
+    for kind, command in _kinds(study, study_command.KINDS, " 1 no truth or no solve,"):
         scene_options.add_scene(command)
         study_command.add_options(command, kind)
         command.set_defaults(run=_study)
 
 
 def _kinds(
-    parent: _Parser, kinds: Mapping[str, str], more: str = "", status: str = ""
+    parent: _Parser, kinds: Mapping[str, str], status: str = ""
 ) -> Iterator[tuple[str, _Parser]]:
     """Add the kinds of a command, and yield each with its parser."""
     parsers = parent.add_subparsers(dest="kind", metavar="kind", required=True)
@@ -272,7 +271,7 @@ def _kinds(
             parsers.add_parser(
                 kind,
                 help=about,
-                description=f"{about.capitalize()}.{more}",
+                description=f"{about.capitalize()}.",
                 epilog=f"Exit status: 0 done,{status} 2 bad input or file, 130 interrupted.",
             ),
         )
@@ -357,9 +356,9 @@ def _add_explore(commands: argparse._SubParsersAction[_Parser]) -> None:
 
 
 def _solve(arguments: argparse.Namespace) -> None:
-    shaped, scene = profile_given(arguments), any_scene(arguments)
+    scene, remarks = given_scene(arguments)
     quantities = arguments.quantities
-    if quantities is not None and "approach" in vars(arguments) and not shaped:
+    if quantities is not None and "approach" in vars(arguments) and scene.profile is None:
         quantities = ("approach", *quantities)  # SI values hang on the load, hence on it
     _check_files(arguments, plan(scene, quantities))
     solution = solve(
@@ -372,9 +371,7 @@ def _solve(arguments: argparse.Namespace) -> None:
     try:
         _write(solution, arguments)
     finally:  # a full disk must not cost the user the result
-        of_file = vars(arguments).get("profile_remark")
-        remarks = [of_file] if of_file else []
-        print(report(solution, remarks if shaped else scene_options.defaults(arguments)))
+        print(report(solution, remarks))
 
 
 def _inside(arguments: argparse.Namespace) -> None:

@@ -16,18 +16,9 @@ from contextlib import ContextDecorator, nullcontext
 from importlib import import_module
 from typing import Any, Final, NamedTuple, TypeVar
 
-__all__ = ["THREADS", "cached_property", "look_for_blas", "one_thread"]
+__all__ = ["cached_property", "look_for_blas", "one_thread"]
 
 T = TypeVar("T")
-
-#: The environment variables that BLAS libraries read when they are loaded.
-THREADS: Final = (
-    "OPENBLAS_NUM_THREADS",
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "BLIS_NUM_THREADS",
-)
 
 #: Modules of NumPy and SciPy that call BLAS, what OpenBLAS may call its number of threads, and what
 #: there is if each thread has one.
@@ -122,8 +113,8 @@ class _Hold(ContextDecorator):
                 self._libraries = (_brought() if first else []) or _present()
             return self._libraries
 
-    def __enter__(self) -> int | None:
-        """Put BLAS to one thread, if it is not; return how many it has, where that is known."""
+    def __enter__(self) -> None:
+        """Put BLAS to one thread, if it is not."""
         libraries, mine = self._libraries, self._mine
         if libraries is None:
             libraries = self.look(first=True)
@@ -138,7 +129,6 @@ class _Hold(ContextDecorator):
                         library.set(1)
                 self._inside += 1
         mine.depth += 1
-        return 1 if libraries else _from_environment()
 
     def __exit__(self, *_: object) -> None:
         """Give back the numbers of this thread, and those of the process with the last thread."""
@@ -186,13 +176,6 @@ look_for_blas: Final = _HOLD.look
 def one_thread() -> _Hold:
     """Hold BLAS to one thread, and give back what was: for ``with``, or to decorate a function.
 
-    It may be entered again, and by several threads: the last one to leave gives back. ``with`` has
-    how many threads BLAS has; None if it is of a kind that cannot be asked and nothing says so.
+    It may be entered again, and by several threads: the last one to leave gives back.
     """
     return _HOLD
-
-
-def _from_environment() -> int | None:
-    """Return the number of threads that the environment asks for."""
-    said = [os.environ.get(name, "") for name in THREADS]
-    return next((int(text) for text in said if text.isdigit()), None)

@@ -1,6 +1,4 @@
-"""Solvers of nobody in particular, for studies: importable by fresh processes."""
-
-import os
+"""Solvers of nobody in particular, for studies."""
 
 import numpy as np
 
@@ -15,28 +13,6 @@ class Decaying:
 
     def pressure(self, s):
         return self.factor * (1.0 + np.asarray(s) ** 2)
-
-
-def environment(scene, count):
-    """Refuse to solve unless BLAS has one thread, and print, as users' codes do."""
-    print("solving")
-    if os.environ["OPENBLAS_NUM_THREADS"] != "1":
-        raise RuntimeError("more than one thread")
-    return Decaying(scene, count)
-
-
-def only_here(scene, count):
-    """Solve in the process that imported this with the mark, and nowhere else."""
-    if "SPECTRAL_CONTACT_TEST_HOME" in os.environ:
-        raise RuntimeError("away from home")
-    return Decaying(scene, count)
-
-
-def imports_late(scene, count):
-    """Solve with a module that is imported here, where the test puts it."""
-    import imported_late
-
-    return imported_late.solver(scene, count)
 
 
 def fails(scene, count):

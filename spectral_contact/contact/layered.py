@@ -65,12 +65,12 @@ class Layered(ABC):
         """Return the solution in a space, after the last one there was."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
-        if self.last is None:
-            begin = solver.local()
-        else:
+        fields = None
+        if self.last is not None:
             old, last = self.last
-            begin = form.carried(last.overclosure, old), last.shift
-        fields = solver.solved(*begin)
+            fields = solver.solved(form.carried(last.overclosure, old), last.shift)
+        if fields is None or fields.left == inf:
+            fields = solver.solved(*solver.local())
         self.last = form, fields
         return solver, fields
 

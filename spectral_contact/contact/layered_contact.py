@@ -34,6 +34,7 @@ from spectral_contact.profiles import Flat, Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 Contact = Refinement[Indentation]
+LayeredSolution = tuple[Form, LayeredFields]
 
 #: Steps in all.
 _STEPS = 100
@@ -175,10 +176,24 @@ class CellProblem(Layered):
 def solve_layered(
     setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool = True
 ) -> Contact:
-    """Solve normal contact through a nonlinear layer in a setting.
+    """Solve normal contact through a nonlinear layer; parameters as of `solve_layered_from`."""
+    return solve_layered_from(None, setting, tolerance, max_unknowns, pointwise=pointwise)[0]
+
+
+def solve_layered_from(
+    last: LayeredSolution | None,
+    setting: LayeredSetting,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    pointwise: bool,
+) -> tuple[Contact, LayeredSolution | None]:
+    """Solve normal contact through a nonlinear layer, and return what the next one may begin with.
 
     Parameters
     ----------
+    last : tuple of (Form, LayeredFields) or None
+        The solution of a contact much like this one, as this function returned it.
     setting : LayeredSetting
     tolerance : float
         Bound on the relative error of approach and load, and of the pressure if that is wanted.
@@ -190,27 +205,36 @@ def solve_layered(
     # what is given at the centre is known as well as the pressure there
     pointwise = pointwise or setting.centre is not None
     if setting.layer.knots:
-        return _solve_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
-    kind = LayeredProblem if setting.cells is None else CellProblem
-    return refine(kind(setting, tolerance, pointwise=pointwise), tolerance, max_unknowns)
+        return _solve_bent(last, setting, tolerance, max_unknowns, pointwise=pointwise)
+    if setting.cells is not None:
+        return refine(
+            CellProblem(setting, tolerance, pointwise=pointwise), tolerance, max_unknowns
+        ), None
+    problem = LayeredProblem(setting, tolerance, pointwise=pointwise)
+    problem.last = last
+    return refine(problem, tolerance, max_unknowns), problem.last
 
 
 def _solve_bent(
-    setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
-) -> Contact:
+    last: LayeredSolution | None,
+    setting: LayeredSetting,
+    tolerance: float,
+    max_unknowns: int,
+    *,
+    pointwise: bool,
+) -> tuple[Contact, LayeredSolution | None]:
     """Solve with a law that bends, on parts that end where it does.
 
     What knots the contact meets is known from solutions to a few digits, or from a contact like
     it. Where other knots come and go the last parts stay, and the rest is left to the estimate.
     """
-    last: tuple[Form, LayeredFields] | None = None
     if not setting.bends:
         setting, last = _roughly_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
     for change in range(_CHANGES):
         final = change == _CHANGES - 1
         problem = BentProblem(setting, tolerance, pointwise=pointwise, last=last, final=final)
         try:
-            return refine(problem, tolerance, max_unknowns)
+            return refine(problem, tolerance, max_unknowns), problem.last
         except BendsChangedError as changed:
             setting, last = with_bends(setting, changed.bends), changed.last
     raise AssertionError("the last attempt is final")

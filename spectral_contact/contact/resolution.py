@@ -23,7 +23,6 @@ from spectral_contact.contact.tuning import (
     SAMPLES,
     SPARE_DEGREES,
     START_DEGREES,
-    TAIL_DEPTH,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import bounded_cache
@@ -79,6 +78,7 @@ def graded_space(
     *,
     power: float = 0.0,
     starts_near_singularity: bool = False,
+    min_settling: float = 0.0,
 ) -> DiscreteSpace:
     """Return the first space for fields that settle like ``exp(-rate (x - settling_depth))``.
 
@@ -101,10 +101,14 @@ def graded_space(
         Whether the fields are singular not far beyond ``d = 1``: at the other end of a zone of two
         parts, at ``d = 2``, or across the rim of a disk, at ``d = -1``. The first panel takes
         START_DEGREES a digit more then.
+    min_settling : float
+        Least depth beyond the settling depth at which the mesh ends.
     """
     # rounded up, so that scenes that are much alike have the same space
     depth = ceil(2.0 * settling_depth) / 2.0
-    return _graded_space(PANEL_WIDTH, depth, -log(tolerance), rate, power, starts_near_singularity)
+    return _graded_space(
+        PANEL_WIDTH, depth, -log(tolerance), rate, power, starts_near_singularity, min_settling
+    )
 
 
 @bounded_cache("first spaces")
@@ -115,10 +119,11 @@ def _graded_space(
     rate: float,
     power: float,
     starts_near_singularity: bool,
+    min_settling: float,
 ) -> DiscreteSpace:
     # four more than are wanted: the top degrees of the last panel are hardly determined
     mesh_digits = digits + 4.0
-    settling = max(mesh_digits / rate, TAIL_DEPTH) if rate else ROOT_TAIL_DEPTH
+    settling = max(mesh_digits / rate, min_settling) if rate else ROOT_TAIL_DEPTH
     depth = settling_depth + settling
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)

@@ -42,6 +42,7 @@ from spectral_contact.contact.tuning import (
     LAYER_REACH,
     LEADING_TERM_DEPTH,
     MAX_SLIP_TOL,
+    TAIL_DEPTH,
 )
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -200,7 +201,9 @@ def first_spaces(
             layer = layer_depth(alpha, layer_of_shear, extent)
             # next to a boundary the fields settle at half the depth of the layer, or soon after it
             depth = max(min(layer, 0.5 * layer + LAYER_REACH), log(extent / extent_across))
-            space = graded_space(depth, tolerance, rate, starts_near_singularity=True)
+            space = graded_space(
+                depth, tolerance, rate, starts_near_singularity=True, min_settling=TAIL_DEPTH
+            )
             if alpha > 0.0 or len(radii) > 1:
                 space = without_rounding(space, bounds[bound], extent)
             spaces.append(space)

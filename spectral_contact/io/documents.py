@@ -1,6 +1,6 @@
 """What every reader and writer of files needs: one error for whatever is wrong, one way to write.
 
-Nothing in the library writes a file but `replace_file`, `create_file` and `append_file`.
+Nothing in the library writes a file but `replace_file` and `create_file`.
 """
 
 from __future__ import annotations
@@ -190,29 +190,6 @@ def create_file(path: str, content: bytes) -> None:
                 raise
             _write_new(target, content)  # as exclusive; a kill may leave it cut short
     _settle(target.parent)
-
-
-def append_file(path: str, content: bytes, size: int | None = None) -> None:
-    """Add to the end of a file, which is made if need be; on disk before this returns.
-
-    After a failure the file ends where it ended before, or, if not even that can be done, in a
-    part of the content: readers take an end that was cut short for nothing. It is cut to the size
-    first, if there is one.
-    """
-    # without a buffer, which would be written once more when the file is closed
-    with Path(path).open("ab", buffering=0) as file:
-        end = file.seek(0, os.SEEK_END) if size is None else size
-        if size is not None:
-            file.truncate(size)
-        left = memoryview(content)
-        try:
-            while left:
-                left = left[file.write(left) :]
-            os.fsync(file.fileno())
-        except BaseException:
-            with suppress(OSError):
-                file.truncate(end)
-            raise
 
 
 def remove_leftovers(folder: Path) -> None:

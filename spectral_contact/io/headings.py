@@ -191,12 +191,23 @@ def _headings(
                 return _with_units(found, below, sheet.delimiter)
             return _with_commented_units(found, sheet, expected, texts[k].line)
     if texts:
-        # Headings that name nothing expected are there for the user to choose from.
-        last = _named(texts[-1], sheet.delimiter, expected, width)
-        if len(texts) == 1 or last is None or not _are_units(last):
-            return last
-        above = _named(texts[-2], sheet.delimiter, expected, width)
-        return last if above is None else _with_units(above, texts[-1:], sheet.delimiter)
+        return _of_other_names(texts, sheet.delimiter, expected, width)
+    return _commented(sheet, expected, width)
+
+
+def _of_other_names(
+    texts: Sequence[TextRow], delimiter: str, expected: Sequence[Expected], width: int
+) -> list[_Heading] | None:
+    """Return the lowest headings, which name nothing expected: the user may choose from them."""
+    last = _named(texts[-1], delimiter, expected, width)
+    if len(texts) == 1 or last is None or not _are_units(last):
+        return last
+    above = _named(texts[-2], delimiter, expected, width)
+    return last if above is None else _with_units(above, texts[-1:], delimiter)
+
+
+def _commented(sheet: Sheet, expected: Sequence[Expected], width: int) -> list[_Heading] | None:
+    """Return the headings of the last comment that names a quantity."""
     for comment in reversed(sheet.comments):
         found = _named(comment, sheet.delimiter, expected, width)
         if found is not None and _names_any(found, expected) and not _is_prose(found):

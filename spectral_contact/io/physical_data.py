@@ -11,7 +11,8 @@ from fractions import Fraction
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import exactly_one, flag, positive, real, within
+from spectral_contact.io.checks import exactly_one, flag, positive, real, scalar, within
+from spectral_contact.io.choices import one_of
 
 #: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
 #: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
@@ -324,6 +325,42 @@ class PhysicalData:
         load = positive("load", load)
         scale = Fraction(load) / (self._length * self._quarter(nu))
         return _representable("load", load, "the displacement 4(1−ν²)P/(aE)", "m", scale)
+
+    def si_factor(self, kind: str, nu: float | None, solved: Any) -> float:
+        """Return what dimensionless quantities are multiplied by to be in SI units.
+
+        Parameters
+        ----------
+        kind : str
+            The `si_factor` of the quantity in `quantities.OUTPUTS`.
+        nu : float
+            Poisson's ratio ν of the half-space, in (−1, 0.5].
+        solved : object
+            A solution. Its ``approach`` is read where that is given instead of the load, and its
+            ``domain_radius``, else its ``contact_radius``, under a profile if that is not given.
+
+        Raises
+        ------
+        SceneError
+            For another kind, if an argument is out of range, or if the factor is beyond the normal
+            doubles.
+        """
+        kinds = ("radius", "displacement", "stress", "force")
+        if one_of("kind", kind, ("", *kinds), f"empty, or one of {', '.join(kinds)}") == "":
+            return 1.0
+        if kind == "radius":
+            known = self.radius or self.contact_radius or getattr(solved, "domain_radius", None)
+            return scalar("contact_radius", solved.contact_radius if known is None else known)
+        if self.radius is None:  # under a profile lengths are in m
+            return 1.0 if kind == "displacement" else self.quarter_modulus(nu)
+        load = self.load
+        if load is None:
+            # tractions are in units of the largest load, from which a scene is unloaded
+            ratio = getattr(getattr(solved, "scene", None), "unloaded_to", 1.0)
+            load = self.load_for(scalar("approach", solved.approach) / ratio, nu)
+        if kind == "force":
+            return load
+        return self.pressure_scale(load) if kind == "stress" else self.displacement_scale(load, nu)
 
     def remarks(self, nu: float | None, contact_radius: float | None = None) -> tuple[str, ...]:
         """Return a question about every value that is likely to be in another unit.

@@ -6,7 +6,11 @@ from math import inf
 
 from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
 from spectral_contact.contact.layered_bends import Bend
-from spectral_contact.contact.layered_contact import layered_contact, solve_layered
+from spectral_contact.contact.layered_contact import (
+    LayeredSolution,
+    layered_contact,
+    solve_layered_from,
+)
 from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.errors import SceneError
 from spectral_contact.layers.layer_base import Layer
@@ -49,12 +53,15 @@ def through_layer(
         Whether the pressure, under a flat punch, has to drive a traction.
     """
     bends: tuple[Bend, ...] = ()
+    last: LayeredSolution | None = None
 
     def at(radius: float, tolerance: float, pointwise: bool) -> Contact:
-        # the law bends about where it did under the contact before
-        nonlocal bends
+        # the solution is about the last one, and the law bends about where it did
+        nonlocal bends, last
         setting = setting_at_radius(profile, layer, radius, bends)
-        found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+        found, last = solve_layered_from(
+            last, setting, tolerance, max_unknowns, pointwise=pointwise
+        )
         bends = value_of(found).bends
         return found
 

@@ -8,10 +8,14 @@ of a scene and a resolution: your own boundary or finite elements, or this libra
 
 from spectral_contact.studies.comparison import Agreement, Comparison, compare
 from spectral_contact.studies.derivatives import Derivative, Sensitivity, sensitivity
-from spectral_contact.studies.fitting import Line, Rate, fit_line, fit_rate
-from spectral_contact.studies.machine import Machine, this_machine
-from spectral_contact.studies.named_solvers import named_solver
-from spectral_contact.studies.study import OwnSolver, convergence, truth_of, work_precision
+from spectral_contact.studies.fitting import Rate, fit_rate
+from spectral_contact.studies.study import (
+    OwnSolver,
+    convergence,
+    named_solver,
+    truth_of,
+    work_precision,
+)
 from spectral_contact.studies.study_files import load
 from spectral_contact.studies.study_results import (
     QUANTITIES,
@@ -20,7 +24,7 @@ from spectral_contact.studies.study_results import (
     Study,
     WorkPrecision,
 )
-from spectral_contact.studies.timing import Stopwatch, Times, Timing
+from spectral_contact.studies.timing import Times, Timing, this_machine
 from spectral_contact.studies.truth import Truth
 
 __all__ = [
@@ -29,13 +33,10 @@ __all__ = [
     "Comparison",
     "Convergence",
     "Derivative",
-    "Line",
-    "Machine",
     "OwnSolver",
     "Point",
     "Rate",
     "Sensitivity",
-    "Stopwatch",
     "Study",
     "Times",
     "Timing",
@@ -43,7 +44,6 @@ __all__ = [
     "WorkPrecision",
     "compare",
     "convergence",
-    "fit_line",
     "fit_rate",
     "load",
     "named_solver",

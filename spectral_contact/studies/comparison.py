@@ -238,18 +238,7 @@ def compare(
     source = "given" if truth is not None else f"solve, rtol = {_RTOL:g}"
     problem = _ComparedScene(scene, _truth(scene, given) if truth is None else truth)
     places = problem.places(s, from_edge, r)
-    unplaced = s is None and from_edge is None and r is None
-    agreements = []
-    for name, one in given.items():
-        if name in numbers:
-            agreements.append(problem.number(name, one))
-        elif not callable(one) and unplaced:
-            told = "an array with its radii (r=, s= or from_edge=)"
-            raise SceneError(name, one, told if name == _SURFACE else f"a function, or {told}")
-        elif name == _SURFACE:
-            agreements.append(problem.surface(one, places))
-        else:
-            agreements.append(problem.field(name, one, places))
+    agreements = [problem.agreement(name, one, places) for name, one in given.items()]
     remarks = problem.remarks(places, [name for name in given if name in fields])
     return Comparison(scene, source, tuple(agreements), (*remarks, *problem.factors))
 
@@ -274,31 +263,25 @@ class _ComparedScene:
         if not isinstance(own, Scene) or not same_problem(own, scene):
             raise SceneError("truth", own, f"that of {scene}")
         self.scene, self.truth = scene, truth
+        self.placed = False
         self.rounded = 0
         self.factors: list[str] = []
         self.length = 1.0
         self.scale = dict.fromkeys((*FIELDS, *_NUMBERS), 1.0)
-        data = scene.physical
-        if data is not None:
-            nu = scene.poisson_ratio
-            if data.radius is None:  # a profile
-                radius = data.contact_radius or getattr(truth, "contact_radius", None)
-                self.length = checks.scalar("truth.contact_radius", radius)
-                load = stress = data.quarter_modulus(nu)
-                moved = 1.0
-            else:
-                self.length = data.radius
-                if data.load is None:
-                    load = data.load_for(checks.scalar("truth.approach", truth.approach), nu)
-                else:
-                    load = data.load
-                stress, moved = data.pressure_scale(load), data.displacement_scale(load, nu)
-            factors = {"radius": self.length, "displacement": moved, "stress": stress}
-            factors |= {"force": load, "": 1.0}
+        if scene.physical is not None:
+            factor = scene.physical.si_factor
+            kinds = {one.si_factor for one in OUTPUTS}
+            factors = {kind: factor(kind, scene.poisson_ratio, truth) for kind in kinds}
+            self.length = factors["radius"]
             self.scale = {one.name: factors[one.si_factor] for one in OUTPUTS}
 
-    def number(self, name: str, value: Any) -> Agreement:
-        """Compare a number."""
+    def agreement(self, name: str, given: Any, places: Array) -> Agreement:
+        """Compare a number, or a field at distances from the edge."""
+        if name == _SURFACE:
+            return self._surface(given, places)
+        return self._field(name, given, places) if name in FIELDS else self._number(name, given)
+
+    def _number(self, name: str, value: Any) -> Agreement:
         found = getattr(self.truth, name, None)
         if found is None:
             raise SceneError(name, value, f"None, as the truth about {self.scene} has none")
@@ -317,7 +300,8 @@ class _ComparedScene:
 
         Those outside the contact are negative, those outside by rounding are 0.
         """
-        if s is None and from_edge is None and r is None:
+        self.placed = any(one is not None for one in (s, from_edge, r))
+        if not self.placed:
             own = isinstance(self.truth, Solution)
             return graded_radii(self.truth).from_edge if own else PLACES
         radii = ("s", s) if r is None else ("r", r)
@@ -366,8 +350,7 @@ class _ComparedScene:
             found.append(f"{many}, {where}: {', '.join(told)}")
         return tuple(found)
 
-    def field(self, name: str, given: Numbers, places: Array) -> Agreement:
-        """Compare a field."""
+    def _field(self, name: str, given: Numbers, places: Array) -> Agreement:
         if callable(given):
             values = by_distance(name, given, self.length)(places * self.length)
         else:
@@ -402,7 +385,7 @@ class _ComparedScene:
             float(np.median(errors)),
         )
 
-    def surface(self, given: Numbers, places: Array) -> Agreement:
+    def _surface(self, given: Numbers, places: Array) -> Agreement:
         """Compare the displacement of the surface into the body."""
         if not isinstance(self.truth, Solution):
             raise SceneError("truth", self.truth, "a Solution, to compare displacements with")
@@ -460,25 +443,21 @@ class _ComparedScene:
         if factor == 0.0 or not np.isfinite(factor) or abs(factor - 1.0) < _NOTED:
             return
         size = abs(factor)
-        power = round(float(np.log10(size)))
-        told = ""
-        if abs(size / 10.0**power - 1.0) < _ALIKE and power and power % 3 == 0:
-            told = "units?"
-        for angle in (2.0 * np.pi, 0.5 / np.pi):
-            if abs(size / angle - 1.0) < _ALIKE:
-                told = "per radian, or of the whole?"
         if factor < 0.0 and abs(size - 1.0) < _ALIKE:
             self.factors.append(f"{name}: the sign is the other one")
-        elif told or every:
-            large = "large" if size > 1.0 else "small"
-            ratio = size if size > 1.0 else 1.0 / size
+            return
+        question = _question(size)
+        if question or every:
+            values = "all values are" if every else "it is"
+            ratio = f"large by {size:.4g}" if size > 1.0 else f"small by {1.0 / size:.4g}"
             sign = " and of the other sign" if factor < 0.0 else ""
-            values = "all values" if every else "it"
-            are = "are" if every else "is"
-            hint = f": {told}" if told else ""
-            self.factors.append(f"{name}: {values} {are} too {large} by {ratio:.4g}{sign}{hint}")
+            hint = f": {question}" if question else ""
+            self.factors.append(f"{name}: {values} too {ratio}{sign}{hint}")
 
     def _listed(self, name: str, given: ArrayLike, places: Array) -> Array:
+        if not self.placed:
+            told = "an array with its radii (r=, s= or from_edge=)"
+            raise SceneError(name, given, told if name == _SURFACE else f"a function, or {told}")
         numbers = np.ravel(checks.reals(name, given, "for each radius", anything=True))
         if np.isnan(numbers).any():
             raise SceneError(name, np.nan, "a number at each radius")
@@ -519,3 +498,12 @@ class _ComparedScene:
             kappa = self.scene.kappa
             sizes = np.hypot(p, u) if name == "pressure" else s * np.hypot(u, kappa * p)
         return np.where(sizes == 0.0, largest, sizes)
+
+
+def _question(size: float) -> str:
+    """Return what numbers that are off by this factor may have been taken for, if anything."""
+    if any(abs(size / angle - 1.0) < _ALIKE for angle in (2.0 * np.pi, 0.5 / np.pi)):
+        return "per radian, or of the whole?"
+    thousands = round(float(np.log10(size)) / 3.0)
+    alike = abs(size / 1000.0**thousands - 1.0) < _ALIKE
+    return "units?" if thousands and alike else ""

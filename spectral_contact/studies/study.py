@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import math
 import numbers
-import os
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Final
+import pkgutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, ClassVar, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import real
+from spectral_contact.io.checks import real, whole
 from spectral_contact.io.choices import function, instance, listed
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
-from spectral_contact.studies.machine import Machine, this_machine
-from spectral_contact.studies.named_solvers import Solver, solver_name
+from spectral_contact.spectral.cache import clear_caches
 from spectral_contact.studies.study_results import Convergence, Point, WorkPrecision
-from spectral_contact.studies.study_store import StudyStore
-from spectral_contact.studies.timing import Stopwatch, Times, times_of
+from spectral_contact.studies.timing import Times, this_machine, times_of
 from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
-_STOPWATCH: Final = Stopwatch()
+#: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
+Solver = Callable[[Scene, Any], Any]
+
 _OF_SCENES: Final = "a scene and a resolution"
 #: Digits of a reference that is the truth.
 _DIGITS: Final = 20
@@ -39,8 +40,7 @@ def convergence(
     *,
     quantities: Sequence[str] | None = None,
     name: str | None = None,
-    stopwatch: Stopwatch | None = _STOPWATCH,
-    store: str | os.PathLike[str] | None = None,
+    repeats: int = 5,
     progress: bool | None = None,
 ) -> Convergence:
     """Measure the errors of a solver over the number of unknowns, and its times.
@@ -51,8 +51,8 @@ def convergence(
         ``solver(scene, resolution)`` returns any object with some of ``approach``,
         ``total_shear``, ``stick_radius``, ``pressure(s)`` and ``traction(s)``, dimensionless as in
         `Solution`; functions of arrays of s, or of distances if they take ``from_edge``. Optional
-        are ``unknowns``, ``refinements``, and estimates of the relative errors in ``error``.
-        `OwnSolver` is this library's.
+        are ``unknowns``, and estimates of the relative errors in ``error``. `OwnSolver` is this
+        library's.
     scene : Scene
     resolutions : sequence of (int or float)
         What the solver is called with, in this order: a number of elements, a tolerance. All
@@ -63,11 +63,10 @@ def convergence(
         Out of `QUANTITIES`; the default is all that the truth has, and of them what the solver has.
     name : str, optional
         What the solver is called; its own name is the default.
-    stopwatch : Stopwatch or None
-        How times are taken; None for no times.
-    store : path, optional
-        A file that keeps every point as it is done, so that the same call goes on after it was
-        stopped. It knows solvers by name: take another file when the solver has changed.
+    repeats : int
+        Least number of solves that are timed at each resolution; 0 for no times. Short solves are
+        repeated for 0.2 s, or a thousand times. A solver with a function ``clear_caches`` is timed
+        with empty caches, too.
     progress : bool, optional
         Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
@@ -81,8 +80,6 @@ def convergence(
         For an argument out of its range, or a quantity asked for that the solver lacks.
     NotComputedError
         If there is no truth; see `truth_of`.
-    SolutionFileError
-        If the store cannot be written, is damaged, or belongs to another study.
 
     Notes
     -----
@@ -92,27 +89,25 @@ def convergence(
     --------
     >>> from spectral_contact import Scene
     >>> from spectral_contact.studies import OwnSolver, convergence
-    >>> study = convergence(OwnSolver(), Scene(0.1, 0.5), [1e-3, 1e-6, 1e-9], stopwatch=None)
+    >>> study = convergence(OwnSolver(), Scene(0.1, 0.5), [1e-3, 1e-6, 1e-9], repeats=0)
     >>> all(point.errors["pressure"] < point.resolution for point in study.points)
     True
     """
     asked = _resolutions("resolutions", resolutions)
-    if name is not None:
-        instance("name", name, str)
-    if stopwatch is not None:
-        instance("stopwatch", stopwatch, Stopwatch)
     called = function("solver", solver, _OF_SCENES)
+    named = _name(called) if name is None else instance("name", name, str)
+    count = whole("repeats", repeats, 0)
     tell = ProgressLine(progress)
     true = truth_of(scene, truth, progress=progress)
-    case = _Case(name or solver_name(called), called, asked, true)
+    runs = _Runs(chosen(quantities, [true]), quantities is not None, count)
+    points = []
     with tell:
-        run = _Study("convergence", [case], quantities, stopwatch, store, tell)
-        points = tuple(
-            run.point(case, resolution, i / len(asked)) for i, resolution in enumerate(asked)
-        )
+        for i, resolution in enumerate(asked):
+            tell(f"{named} at {resolution:g}", i / len(asked))
+            points.append(runs.point(named, called, true, resolution))
         tell("", 1.0)
     return Convergence(
-        case.name, scene, true.source, true.error, run.shown(points), points, stopwatch, run.machine
+        named, scene, true.source, true.error, runs.shown(points), tuple(points), this_machine()
     )
 
 
@@ -123,8 +118,7 @@ def work_precision(
     truths: Sequence[Any] | None = None,
     *,
     quantities: Sequence[str] | None = None,
-    stopwatch: Stopwatch = _STOPWATCH,
-    store: str | os.PathLike[str] | None = None,
+    repeats: int = 5,
     progress: bool | None = None,
 ) -> WorkPrecision:
     """Measure the time that each of several solvers needs to reach an accuracy.
@@ -142,7 +136,7 @@ def work_precision(
         Relative errors to be reached, in (0, 1).
     truths : sequence of object, optional
         The truth of each scene, see `truth_of`; None among them is its default.
-    quantities, stopwatch, store, progress
+    quantities, repeats, progress
         See `convergence`; there are always times here.
 
     Returns
@@ -155,8 +149,6 @@ def work_precision(
         For an argument out of its range, or a quantity asked for that a solver lacks.
     NotComputedError
         If there is no truth; see `truth_of`.
-    SolutionFileError
-        If the store cannot be written, is damaged, or belongs to another study.
     """
     goals = tuple(sorted(_resolutions("accuracies", accuracies, high=1.0), reverse=True))
     several = [scenes] if isinstance(scenes, Scene) else listed("scenes", scenes, "scenes")
@@ -166,21 +158,21 @@ def work_precision(
         raise SceneError("scenes", scenes, "at least one, and all different")
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
-    instance("stopwatch", stopwatch, Stopwatch)
+    count = whole("repeats", repeats, 1)
     tell = ProgressLine(progress)
     called = _solvers(solvers, goals)
     found = [
         _truth_named("truths", scene, truth, progress)
         for scene, truth in zip(solved, given, strict=True)
     ]
-    cases = [_Case(name, *one, true) for true in found for name, one in called.items()]
+    runs = _Runs(chosen(quantities, found), quantities is not None, count)
     points: list[Point] = []
     with tell:
-        run = _Study("work-precision", cases, quantities, stopwatch, store, tell)
-        for i, case in enumerate(cases):
-            for k, resolution in enumerate(case.resolutions):
-                share = (i + k / len(case.resolutions)) / len(cases)
-                points.append(run.point(case, resolution, share))
+        cases = [(name, *one, true) for true in found for name, one in called.items()]
+        for i, (name, solver, resolutions, true) in enumerate(cases):
+            for k, resolution in enumerate(resolutions):
+                tell(f"{name} at {resolution:g}", (i + k / len(resolutions)) / len(cases))
+                points.append(runs.point(name, solver, true, resolution))
                 errors = points[-1].errors
                 if errors and max(errors.values()) <= goals[-1]:
                     break
@@ -190,10 +182,9 @@ def work_precision(
         solved,
         tuple(true.source for true in found),
         goals,
-        run.shown(points),
+        runs.shown(points),
         tuple(points),
-        stopwatch,
-        run.machine,
+        this_machine(),
     )
 
 
@@ -231,20 +222,15 @@ def _truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> 
     ProgressLine(progress)  # refuses what it cannot be
     if truth is not None:
         return given_truth(name, scene, truth)
-    source, truth = _best(scene, progress)
-    return given_truth(name, scene, truth, source)
-
-
-def _best(scene: Scene, progress: bool | None) -> tuple[str, Any]:
-    """Return the gold solution of a scene, or its reference, and what to call it."""
     # mpmath, on which both of them are built, is imported for studies alone
     from spectral_contact import gold
     from spectral_contact.precise.certified import certified
 
-    solution = gold.find(scene)
-    if solution is not None:
-        return f"gold table {solution.table}, {solution.digits} digits", solution
-    return f"reference, {_DIGITS} digits", certified(scene, _DIGITS, solve, progress=progress)
+    known = gold.find(scene)
+    if known is not None:
+        return given_truth(name, scene, known, f"gold table {known.table}, {known.digits} digits")
+    solution = certified(scene, _DIGITS, solve, progress=progress)
+    return given_truth(name, scene, solution, f"reference, {_DIGITS} digits")
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,11 +246,8 @@ class OwnSolver:
     """
 
     quantities: tuple[str, ...] | None = None
-
-    @property
-    def name(self) -> str:
-        """The name in tables and figures."""
-        return "spectral_contact"
+    name: ClassVar[str] = "spectral_contact"
+    clear_caches: ClassVar[Callable[[], None]] = staticmethod(clear_caches)
 
     def __call__(self, scene: Scene, rtol: float) -> Solution:
         """Solve a scene to a tolerance."""
@@ -272,112 +255,91 @@ class OwnSolver:
         return solve(scene, min(asked, _LOOSEST), self.quantities, strict=False)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Case:
-    """One solver on one scene."""
+def named_solver(name: str) -> Solver:
+    """Return the solver of that name.
 
-    name: str
-    solver: Solver
-    resolutions: tuple[float, ...]
-    truth: Truth
+    Parameters
+    ----------
+    name : str
+        ``"module:function"``, or ``"module:Class"`` whose constructor takes scene and resolution.
+
+    Raises
+    ------
+    SceneError
+        If there is no such module or callable in it.
+    """
+    module, _, path = instance("name", name, str).partition(":")
+    if not (module and path):
+        raise SceneError("solver", name, "written module:function")
+    try:
+        found = pkgutil.resolve_name(name)
+    except Exception as error:  # a user's module may raise anything when it is imported
+        reason = f"a callable that can be imported ({type(error).__name__}: {error})"
+        raise SceneError("solver", name, reason) from error
+    return function("solver", found, _OF_SCENES)
 
 
-class _Study:
-    """Points from the store or from a solver, for either study."""
+def _name(solver: Solver) -> str:
+    """Return what a solver is called: its ``name``, or that of the function or class."""
+    owner = solver.func if isinstance(solver, partial) else solver
+    named = (getattr(owner, one, None) for one in ("name", "__name__"))
+    return next((one for one in named if isinstance(one, str)), type(owner).__name__)
 
-    def __init__(
-        self,
-        kind: str,
-        cases: Sequence[_Case],
-        quantities: Sequence[str] | None,
-        stopwatch: Stopwatch | None,
-        store: str | os.PathLike[str] | None,
-        tell: ProgressLine,
-    ) -> None:
-        self.wanted = chosen(quantities, [case.truth for case in cases])
-        self.machine: Machine = this_machine()
-        self._asked = quantities is not None
-        self._stopwatch = stopwatch
-        identity = {
-            "study": kind,
-            "quantities": list(self.wanted),
-            "stopwatch": None if stopwatch is None else asdict(stopwatch),
-            "machine": asdict(self.machine),
-        }
-        known = {(case.name, case.truth.scene): case.truth.identity for case in cases}
-        self._store = StudyStore(store, identity, known)
-        self._tell = tell
 
-    def point(self, case: _Case, resolution: float, share: float) -> Point:
-        """Return a point; the share in [0, 1] of all work is done before it."""
-        self._tell(f"{case.name} at {resolution:g}", share)
-        known = self._store.get(case.name, case.truth.scene, resolution)
-        if known is None:
-            known = self._measured(case, resolution)
-            self._store.add(known)
-        return known
+@dataclass(frozen=True, slots=True)
+class _Runs:
+    """What is wanted of every run of a solver.
+
+    Attributes
+    ----------
+    wanted : tuple of str
+        Quantities.
+    asked : bool
+        Whether the user named them, so that each has to be there.
+    repeats : int
+        How many times are taken at least.
+    """
+
+    wanted: tuple[str, ...]
+    asked: bool
+    repeats: int
+
+    def point(self, name: str, solver: Solver, truth: Truth, resolution: float) -> Point:
+        """Run a solver once, compare it with the truth, and time it."""
+        wanted = [one for one in self.wanted if one in truth.quantities]
+        solution: Any = None
+        errors: dict[str, float] = {}
+        estimates: dict[str, float] = {}
+        times: Times | None = None
+        failure = ""
+        try:
+            solution = solver(truth.scene, resolution)
+            errors = truth.errors(solution, wanted)
+            known = {one: estimate_of(solution, one) for one in errors}
+            estimates = {one: estimate for one, estimate in known.items() if estimate is not None}
+            if self.repeats:
+                times = times_of(solver, truth.scene, resolution, self.repeats)
+        except Exception as error:  # a user's solver may raise anything
+            failure = " ".join(f"{type(error).__name__}: {error}".split())
+        lacking = [one for one in wanted if one not in errors]
+        if not failure and lacking and (self.asked or not errors):
+            allowed = f"one whose solutions have {' or '.join(lacking)}"
+            raise SceneError("solver", name, allowed)
+        unknowns = _unknowns(solution, resolution)
+        return Point(name, truth.scene, resolution, unknowns, errors, estimates, times, failure)
 
     def shown(self, points: Sequence[Point]) -> tuple[str, ...]:
         """Return the quantities asked for, or those that were there."""
-        if self._asked:
-            return self.wanted
-        return tuple(q for q in self.wanted if any(q in p.errors for p in points)) or self.wanted
-
-    def _measured(self, case: _Case, resolution: float) -> Point:
-        scene = case.truth.scene
-        wanted = [name for name in self.wanted if name in case.truth.quantities]
-        solution, times, failure = None, None, ""
-        errors: dict[str, float] = {}
-        estimates: dict[str, float] = {}
-        try:
-            solution = case.solver(scene, resolution)
-            errors = case.truth.errors(solution, wanted)
-            known = {name: estimate_of(solution, name) for name in errors}
-            estimates = {name: one for name, one in known.items() if one is not None}
-        except Exception as error:  # a user's solver may raise anything
-            failure = _said(error)
-        else:
-            lacking = [name for name in wanted if name not in errors]
-            if lacking and (self._asked or not errors):
-                allowed = f"one whose solutions have {' or '.join(lacking)}"
-                raise SceneError("solver", case.name, allowed)
-            times, failure = self._timed(case, resolution)
-        unknowns = _counted(solution, "unknowns")
-        if unknowns is None and isinstance(resolution, int):
-            unknowns = resolution
-        return Point(
-            case.name,
-            scene,
-            resolution,
-            unknowns,
-            _counted(solution, "refinements"),
-            errors,
-            estimates,
-            times,
-            failure,
-        )
-
-    def _timed(self, case: _Case, resolution: float) -> tuple[Times | None, str]:
-        """Return the times that are asked for, and what went wrong."""
-        if self._stopwatch is None:
-            return None, ""
-        try:
-            return times_of(case.solver, case.truth.scene, resolution, self._stopwatch), ""
-        except Exception as error:
-            return None, _said(error)
+        there = tuple(q for q in self.wanted if any(q in p.errors for p in points))
+        return self.wanted if self.asked else there or self.wanted
 
 
-def _said(error: Exception) -> str:
-    return " ".join(f"{type(error).__name__}: {error}".split())
-
-
-def _counted(solution: Any, name: str) -> int | None:
-    """Return a count of a solution, or of its work."""
-    for owner in (solution, getattr(solution, "work", None)):
-        value = getattr(owner, name, None)
-        if isinstance(value, numbers.Integral) and not isinstance(value, bool):
-            return int(value)
-    return None
+def _unknowns(solution: Any, resolution: float) -> int | None:
+    """Return the unknowns that a solution says it has; else the resolution, if it is whole."""
+    work = getattr(solution, "work", None)
+    known = (getattr(solution, "unknowns", None), getattr(work, "unknowns", None), resolution)
+    whole_ones = (one for one in known if isinstance(one, numbers.Integral))
+    return next((int(one) for one in whole_ones if not isinstance(one, bool)), None)
 
 
 def _resolutions(parameter: str, values: Any, high: float = math.inf) -> tuple[float, ...]:

@@ -5,21 +5,22 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, Final, cast
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import flag, real
 from spectral_contact.io.choices import instance, one_of
 from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
-from spectral_contact.studies.machine import Machine
-from spectral_contact.studies.timing import Stopwatch, Times
+from spectral_contact.studies.timing import Times
 
 #: What a study can look at.
-QUANTITIES = ("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius")
+QUANTITIES: Final = (
+    *("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius"),
+)
 
 #: Errors less than this many times that of the truth say nothing.
-_ABOVE_TRUTH = 10.0
+_ABOVE_TRUTH: Final = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +37,6 @@ class Point:
     unknowns : int or None
         ``unknowns`` of the result, or its ``work.unknowns``; else the resolution if that is a
         whole number.
-    refinements : int or None
-        ``refinements`` of the result; for this library, the number of spaces tried in all steps.
     errors : dict
         True relative errors, by quantity.
     estimates : dict
@@ -52,25 +51,10 @@ class Point:
     scene: Scene
     resolution: float
     unknowns: int | None
-    refinements: int | None
     errors: dict[str, float]
     estimates: dict[str, float]
     times: Times | None
     failure: str = ""
-
-    def seconds_per_digit(self, quantity: str) -> float | None:
-        """Return the warm time [s] for each right digit; None without a time, or a digit.
-
-        Raises
-        ------
-        SceneError
-            If there is no such quantity.
-        """
-        one_of("quantity", quantity, QUANTITIES)
-        error = self.errors.get(quantity, math.inf)
-        if self.times is None or not error < 0.1:
-            return None
-        return self.times.warm.median / -math.log10(max(error, 2.0**-53))
 
 
 class _Result:
@@ -94,18 +78,15 @@ class _Result:
 
         save(self._study, path)
 
-    def plot(self, path: str | os.PathLike[str] | None = None, *, cold: bool = True) -> Any:
-        """Draw the errors over times, and over unknowns with their rates; write the figure.
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Any:
+        """Draw the errors over warm times, and over unknowns with their rates; write the figure.
 
-        Full markers over the unknowns are points that a rate is fitted to; beside other solvers,
-        full markers are warm times, open ones cold times.
+        Full markers over the unknowns are points that a rate is fitted to.
 
         Parameters
         ----------
         path : path, optional
             Where to write it; nothing is written without.
-        cold : bool
-            Draw the cold times, too.
 
         Returns
         -------
@@ -120,7 +101,7 @@ class _Result:
         """
         from spectral_contact.studies.study_pictures import drawn
 
-        return drawn(self._study, path, flag("cold", cold))
+        return drawn(self._study, path)
 
     def __str__(self) -> str:
         from spectral_contact.studies.tables import text_of
@@ -143,8 +124,8 @@ class Convergence(_Result):
     quantities : tuple of str
     points : tuple of Point
         In the order of the resolutions.
-    stopwatch : Stopwatch or None
-    machine : Machine
+    machine : dict
+        See `this_machine`.
     """
 
     solver: str
@@ -153,8 +134,7 @@ class Convergence(_Result):
     truth_error: dict[str, float]
     quantities: tuple[str, ...]
     points: tuple[Point, ...]
-    stopwatch: Stopwatch | None
-    machine: Machine
+    machine: dict[str, Any]
 
     def rate(self, quantity: str, confidence: float = 0.95) -> Rate | None:
         """Return the fitted rate of one error; None if too few points show it: see `fit_rate`.
@@ -193,8 +173,8 @@ class WorkPrecision(_Result):
         Relative errors to be reached, falling.
     quantities : tuple of str
     points : tuple of Point
-    stopwatch : Stopwatch
-    machine : Machine
+    machine : dict
+        See `this_machine`.
     """
 
     solvers: tuple[str, ...]
@@ -203,8 +183,7 @@ class WorkPrecision(_Result):
     accuracies: tuple[float, ...]
     quantities: tuple[str, ...]
     points: tuple[Point, ...]
-    stopwatch: Stopwatch
-    machine: Machine
+    machine: dict[str, Any]
 
     def of(self, solver: str, scene: Scene) -> tuple[Point, ...]:
         """Return the points of one solver on one scene, in the order of the resolutions.

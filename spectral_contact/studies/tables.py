@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from spectral_contact.scene import Scene
 from spectral_contact.studies.study_results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
@@ -12,33 +10,31 @@ from spectral_contact.view.report import scene_text, table
 
 def text_of(study: Study) -> str:
     """Return what is printed of a study."""
-    return _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
+    parts = _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
+    if any(point.times is not None for point in study.points):
+        machine = ", ".join(f"{name} {value}" for name, value in study.machine.items())
+        parts.append(f"times: medians and quartiles, one BLAS thread; {machine}")
+    return "\n\n".join(parts)
 
 
-def _convergence(study: Convergence) -> str:
-    timed = study.stopwatch is not None
-    heading = ["resolution", "unknowns", *(name.replace("_", " ") for name in study.quantities)]
-    if timed:
-        heading += ["warm [ms]", "cold [ms]", f"ms per digit of {heading[2]}"]
-    rows = [tuple(heading)]
+def _convergence(study: Convergence) -> list[str]:
+    names = {name: name.replace("_", " ") for name in study.quantities}
+    timed = any(point.times is not None for point in study.points)
+    rows = [("resolution", "unknowns", *names.values(), *["warm [ms]", "cold [ms]"] * timed)]
     for point in study.points:
-        row = [f"{point.resolution:g}", _whole(point.unknowns)]
+        unknowns = "-" if point.unknowns is None else str(point.unknowns)
+        errors = [_error(point, name) for name in names]
         if point.failure:
-            rows.append((*row, point.failure, *[""] * (len(heading) - 3)))
-            continue
-        row += [_error(point, name) for name in study.quantities]
-        rows.append((*row, *_times(point, study.quantities[0])) if timed else tuple(row))
-    width = max(len(name) for name in study.quantities)
-    rates = [
-        f"  {name.replace('_', ' '):<{width}}   {_rate_text(study, name)}"
-        for name in study.quantities
-    ]
-    parts = [
+            errors = [point.failure, *[""] * (len(names) - 1)]
+        times = [_spread(getattr(point.times, state, None)) for state in ("warm", "cold")]
+        rows.append((f"{point.resolution:g}", unknowns, *errors, *times * timed))
+    width = max(map(len, names.values()))
+    rates = [f"  {told:<{width}}   {_rate_text(study, name)}" for name, told in names.items()]
+    return [
         f"{study.solver}: {scene_text(study.scene)}\ntruth: {study.truth}",
         table(rows),
         "\n".join(["rate, with its interval of 95 per cent", *rates]),
     ]
-    return "\n\n".join([*parts, *_timing_notes(study)])
 
 
 def _rate_text(study: Convergence, quantity: str) -> str:
@@ -46,30 +42,21 @@ def _rate_text(study: Convergence, quantity: str) -> str:
     rate = study.rate(quantity)
     if rate is None:
         return "none: fewer than three points above rounding and the error of the truth"
-    used, total = rate.used, len(study.points)
-    if used == tuple(range(used[0], used[-1] + 1)):
-        points = f"points {used[0] + 1} to {used[-1] + 1} of {total}"
-    else:
-        points = f"points {', '.join(str(i + 1) for i in used)} of {total}"
+    used = ", ".join(str(i + 1) for i in rate.used)
     rivals = f" ({' and '.join(rate.rivals)} nearly as well)" if rate.rivals else ""
-    return f"{rate}, {rate.kind}{rivals}, {points}"
+    return f"{rate}, {rate.kind}{rivals}, points {used} of {len(study.points)}"
 
 
-def _work_precision(study: WorkPrecision) -> str:
+def _work_precision(study: WorkPrecision) -> list[str]:
     """Return, for every scene and quantity, the times to reach the accuracies."""
     parts = []
     for scene, truth in zip(study.scenes, study.truths, strict=True):
         parts.append(f"{scene_text(scene)}\ntruth: {truth}")
         parts += [_reach_table(study, scene, quantity) for quantity in study.quantities]
-        failures = [
-            f"  {point.solver} at {point.resolution:g}: {point.failure}"
-            for name in study.solvers
-            for point in study.of(name, scene)
-            if point.failure
-        ]
-        if failures:
-            parts.append("\n".join(["failures", *failures]))
-    return "\n\n".join([*parts, *_timing_notes(study)])
+        failed = [one for one in study.points if one.failure and one.scene == scene]
+        told = [f"  {one.solver} at {one.resolution:g}: {one.failure}" for one in failed]
+        parts += ["\n".join(["failures", *told])] if told else []
+    return parts
 
 
 def _reach_table(study: WorkPrecision, scene: Scene, quantity: str) -> str:
@@ -80,60 +67,25 @@ def _reach_table(study: WorkPrecision, scene: Scene, quantity: str) -> str:
         heading += [f"{name} [ms]", "ratio"]
     rows = [tuple(heading)]
     for accuracy in study.accuracies:
-        times = {name: study.reached(name, scene, quantity, accuracy) for name in study.solvers}
-        row = [f"{accuracy:.0e}", _milliseconds(times[first])]
-        for name in others:
-            row += [_milliseconds(times[name]), _ratio(times[name], times[first])]
+        ours, *theirs = (study.reached(one, scene, quantity, accuracy) for one in study.solvers)
+        row = [f"{accuracy:.0e}", _milliseconds(ours)]
+        for time in theirs:
+            ratio = "-" if time is None or ours is None else f"{time / ours:.3g}"
+            row += [_milliseconds(time), ratio]
         rows.append(tuple(row))
     return table(rows)
-
-
-def _ratio(theirs: float | None, ours: float | None) -> str:
-    return "-" if theirs is None or ours is None else f"{theirs / ours:.3g}"
-
-
-def _timing_notes(study: Study) -> list[str]:
-    """Return how the times were taken, and where."""
-    lines = []
-    for note in sorted({_note(point) for point in study.points} - {""}):
-        lines.append(f"times: {note}")
-    return ["\n".join([*lines, f"machine: {study.machine}"])] if lines else []
-
-
-def _note(point: Point) -> str:
-    times = point.times
-    if times is None:
-        return ""
-    threads = times.blas_threads
-    said = "BLAS threads unknown" if threads is None else f"BLAS threads: {threads}"
-    if times.cold is None:
-        return f"{point.solver}, medians and quartiles in this process, {said} ({times.note})"
-    return f"{point.solver}, medians and quartiles in fresh processes, {said}"
-
-
-def _times(point: Point, quantity: str) -> tuple[str, ...]:
-    times, each = point.times, point.seconds_per_digit(quantity)
-    assert times is not None
-    return _spread(times.warm), _spread(times.cold), _milliseconds(each)
 
 
 def _spread(taken: Timing | None) -> str:
     if taken is None:
         return "-"
-    ends = f"{_milliseconds(taken.lower)}, {_milliseconds(taken.upper)}"
-    return f"{_milliseconds(taken.median)} [{ends}]"
+    low, middle, high = map(_milliseconds, (taken.lower, taken.median, taken.upper))
+    return f"{middle} [{low}, {high}]"
 
 
 def _milliseconds(seconds: float | None) -> str:
     return "-" if seconds is None else f"{1e3 * seconds:.3g}"
 
 
-def _whole(number: int | None) -> str:
-    return "-" if number is None else str(number)
-
-
 def _error(point: Point, quantity: str) -> str:
-    error = point.errors.get(quantity)
-    if error is None:
-        return "-"
-    return f"{error:.1e}" if math.isfinite(error) else "inf"
+    return f"{point.errors[quantity]:.1e}" if quantity in point.errors else "-"

@@ -58,11 +58,6 @@ class Truth:
         """What can be compared, in the order of `QUANTITIES`."""
         return tuple(name for name in QUANTITIES if name in self.scalars or name in self.fields)
 
-    @property
-    def identity(self) -> dict[str, Any]:
-        """What tells it from other truths of the scene, as an object of JSON."""
-        return {"source": self.source, "scalars": self.scalars}
-
     def errors(self, solution: Any, wanted: Iterable[str]) -> dict[str, float]:
         """Return the relative errors of a solution.
 

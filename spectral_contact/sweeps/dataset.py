@@ -169,24 +169,26 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
         if name not in _MAY_BE_ABSENT or np.isfinite(values).all():
             dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)
             found[name] = dims, values, _about(name, parameters.shaped)
-    if parameters.shaped:
-        for part in ("profile", "layer"):
-            briefs = _briefs(parameters, part)
-            if any(briefs):
-                brief = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
-                found[part] = parameters.dims * np.ndim(brief), brief, _about(part)
-    if parameters.coupled:
-        each = np.array([one.coupling for one in parameters.forms])
-        own = (parameters.dims, each) if len(each) > 1 else ((), True)
-        found["coupling"] = *own, _about("coupling")
-    branches: Any = np.array([one.branch for one in parameters.forms])
-    if branches.any():
-        several = len(branches) > 1
-        dims, value = (parameters.dims, branches) if several else ((), int(branches[0]))
-        found["branch"] = dims, value, _about("branch")
+    found |= _forms(parameters)
     if request.places:
         for name in ("s", "from_edge"):
             found[name] = (request.places, getattr(request, name), _about(name))
+    return found
+
+
+def _forms(parameters: SweepParameters) -> dict[str, Any]:
+    """Return what scenes have besides numbers: profile, layer, coupling and branch."""
+    found: dict[str, Any] = {}
+    for part in ("profile", "layer") if parameters.shaped else ():
+        briefs = _briefs(parameters, part)
+        if any(briefs):
+            brief = briefs[0] if parameters.table is None else np.array(briefs, dtype=object)
+            found[part] = parameters.dims * np.ndim(brief), brief, _about(part)
+    for name in ("coupling", "branch"):
+        each = np.array([getattr(one, name) for one in parameters.forms])
+        if each.any():
+            own = (parameters.dims, each) if len(each) > 1 else ((), each[0].item())
+            found[name] = *own, _about(name)
     return found
 
 

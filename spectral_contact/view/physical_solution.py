@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 from numpy.typing import ArrayLike
 
@@ -17,6 +17,8 @@ from spectral_contact.records import Zone
 from spectral_contact.solution import Solution
 from spectral_contact.view.html import table_html
 from spectral_contact.view.report import si_cells, table
+
+_FACTORS: Final = {one.name: one.si_factor for one in OUTPUTS}
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -51,57 +53,37 @@ class PhysicalSolution(choices.Suggesting):
         return self.solution.scene.physical
 
     @property
-    def _modulus(self) -> float | None:
-        """What tractions under a profile are in [Pa]; None for a flat punch."""
-        shaped = self.solution.scene.profile is not None
-        return float(self._data.quarter_modulus(self._nu)) if shaped else None
+    def _shaped(self) -> bool:
+        return self.solution.scene.profile is not None
 
-    def _factor(self, name: str) -> float:
-        """Return what a quantity of `OUTPUTS` is multiplied by to be in SI units."""
-        [kind] = [one.si_factor for one in OUTPUTS if one.name == name]
-        if kind == "force":
-            return self._modulus or self._largest_load
-        if kind == "displacement":  # under a profile it is a length as the others are
-            return self.units.displacement if self._modulus is None else 1.0
-        if kind == "stress":
-            return self.units.stress
-        return self.radius if kind == "radius" else 1.0
+    def _factor(self, kind: str) -> float:
+        """Return an `OutputQuantity.si_factor` of this solution."""
+        return float(self._data.si_factor(kind, self._nu, self.solution))
 
     def _in_si(self, name: str) -> Any:
         value = getattr(self.solution, name)
-        return None if value is None else value * self._factor(name)
+        return None if value is None else value * self._factor(_FACTORS[name])
 
     @property
     def load(self) -> float:
         """Normal load P [N]."""
-        return self.solution.scene.unloaded_to * self._largest_load
-
-    @property
-    def _largest_load(self) -> float:
-        """The load that dimensionless fields are in units of, which a scene is unloaded from."""
+        ratio = self.solution.scene.unloaded_to
         if self._data.load is not None:
-            return float(self._data.load)
-        if self._modulus is not None:
-            return self.solution.load * self._modulus
-        largest_approach = self.solution.approach / self.solution.scene.unloaded_to
-        return float(self._data.load_for(largest_approach, self._nu))
+            return ratio * float(self._data.load)
+        return float(self._in_si("load")) if self._shaped else ratio * self._factor("force")
 
     @property
     def approach(self) -> float:
         """Approach [m]."""
         if self._data.approach is not None:
             return self.solution.scene.unloaded_to * float(self._data.approach)
-        if self._modulus is not None:
-            return self.solution.approach
-        return self.solution.approach * self.units.displacement
+        return float(self._in_si("approach"))
 
     @property
     def units(self) -> Units:
         """SI units of length a [m], stress [Pa] and displacement [m], of dimensionless fields."""
-        if self._modulus is not None:
-            return si_units(self.radius, self._modulus, self.radius)
-        stress, load = self._data.pressure_scale, self._largest_load
-        return si_units(self.radius, stress(load), self._data.displacement_scale(load, self._nu))
+        displacement = self._factor("radius" if self._shaped else "displacement")
+        return si_units(self.radius, self._factor("stress"), displacement)
 
     @property
     def radius(self) -> float:
@@ -109,8 +91,7 @@ class PhysicalSolution(choices.Suggesting):
 
         For a layer law without an edge it is `Solution.domain_radius`.
         """
-        given = self._data.radius or self._data.contact_radius
-        return float(self.solution.domain_radius if given is None else given)
+        return self._factor("radius")
 
     @property
     def contact_radius(self) -> float:
@@ -188,7 +169,7 @@ class PhysicalSolution(choices.Suggesting):
     def _scaled(self, name: str, r: ArrayLike | None, from_edge: ArrayLike | None) -> Any:
         checks.exactly_one("r", r, "from_edge", from_edge)
         evaluate = getattr(self.solution, name)
-        factor = self._factor(name)
+        factor = self._factor(_FACTORS[name])
         a = self.radius
         if from_edge is None:
             return evaluate(checks.lengths("r", r, a, "m") / a) * factor

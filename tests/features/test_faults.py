@@ -4,7 +4,6 @@ import ast
 import functools
 import importlib.util
 import io
-import json
 from argparse import Namespace
 from pathlib import Path
 from types import SimpleNamespace
@@ -36,11 +35,9 @@ def solution():
     return solve(SCENE, 1e-4)
 
 
-def study(counts=(8, 16, 32, 64), **options):
+def study():
     truth = SimpleNamespace(approach=0.25)
-    return convergence(
-        peers.Decaying, Scene(0.1, 0.5), counts, truth, name="mine", stopwatch=None, **options
-    )
+    return convergence(peers.Decaying, Scene(0.1, 0.5), (8, 16, 32, 64), truth, repeats=0)
 
 
 @functools.cache
@@ -170,49 +167,6 @@ def test_a_store_of_a_sweep_loses_nothing(tmp_path):
         assert done.count("link") == 1 - started
 
 
-def test_a_store_of_a_study_loses_nothing(tmp_path):
-    whole = study()
-    (tmp_path / "runs").mkdir()
-
-    def before(folder):
-        study([8, 16], store=folder / "points")
-        with (folder / "points").open("ab") as file:
-            file.write(b'{"schema": "spect')  # of a run that was killed
-
-    def check(folder, done):
-        lines = (folder / "points").read_bytes().split(b"\n")
-        points = [json.loads(line)["point"]["resolution"] for line in lines[:-1]]
-        assert points == [8, 16, 32, 64][: len(points)]
-        assert len(points) == 4 if done else len(points) >= 2
-        assert not done or lines[-1] == b""
-
-    def work(folder):
-        assert study(store=folder / "points") == whole
-
-    done = every_fault(tmp_path / "runs", before, work, check)
-    assert done.count("write") == 2
-    assert done.count("truncate") == 1
-
-
-def test_a_line_that_could_not_be_written_leaves_no_part(tmp_path):
-    """The disk is full in the middle of a line; whoever goes on in the same process may."""
-
-    def check(folder, done):
-        lines = (folder / "lines").read_bytes().splitlines(keepends=True)
-        assert lines in ([b"one\n"], [b"one\n", b"two\n"], [b"one\n", b"two\n", b"two\n"])
-        assert len(lines) > 1 or not done
-
-    def work(folder):
-        with documents.reported("lines", "cannot be written"):
-            documents.append_file(str(folder / "lines"), b"two\n")
-
-    def before(folder):
-        (folder / "lines").write_bytes(b"one\n")
-
-    done = every_fault(tmp_path, before, work, check, lasting=(False,))
-    assert done == ["open a file", "write", "fsync", "close"]
-
-
 def test_nothing_in_the_library_writes_in_another_way():
     """A writer that is added goes through the ones that are tested here."""
     package = Path(spectral_contact.__file__).parent
@@ -229,7 +183,6 @@ def test_nothing_in_the_library_writes_in_another_way():
                 found.append(f"{path.name}: {ast.unparse(node)}")
     assert found == [
         "processes.py: open(os.devnull, 'w', encoding='utf-8')",
-        "timed_process.py: os.fdopen(answer, 'w', encoding='utf-8')",  # a pipe
         "worker.py: os.fdopen(os.dup(1), 'wb')",  # of the explorer: a pipe
     ]
 

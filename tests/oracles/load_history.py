@@ -81,7 +81,6 @@ def even_ends(radii: Sequence[float], rings: int) -> Array:
     marks = np.array([0.0, *sorted(radii), 1.0])
     counts = np.maximum(np.round(rings * np.diff(marks)).astype(int), 1)
     parts = [
-        np.linspace(a, b, n + 1)[:-1]
-        for a, b, n in zip(marks[:-1], marks[1:], counts, strict=True)  # noqa: RUF007
+        np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(marks[:-1], marks[1:], counts, strict=True)
     ]
     return np.square(np.append(np.concatenate(parts), 1.0))

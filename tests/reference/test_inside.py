@@ -301,21 +301,24 @@ def test_points_beyond_memory_are_refused_before_they_are_made():
         body.stress(from_edge=axis / 2.0, z=axis[:, None])
 
 
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10])
 @pytest.mark.parametrize("name", SCENES)
-def test_many_points_meet_a_tolerance_and_their_estimates(solutions, name):
+def test_many_points_meet_a_tolerance_and_their_estimates(solutions, name, rtol):
     body, rng = solutions[name].inside, np.random.default_rng(3)
     from_edge, z = rng.uniform(-1.0, 1.0, 2500), rng.uniform(0.0, 1.5, 2500)
     z[::50] = 0.0
     some = slice(None, None, 25)
     for method, parts in (("stress", ("rr", "tt", "zz", "rz")), ("displacement", ("r", "z"))):
         evaluate = getattr(body, method)
-        many = evaluate(from_edge=from_edge, z=z, rtol=1e-8)
+        many = evaluate(from_edge=from_edge, z=z, rtol=rtol)
         few = evaluate(from_edge=from_edge[some], z=z[some])
         size = few.norm if method == "stress" else few.modulus
         for part in parts:
             apart = np.abs(getattr(many, part)[some] - getattr(few, part))
             assert np.all(apart <= (many.error[some] + few.error) * size)
         assert many.error.max() < 2e-8
+        # the rest of an estimate is the errors of the loads, on which both hang
+        assert (many.error[some] - few.error).max() < 3.0 * rtol
 
 
 def test_from_many_points_on_the_surface_tractions_are_the_fields(solutions):

@@ -52,7 +52,9 @@ def test_zones_and_shear_are_those_of_another_solver(unloaded):
 
 def test_load_ratios_are_those_of_another_solver():
     unloaded = solve(LOADED.replace(unloaded_to=0.8), 1e-10, ["reverse_ratio", "turning_ratio"])
-    assert abs(unloaded.reverse_ratio / 0.2221247691538 - 1.0) <= unloaded.error.reverse_ratio + 1e-12
+    assert (
+        abs(unloaded.reverse_ratio / 0.2221247691538 - 1.0) <= unloaded.error.reverse_ratio + 1e-12
+    )
     # c2 as a function of the load has its maximum there
     assert abs(unloaded.turning_ratio / 0.22001508 - 1.0) <= unloaded.error.turning_ratio + 2e-8
     assert unloaded.error.reverse_ratio < 1e-9

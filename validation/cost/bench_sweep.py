@@ -204,7 +204,7 @@ def main() -> None:
         "schema": "spectral_contact.validation.bench_sweep",
         "version": 1,
         "library": spectral_contact.__version__,
-        "machine": str(this_machine()),
+        "machine": ", ".join(f"{name} {one}" for name, one in this_machine().items()),
         "rows": rows,
         "gain": gain(),
     }

@@ -5,7 +5,7 @@ and by matplotlib costs.png, costs_growth.png and costs_prices.png, into validat
 Whatever is done is kept in the store, and the same command goes on where a run was stopped; what
 other sources of the library gave is not taken. The truths, to 20 digits, are kept in
 costs_truths.json beside the results, and made once, in some ten minutes. The price of many digits
-is that of bench_reference.py. With --quick times are rough, of one repeat in this process, truths
+is that of bench_reference.py. With --quick times are rough, of one repeat, truths
 that are not there yet are solves to 1e-12 on other panels, and unknowns that fall are looked for in
 fewer gold scenes.
 """
@@ -41,19 +41,17 @@ from costs_report import (
 )
 from flat_punches import sources
 from honesty_scenes import true_solution
+from scipy.stats import linregress, t
 
 from spectral_contact import Scene, Solution, __version__, gold, solve
 from spectral_contact.studies import (
     OwnSolver,
     Point,
-    Stopwatch,
     Truth,
     convergence,
-    fit_line,
     this_machine,
     truth_of,
 )
-from spectral_contact.studies.study_files import point_row
 from spectral_contact.studies.timing import times_of
 from spectral_contact.view.progress import ProgressLine
 
@@ -70,7 +68,7 @@ COMPLIANCES = (0.5, 1e-2, 1e-4, 1e-8, 1e-12, 0.0)
 TOLERANCES = tuple(float(f"1e-{digits}") for digits in range(2, 13))
 #: Four for each digit: at these all gold scenes are looked at for unknowns that fall.
 MANY_TOLERANCES = tuple(float(f"{10.0 ** (-k / 4):.3g}") for k in range(8, 49))
-QUICK = Stopwatch(repeats=1, seconds=0.0)
+REPEATS = 5
 FEWER_SCENES = 25
 
 Task = tuple[str, Callable[[], Any]]
@@ -145,24 +143,19 @@ def truths(quick: bool) -> dict[Scene, Truth]:
 # --- measurements ---------------------------------------------------------------------------------
 
 
-def timed(task: Callable[[Scene, float], Any], stopwatch: Stopwatch) -> Callable[..., Any]:
-    """Return a task as it is to be timed: a quick one is one that no fresh process can import."""
-    return (lambda scene, rtol: task(scene, rtol)) if stopwatch == QUICK else task
-
-
-def points_of(scene: Scene, truth: Truth, store: Path, stopwatch: Stopwatch) -> list[dict]:
+def points_of(scene: Scene, truth: Truth, repeats: int) -> list[dict]:
     """Return the points of one scene at all tolerances."""
-    solver = timed(OwnSolver(), stopwatch)
-    options = {"name": OwnSolver().name, "stopwatch": stopwatch, "store": store}
-    study = convergence(solver, scene, TOLERANCES, truth, **options)
-    return [point_row(point) | {"systems": systems(scene, point)} for point in study.points]
+    study = convergence(OwnSolver(), scene, TOLERANCES, truth, repeats=repeats)
+    return [row_of(point) for point in study.points]
 
 
-def systems(scene: Scene, point: Point) -> dict[str, int]:
-    """Return the unknowns of every step of a solve."""
-    work = OwnSolver()(scene, point.resolution).work
+def row_of(point: Point) -> dict[str, Any]:
+    """Return a point with the unknowns of every step of its solve."""
+    work = OwnSolver()(point.scene, point.resolution).work
     assert work.unknowns == point.unknowns
-    return {step.name: step.unknowns for step in work.steps if step.unknowns}
+    steps = {step.name: step.unknowns for step in work.steps if step.unknowns}
+    row = asdict(point) | {"scene": point.scene.to_dict()}
+    return row | {"systems": steps, "refinements": work.refinements}
 
 
 def exceeded(points: list[dict], known: dict[Scene, Truth]) -> list[dict]:
@@ -198,10 +191,10 @@ def falls(scene: Scene) -> dict[str, Any]:
     return {"scene": scene.to_dict(), "falls": found, "unmet": unmet}
 
 
-def priced(price: Price, stopwatch: Stopwatch) -> dict[str, Any]:
+def priced(price: Price, repeats: int) -> dict[str, Any]:
     """Return what an item of the price list costs."""
     outcome = price.task(price.scene, RTOL)
-    times = times_of(timed(price.task, stopwatch), price.scene, RTOL, stopwatch)
+    times = times_of(price.task, price.scene, RTOL, repeats)
     unknowns = None
     if isinstance(outcome, Solution):
         unknowns = sum(step.unknowns for step in outcome.work.steps)
@@ -221,6 +214,19 @@ def digits_priced() -> list[dict[str, Any]]:
 # --- growth ---------------------------------------------------------------------------------------
 
 
+def line(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+    """Return the line of least squares, with the interval of 95 per cent of its slope."""
+    fit = linregress(x, y)
+    half = fit.stderr * t.ppf(0.975, len(x) - 2)
+    return {
+        "slope": fit.slope,
+        "intercept": fit.intercept,
+        "interval": [fit.slope - half, fit.slope + half],
+        "residual": float(np.sqrt(np.mean((y - fit.intercept - fit.slope * x) ** 2))),
+        "count": len(x),
+    }
+
+
 def fits(points: list[dict], problem: str) -> dict[str, Any]:
     """Return the growth of unknowns and of warm times, on rough surfaces."""
     rough = [p for p in points if p["problem"] == problem and p["compliance"] > 0.0]
@@ -231,22 +237,23 @@ def fits(points: list[dict], problem: str) -> dict[str, Any]:
     unknowns = np.array([all_unknowns(p) for p in rough], dtype=float)
     seconds = np.array([p["times"]["warm"]["median"] for p in rough])
     return {
-        "unknowns": asdict(fit_line(x, unknowns)),
-        "unknowns_tapered": asdict(fit_line(tapered, unknowns)),
-        "unknowns_power": asdict(fit_line(np.log(x), np.log(unknowns))),
-        "time_power": asdict(fit_line(np.log(unknowns), np.log(seconds))),
+        "unknowns": line(x, unknowns),
+        "unknowns_tapered": line(tapered, unknowns),
+        "unknowns_power": line(np.log(x), np.log(unknowns)),
+        "time_power": line(np.log(unknowns), np.log(seconds)),
     }
 
 
-def record(store: Path, stopwatch: Stopwatch) -> dict[str, Any]:
+def record(store: Path, repeats: int) -> dict[str, Any]:
     """Measure what the store does not hold yet, and return the record of the study."""
     store.mkdir(parents=True, exist_ok=True)
-    known = truths(stopwatch == QUICK)
+    quick = repeats < REPEATS
+    known = truths(quick)
     grid: list[Task] = [
         (
             f"{problem} at {compliance:g}",
-            lambda scene=scene, name=f"{problem}_{compliance:g}.jsonl": points_of(
-                scene, known[scene], store / name.replace(" ", "_"), stopwatch
+            lambda scene=scene, name=f"{problem}_{compliance:g}.json": kept(
+                store / name.replace(" ", "_"), lambda: points_of(scene, known[scene], repeats)
             ),
         )
         for (problem, compliance), scene in CASES.items()
@@ -257,25 +264,24 @@ def record(store: Path, stopwatch: Stopwatch) -> dict[str, Any]:
         for row in rows
     ]
     scenes = [solution.scene for table in gold.tables() for solution in table.solutions]
-    scenes = scenes[: FEWER_SCENES if stopwatch == QUICK else None]
+    scenes = scenes[: FEWER_SCENES if quick else None]
     looked: list[Task] = [
         (f"scene {i}", lambda i=i, s=s: kept(store / f"falls_{i}.json", lambda: falls(s)))
         for i, s in enumerate(scenes)
     ]
     findings = [found for found in run(looked) if found["falls"] or found["unmet"]]
     listed: list[Task] = [
-        (p.item, lambda i=i, p=p: kept(store / f"price_{i}.json", lambda: priced(p, stopwatch)))
+        (p.item, lambda i=i, p=p: kept(store / f"price_{i}.json", lambda: priced(p, repeats)))
         for i, p in enumerate(prices())
     ]
-    machine = asdict(this_machine())
     return {
         "schema": "spectral_contact.validation.costs",
         "version": 1,
         "library": __version__,
         "sources": sources(),
         "count": len(points),
-        "stopwatch": asdict(stopwatch),
-        "machine": machine,
+        "repeats": repeats,
+        "machine": this_machine(),
         "dense_solve_seconds": kept(store / "dense_solve.json", dense_solve),
         "truths": sorted({truth.source for truth in known.values()}),
         "exceeded": exceeded(points, known),
@@ -287,7 +293,7 @@ def record(store: Path, stopwatch: Stopwatch) -> dict[str, Any]:
         },
         "prices": [*run(listed), *digits_priced()],
         "price_rtol": RTOL,
-        "steps": kept(store / "steps.json", lambda: step_seconds(stopwatch)),
+        "steps": kept(store / "steps.json", lambda: step_seconds(repeats)),
         "points": points,
     }
 
@@ -299,9 +305,9 @@ def main() -> None:
     parser.add_argument("--store", type=Path, default=STORE, help="folder that keeps what is done")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
     options = parser.parse_args()
-    stopwatch = QUICK if options.quick else Stopwatch()
+    repeats = 1 if options.quick else REPEATS
     store = options.store / f"{sources()}-{'quick' if options.quick else 'full'}"
-    found = record(store, stopwatch)
+    found = record(store, repeats)
     options.results.mkdir(exist_ok=True)
     text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
     (options.results / "costs.json").write_text(text + "\n", encoding="utf-8")

@@ -1,17 +1,16 @@
-"""The price list: what is timed for each item; fresh processes import it."""
+"""The price list: what is timed for each item."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from spectral_contact import Scene, Solution, solve
-from spectral_contact.studies import OwnSolver, Stopwatch, Timing
-from spectral_contact.studies.timing import repeated
+from spectral_contact import Scene, Solution, clear_caches, solve
+from spectral_contact.studies import OwnSolver, Timing
 
 RTOL = 1e-10
 ONE_DISK = Scene(0.1, 0.5, 0.5, 0.1)
@@ -37,6 +36,7 @@ class Evaluate:
 
     solution: Solution
     field: str
+    clear_caches: ClassVar[Callable[[], None]] = staticmethod(clear_caches)
 
     def __call__(self, _scene: Scene, _rtol: float) -> Any:
         """Evaluate the field over the radius."""
@@ -48,6 +48,7 @@ class Bound:
     """The rigorous bounds of the approach of a solution that is there already."""
 
     solution: Solution
+    clear_caches: ClassVar[Callable[[], None]] = staticmethod(clear_caches)
 
     def __call__(self, _scene: Scene, _rtol: float) -> Any:
         """Bound the approach."""
@@ -71,18 +72,15 @@ def prices() -> tuple[Price, ...]:
     )
 
 
-def step_seconds(stopwatch: Stopwatch) -> list[dict[str, Any]]:
+def step_seconds(repeats: int) -> list[dict[str, Any]]:
     """Return what the steps of the two complete solves take, warm."""
     rows = []
     for name, scene in (("one stick disk", ONE_DISK), ("slip in an annulus", ANNULUS)):
         solve(scene, RTOL)
         taken: dict[str, list[float]] = defaultdict(list)
-        repeated(lambda scene=scene, taken=taken: _note(solve(scene, RTOL), taken), stopwatch)
+        for _ in range(4 * repeats):
+            for step in solve(scene, RTOL).work.steps:
+                taken[step.name].append(step.seconds)
         for step, seconds in taken.items():
             rows.append({"solve": name, "step": step} | asdict(Timing.of(seconds)))
     return rows
-
-
-def _note(solution: Solution, taken: dict[str, list[float]]) -> None:
-    for step in solution.work.steps:
-        taken[step.name].append(step.seconds)

@@ -94,20 +94,19 @@ def _table(heading: list[str], rows: list[list[str]]) -> str:
 
 
 def _about(record: Record) -> str:
-    watch, machine = record["stopwatch"], record["machine"]
+    machine = record["machine"]
     problems, compliances = _cases(record)
     over = record["exceeded"]
-    fresh = all(point["times"]["cold"] is not None for point in record["points"])
-    rough = "**Times are rough**: one repeat on a busy machine, and no cold ones."
+    rough = "**Times are rough**: one repeat on a busy machine."
     taken = (
-        f"Warm: the median of {watch['repeats']} repeats or more of the same solve; cold: the "
-        f"median of first solves in {watch['processes']} fresh processes, imports not counted."
+        f"Warm: the median of {record['repeats']} repeats or more of the same solve; cold: that "
+        "of solves with empty caches."
     )
     lines = [
         f"{len(problems)} problems at {len(compliances)} compliances, {record['count']} solves. "
-        f"{taken if fresh else rough} One BLAS thread. {machine['processor']}, Python "
-        f"{machine['python']}, numpy {machine['numpy']}; U, one `numpy.linalg.solve` of 1000 "
-        f"dense equations there, takes {1e3 * record['dense_solve_seconds']:.0f} ms. Truth: "
+        f"{taken if record['repeats'] > 1 else rough} One BLAS thread. {machine['processor']}, "
+        f"Python {machine['python']}, numpy {machine['numpy']}; U, one `numpy.linalg.solve` of "
+        f"1000 dense equations there, takes {1e3 * record['dense_solve_seconds']:.0f} ms. Truth: "
         f"{'; '.join(record['truths'])}.",
         "",
         f"True errors above their estimates: {len(over) or 'none'}.",

@@ -222,7 +222,7 @@ def of_many(rng):
         return {"values": 0, "scene": repr(scene), "why": why}
     body = solution.inside
     from_edge, z = points(rng, MANY)
-    some, rtol = rng.choice(MANY, 30, replace=False), float(10.0 ** rng.uniform(-9.0, -4.0))
+    some, rtol = rng.choice(MANY, 30, replace=False), float(10.0 ** rng.uniform(-12.0, -4.0))
     pairs = []
     for method, parts in (("stress", ("rr", "tt", "zz", "rz")), ("displacement", ("r", "z"))):
         many = getattr(body, method)(from_edge=from_edge, z=z, rtol=rtol)

@@ -27,7 +27,6 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
 from spectral_contact.studies import (
     OwnSolver,
-    Stopwatch,
     convergence,
     fit_rate,
     truth_of,
@@ -39,7 +38,6 @@ from spectral_contact.view.plotting import graded_radii
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 NORMAL = Scene(0.1, 0.5)
 STICKY = Scene(0.1, 0.5, profile=profiles.Parabola(1.0), load=0.0, work_of_adhesion=0.1)
-QUICK = Stopwatch(repeats=1, seconds=0.0, longest=0.0, processes=1)
 
 
 class Enough(SpectralContactError):
@@ -134,6 +132,7 @@ SPECIAL: dict[str, Any] = {
     "profiles.Sampled.from_functions.slope": lambda r: 2.0 * r,
     "view.plotting.Radii.evaluate.field": one,
     "gold.table.name": "slip_equal",
+    "PhysicalData.si_factor.kind": "displacement",
     "studies.named_solver.name": "os:getcwd",
     "studies.WorkPrecision.of.solver": "a",
     "studies.WorkPrecision.of.scene": NORMAL,
@@ -169,8 +168,8 @@ COMPANY: dict[str, dict[str, Any]] = {
     **{f"studies.compare.{name}": {"pressure": one} for name in ("s", "from_edge", "r")},
     "studies.compare.displacement": {"r": [0.5], "truth": None},
     **{f"studies.compare.{name}": {"s": [0.5]} for name in ("pressure", "traction", "slip")},
-    "studies.convergence": {"stopwatch": None, "truth": Quarter(), "scene": NORMAL},
-    "studies.work_precision": {"stopwatch": QUICK, "truths": [Quarter()], "scenes": NORMAL},
+    "studies.convergence": {"repeats": 0, "truth": Quarter(), "scene": NORMAL},
+    "studies.work_precision": {"repeats": 1, "truths": [Quarter()], "scenes": NORMAL},
     "studies.truth_of": {"truth": Quarter(), "scene": NORMAL},
     **{f"{INSIDE}.{name}.rtol": {"r": [0.5]} for name in ("displacement", "stress", "surface")},
     **{f"{INSIDE}.{name}.rtol": {"r": [0.5], "z": [0.5]} for name in ("to_table", "to_xarray")},
@@ -195,8 +194,8 @@ class Examples:
         from matplotlib.figure import Figure
 
         [si, *_] = [one.scene.physical for one in bench.solutions if one.scene.physical]
-        own, self.bench = convergence(solver, NORMAL, [1, 2], Quarter(), stopwatch=None), bench
-        compared = work_precision({"a": solver}, NORMAL, [0.5], [Quarter()], stopwatch=QUICK)
+        own, self.bench = convergence(solver, NORMAL, [1, 2], Quarter(), repeats=0), bench
+        compared = work_precision({"a": solver}, NORMAL, [0.5], [Quarter()], repeats=1)
         data = calibration.ApproachData([0.3], sigma=0.1)
         rate = fit_rate([10, 20, 40], [1e-2, 2.6e-3, 6e-4])
         self._instances = [
@@ -205,7 +204,7 @@ class Examples:
             *(profiles.Parabola(1.0), profiles.Sampled((0.0, 1.0), ((0.5, 0.5),))),
             *(layers.PowerLaw(1.0, 1.5), layers.Sampled((0.0, 1.0), ((0.5, 0.5),))),
             *(SCENE, si, own, own.points[0], own.points, rate),
-            *(compared, QUICK, OwnSolver(), truth_of(NORMAL)),
+            *(compared, OwnSolver(), truth_of(NORMAL)),
             *(graded_radii(bench.solutions[0], 20), reference(Scene(0.1), 15)),
             *(data, calibration.PressureData([0.5], [0.3], sigma=0.1)),
             calibration.StickRadiusData([0.5], sigma=0.1),
@@ -217,6 +216,7 @@ class Examples:
         self._arguments = {
             **ARGUMENTS,
             "solution": bench.solutions[0],
+            "solved": bench.solutions[0],
             "body": bench.solutions[0].inside,
             "plan": bench.solutions[0].plan,
             "figure": Figure(),

@@ -419,9 +419,9 @@ MUTANTS = (
     ),
     Mutant(
         "slip in metres is a share of the radius",
-        f"{_PACKAGE}/view/physical_solution.py",
-        "return self.units.displacement if",
-        "return self.radius if",
+        f"{_PACKAGE}/io/physical_data.py",
+        'if kind == "stress" else self.displacement_scale(load, nu)',
+        'if kind == "stress" else self.radius',
         f"{_SOLVER} -k physical_fields",
     ),
     Mutant(
@@ -527,15 +527,15 @@ MUTANTS = (
     Mutant(
         "rates of measured errors are certain",
         f"{_PACKAGE}/studies/fitting.py",
-        "_SCATTER = 0.05",
-        "_SCATTER = 0.0",
+        "_SCATTER: Final = 0.05",
+        "_SCATTER: Final = 0.0",
         f"{_UNIT}/studies/test_fitting.py",
     ),
     Mutant(
         "a line has one degree of freedom too many",
         f"{_PACKAGE}/studies/fitting.py",
-        "freedom = len(values) - 2",
-        "freedom = len(values) - 1",
+        "line.squares / (count - 2)",
+        "line.squares / (count - 1)",
         f"{_UNIT}/studies/test_fitting.py",
     ),
     Mutant(
@@ -546,10 +546,10 @@ MUTANTS = (
         f"{_UNIT}/studies/test_study.py -k truth",
     ),
     Mutant(
-        "repeated measurements stop at the first",
+        "short solves are timed too few times",
         f"{_PACKAGE}/studies/timing.py",
-        "len(times) < stopwatch.repeats or",
-        "len(times) < 1 or",
+        "sum(warm) < _SECONDS",
+        "sum(warm) < 0.0",
         f"{_UNIT}/studies/test_timing.py -k repeat",
     ),
     # terms of estimates, units and ends of ranges, which a review found without a test
@@ -583,9 +583,9 @@ MUTANTS = (
     ),
     Mutant(
         "slip in metres under a profile is multiplied by the contact radius",
-        f"{_PACKAGE}/view/physical_solution.py",
-        "self.units.displacement if self._modulus is None else 1.0",
-        "self.units.displacement",
+        f"{_PACKAGE}/io/physical_data.py",
+        'return 1.0 if kind == "displacement"',
+        'return solved.contact_radius if kind == "displacement"',
         "tests/features/test_profiles_si.py -k other_units",
     ),
     Mutant(

@@ -2,8 +2,7 @@
 
 Needs the extra ``peers``. Writes validation/results/peers_normal, peers_full_stick and
 peers_partial_slip, each as .json (a study to be loaded), .md (the times to reach an accuracy) and
-.png (work against precision). A run that is stopped goes on where it was, with the same command; it
-knows solvers by their names, so remove ``validation/results/peers_*.partial`` when one has changed.
+.png (work against precision).
 """
 
 from __future__ import annotations
@@ -20,6 +19,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import chebyshev
+import elements
 import fem
 import fft
 import linear
@@ -27,7 +27,7 @@ import nystrom
 import rings
 
 from spectral_contact import MissingDependencyError, Scene
-from spectral_contact.studies import OwnSolver, Stopwatch, WorkPrecision, work_precision
+from spectral_contact.studies import OwnSolver, WorkPrecision, work_precision
 from spectral_contact.view.report import scene_text
 
 RESULTS = Path(__file__).parents[1] / "results"
@@ -47,6 +47,17 @@ PEERS = {
     "scikit-fem": (fem.solver, (2, 3, 4, 6, 8, 12, 16, 24, 32)),
     "tamaas": (fft.solver, (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)),
 }
+
+
+def clear_caches() -> None:
+    """Empty the caches of the peers: Gauss's rules, and Nyström's weights of the logarithm."""
+    elements.gauss.cache_clear()
+    nystrom.log_weights.cache_clear()
+
+
+for peer, _ in PEERS.values():
+    peer.clear_caches = clear_caches
+
 #: So many of the finest resolutions of each peer are not in a small run.
 FINEST = 5
 
@@ -90,8 +101,8 @@ SYMBOLS = {
 }
 
 
-def measured(name: str, small: bool, results: Path) -> WorkPrecision:
-    """Run a problem, or go on with it."""
+def measured(name: str, small: bool) -> WorkPrecision:
+    """Run a problem."""
     problem = PROBLEMS[name]
     own = tuple("pressure" if q == "edge_pressure" else q for q in problem.quantities)
     solvers = {OwnSolver().name: (OwnSolver(own), ACCURACIES)}
@@ -103,18 +114,17 @@ def measured(name: str, small: bool, results: Path) -> WorkPrecision:
         problem.scenes,
         ACCURACIES,
         quantities=problem.quantities,
-        stopwatch=Stopwatch(3, 0.0, 1.0, 1) if small else Stopwatch(),
-        store=results / f"peers_{name}.partial",
+        repeats=1 if small else 5,
     )
 
 
 def tables(study: WorkPrecision, packages: str) -> str:
     """Return the Markdown tables: the times of each solver to reach each accuracy."""
+    machine = ", ".join(f"{name} {one}" for name, one in study.machine.items())
     parts = [
-        f"{len(study.points)} solves; {study.machine}{packages}; one thread. Milliseconds, warm "
-        "and, in italics, of the first solve of a process; in parentheses the ratio to the first "
-        f"row. {study.stopwatch.repeats} or more repeats, {study.stopwatch.processes} or more "
-        "processes; medians."
+        f"{len(study.points)} solves; {machine}{packages}; one thread. Milliseconds, warm and, in "
+        "italics, with empty caches; in parentheses the ratio to the first row. Medians of "
+        f"{min(p.times.warm.repeats for p in study.points if p.times)} repeats or more."
     ]
     for scene in study.scenes:
         for quantity in study.quantities:
@@ -197,22 +207,21 @@ def _versions(peers: tuple[str, ...]) -> str:
 
 
 def main() -> None:
-    """Run, or go on, and write the results."""
+    """Run, and write the results."""
     parser = argparse.ArgumentParser(description="Measure this library beside its peers.")
     parser.add_argument("--problem", choices=PROBLEMS, action="append", help="default: all")
-    parser.add_argument("--small", action="store_true", help="coarse and timed thrice: minutes")
+    parser.add_argument("--small", action="store_true", help="coarse and timed once: minutes")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
     options = parser.parse_args()
     chosen = options.problem or list(PROBLEMS)
     packages = {name: _versions(PROBLEMS[name].peers) for name in chosen}
     options.results.mkdir(exist_ok=True)
     for name in chosen:
-        study = measured(name, options.small, options.results)
+        study = measured(name, options.small)
         path = options.results / f"peers_{name}"
         study.save(path.with_suffix(".json"))
-        study.plot(path.with_suffix(".png"), cold=False)
+        study.plot(path.with_suffix(".png"))
         path.with_suffix(".md").write_text(tables(study, packages[name]), encoding="utf-8")
-        path.with_suffix(".partial").unlink()
 
 
 if __name__ == "__main__":

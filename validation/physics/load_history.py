@@ -20,9 +20,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.oracles.load_history import Rings, even_ends
-
 from spectral_contact import Scene, __version__, solve
+from tests.oracles.load_history import Rings, even_ends
 
 RESULT = Path(__file__).parents[1] / "results" / "load_history.md"
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)

@@ -196,7 +196,7 @@ class Inside:
             Instead of `r`: distances from the edge, ``1 - r`` if dimensionless; negative outside
             the contact.
         rtol : float, optional
-            What the integration may miss by, in [1e-13, 1e-2]; all digits if not given. From 1e-9
+            What the integration may miss by, in [1e-13, 1e-2]; all digits if not given. From 1e-12
             on a grid of many points is much faster. The estimates say what was met: they contain
             the errors of the solution, too.
 

@@ -50,8 +50,9 @@ class Rule(NamedTuple):
     apart: float
 
 
-#: The rule that is used and the one that it is compared with: for all digits, and for 8.
+#: The rule that is used and the one that it is compared with: for all digits, for 10, and for 8.
 TIGHT = Rule(16, 20, 1.0, 2.0), Rule(12, 16, 1.0, 2.0)
+MEDIUM = Rule(12, 16, 1.25, 1.75), Rule(10, 14, 1.25, 1.75)
 FAST = Rule(10, 14, 1.5, 1.5), Rule(8, 12, 1.5, 1.5)
 
 

@@ -24,10 +24,8 @@ from spectral_contact.fields import Array
 Direct = Callable[[BodyPoints], Integrals]
 Relative = Callable[[BodyPoints, Array, Array], Array]
 
-#: Nodes of a cell in either direction.
-_ORDER = 12
-#: A cell with fewer points is not worth its nodes.
-_FEWEST = 170
+#: A cell with fewer points than this many times its nodes is not worth them.
+_FEWEST = 1.2
 #: Size of the cells that are tried first.
 _WIDTH = np.array([3.0, np.pi / 2.0])
 #: A cell is not cut below this share of the first ones: it holds a boundary of zones, or one point
@@ -38,8 +36,26 @@ _ALSO = 0.05
 #: Cells whose nodes are evaluated together, which bounds the memory.
 _TOGETHER = 64
 
-_NODES = np.cos(np.pi * (np.arange(_ORDER) + 0.5) / _ORDER)
-_TO_COEFFICIENTS = np.linalg.inv(chebyshev.chebvander(_NODES, _ORDER - 1))
+
+class _Basis:
+    """Chebyshev's polynomials of so many nodes in either direction.
+
+    Attributes
+    ----------
+    order : int
+    nodes : ndarray, shape (order,)
+    to_coefficients : ndarray, shape (order, order)
+        Takes values at the nodes to coefficients.
+    """
+
+    def __init__(self, order: int) -> None:
+        self.order = order
+        self.nodes = np.cos(np.pi * (np.arange(order) + 0.5) / order)
+        self.to_coefficients = np.linalg.inv(self.at(self.nodes))
+
+    def at(self, x: Array) -> Array:
+        """Return the polynomials at places in [-1, 1], in the last dimension."""
+        return np.asarray(chebyshev.chebvander(x, self.order - 1))
 
 
 class _Cell(NamedTuple):
@@ -79,19 +95,19 @@ def _first(at: Array) -> list[_Cell]:
     return [_Cell(number[:, some[0]] * _WIDTH, _WIDTH, some) for some in groups]
 
 
-def _fits(cells: list[_Cell], at: Array, direct: Direct) -> Iterator[_Fit]:
+def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Iterator[_Fit]:
     """Yield what polynomials on the cells say of the points there."""
     low, size = (np.array([cell[k] for cell in cells])[:, :, None] for k in (0, 1))
-    tau, sigma = np.moveaxis(low + size * (1.0 + _NODES) / 2.0, 1, 0)
-    shape = (len(cells), _ORDER, _ORDER)
+    tau, sigma = np.moveaxis(low + size * (1.0 + basis.nodes) / 2.0, 1, 0)
+    shape = (len(cells), basis.order, basis.order)
     nodes = np.broadcast_to(tau[:, :, None], shape), np.broadcast_to(sigma[:, None, :], shape)
     sums = direct(from_toroidal(*(np.ravel(one) for one in nodes)))
     for k, cell in enumerate(cells):
-        own = slice(k * _ORDER**2, (k + 1) * _ORDER**2)
-        grid = sums.values[:, own].reshape(-1, _ORDER, _ORDER)
-        coefficients = _TO_COEFFICIENTS @ grid @ _TO_COEFFICIENTS.T
+        own = slice(k * basis.order**2, (k + 1) * basis.order**2)
+        grid = sums.values[:, own].reshape(-1, basis.order, basis.order)
+        coefficients = basis.to_coefficients @ grid @ basis.to_coefficients.T
         x = 2.0 * (at[:, cell.points] - cell.low[:, None]) / cell.size[:, None] - 1.0
-        across, around = (chebyshev.chebvander(one, _ORDER - 1) for one in x)
+        across, around = map(basis.at, x)
         values = np.einsum("cna,na->cn", across @ coefficients, around)
         tails = np.stack([_tail(np.abs(coefficients)), _tail(np.abs(coefficients).swapaxes(1, 2))])
         missing = tails.sum(axis=0) + sums.quadrature[:, own].max(axis=1)
@@ -119,7 +135,12 @@ def _cut(cell: _Cell, at: Array, bad: NDArray[np.intp], tails: Array) -> list[_C
 
 
 def interpolate(
-    points: BodyPoints, rtol: float, direct: Direct, relative: Relative, out: Integrals
+    points: BodyPoints,
+    rtol: float,
+    order: int,
+    direct: Direct,
+    relative: Relative,
+    out: Integrals,
 ) -> NDArray[np.bool_]:
     """Fill in the integrals at points that many others are close to.
 
@@ -128,6 +149,8 @@ def interpolate(
     points : BodyPoints
     rtol : float
         What the polynomials may miss by, as `relative` measures it.
+    order : int
+        Nodes of a cell in either direction.
     direct : callable
         Integrals at given points, as limits from the body on the surface.
     relative : callable
@@ -140,12 +163,13 @@ def interpolate(
     ndarray of bool
         Which points are left: there are too few of them, or no polynomial serves.
     """
+    basis, fewest = _Basis(order), _FEWEST * order**2
     left = np.ones(len(points.r), dtype=bool)
     at = _toroidal(points)
     cells = _first(at)
-    while cells := [cell for cell in cells if len(cell.points) >= _FEWEST]:
+    while cells := [cell for cell in cells if len(cell.points) >= fewest]:
         now, cells = cells[:_TOGETHER], cells[_TOGETHER:]
-        for cell, fit in zip(now, _fits(now, at, direct), strict=True):
+        for cell, fit in zip(now, _fits(now, at, direct, basis), strict=True):
             which = cell.points
             missing = np.broadcast_to(fit.quadrature[:, None], fit.values.shape)
             bad = ~(relative(points[which], fit.values, missing) <= rtol)

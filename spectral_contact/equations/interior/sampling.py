@@ -11,6 +11,7 @@ from spectral_contact.equations.interior.integrals import Integrals, integrate
 from spectral_contact.equations.interior.mesh import (
     AXIS,
     FAST,
+    MEDIUM,
     TIGHT,
     BodyMesh,
     BodyPoints,
@@ -21,8 +22,8 @@ from spectral_contact.equations.interior.mesh import (
 from spectral_contact.equations.interior.patches import Relative, interpolate
 from spectral_contact.fields import Array
 
-#: Down to this tolerance the coarse rule, and polynomials where points are many, can serve.
-_FAST_FROM = 1e-9
+#: Down to these tolerances rules, and polynomials of so many nodes where points are many, serve.
+_DOWN_TO = ((1e-9, FAST, 12), (1e-11, MEDIUM, 14), (1e-12, TIGHT, 16))
 #: At every so many nodes of a polynomial the rules are compared.
 _COMPARED = 5
 
@@ -127,21 +128,23 @@ class Sampler:
         measure: Relative,
     ) -> Integrals:
         """Return the integrals by the cheapest means that meet the tolerance at each point."""
-        if rtol < _FAST_FROM:
+        serving = [(rules, order) for least, rules, order in _DOWN_TO if rtol >= least]
+        if not serving:
             return direct(self.mesh(TIGHT), points)
+        rules, order = serving[0]
 
         def at_nodes(some: BodyPoints) -> Integrals:
             compared = np.arange(len(some.r)) % _COMPARED == 0
             sums = Integrals.empty(len(some.r))
-            for rules, which in ((FAST, compared), (FAST[:1], ~compared)):
-                sums.put(which, direct(self.mesh(rules), some[which]))
+            for some_rules, which in ((rules, compared), (rules[:1], ~compared)):
+                sums.put(which, direct(self.mesh(some_rules), some[which]))
             return sums
 
         sums = Integrals.empty(len(points.r))
-        left = interpolate(points, rtol, at_nodes, measure, sums)
-        sums.put(left, direct(self.mesh(FAST), points[left]))
+        left = interpolate(points, rtol, order, at_nodes, measure, sums)
+        sums.put(left, direct(self.mesh(rules), points[left]))
         missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
-        if missed.any():
+        if missed.any() and rules is not TIGHT:
             sums.put(missed, direct(self.mesh(TIGHT), points[missed]))
         return sums
 

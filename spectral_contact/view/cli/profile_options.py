@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.io.units import in_si
@@ -24,6 +24,7 @@ from spectral_contact.view.cli.scene_options import (
     MATERIALS,
     add_physical,
     add_scene,
+    defaults,
     kappa,
     missing_material,
     scene,
@@ -79,12 +80,23 @@ def add_any_scene(command: argparse.ArgumentParser) -> None:
     add_profile(command)
 
 
-def any_scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options: under a profile, in SI units, or dimensionless.
+class GivenScene(NamedTuple):
+    """The scene of the options, and what is to be said of what was read or left out."""
 
-    Raises as `profile_scene` and `scene.scene` do.
-    """
-    return profile_scene(arguments) if profile_given(arguments) else scene(arguments)
+    scene: Scene
+    remarks: list[str]
+
+
+def given_scene(arguments: argparse.Namespace) -> GivenScene:
+    """Return the scene of the options: under a profile, in SI units, or dimensionless."""
+    if profile_given(arguments):
+        return _under_profile(arguments)
+    return GivenScene(scene(arguments), defaults(arguments))
+
+
+def any_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of the options without the remarks."""
+    return given_scene(arguments).scene
 
 
 def add_profile(command: argparse.ArgumentParser, control: Callable[[str], Any] = number) -> None:
@@ -157,46 +169,64 @@ def in_si_units(arguments: argparse.Namespace) -> bool:
 
 
 def profile_scene(arguments: argparse.Namespace) -> Scene:
-    """Return the scene of the options, which have to be complete, and of this profile."""
-    given = vars(arguments)
+    """Return the scene of options of a profile."""
+    return _under_profile(arguments).scene
+
+
+def _under_profile(arguments: argparse.Namespace) -> GivenScene:
+    """Return the scene of options of a profile, which have to be complete, and of this profile."""
+    given, si = vars(arguments), in_si_units(arguments)
+    _check_given(given, si)
+    values = _numbers(given, si)
+    profile, remarks = _profile(given, values, si)
+    known: dict[str, Any] = {
+        **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
+        **{name: values[name] for name in ALL_CONTROLS if name in values},
+        "profile": profile,
+        "coupling": arguments.coupling,
+        "layer": law(given, si),
+        **_adhesion(given, si),
+        **unloading(given),
+        **_materials(given),
+        **({} if si else kappa(given)),
+    }
+    if "punch_profile" in given:
+        punch = _punch_profile(given["punch_profile"], si)
+        known |= {"punch_profile": punch} if si else {"profile": Sum(profile, punch)}
+    return GivenScene(Scene.from_physical(**known) if si else Scene(**known), remarks)
+
+
+def _check_given(given: dict[str, Any], si: bool) -> None:
+    """Refuse options without a profile, or of a file that is none of its points."""
     of_file = [name for name in _OF_FILE if name in given]
     if of_file and given.get("profile") != _POINTS:
         raise UsageError(f"{flag(of_file[0])} goes with --profile points FILE")
     if "profile" not in given:
         told = "a layer" if layer_given(given) else "a profile"
         raise UsageError(f"give --profile, one of {', '.join(_NAMED)}, with options of {told}")
-    si = in_si_units(arguments)
     if si:
         _check_si(given)
-    values = _numbers(given, si)
-    kind = _NAMED[given["profile"]]
-    needed = () if given["profile"] == _POINTS else SHAPES.get(kind, ("radius",))
-    _check_complete(given["profile"], needed, values)
-    rest: dict[str, Any] = {
-        name: given[name] for name in ("youngs_modulus", *MATERIALS, "friction") if name in given
-    }
-    if "reduced_modulus" not in given:
-        rest["poisson_ratio"] = given.get("poisson_ratio", 0.3)
-    elif "poisson_ratio" in given:
-        rest["poisson_ratio"] = given["poisson_ratio"]
-    if not si:
-        rest |= kappa(given)
-    known: dict[str, Any] = {
-        **{name: given.get(f"{name}_si" if si else name, 0.0) for name in _COMPLIANCES},
-        **{name: values[name] for name in ALL_CONTROLS if name in values},
-        "profile": _of_points(given, si)
-        if given["profile"] == _POINTS
-        else KINDS[kind](**{name: values[name] for name in needed}),
-        "coupling": arguments.coupling,
-        "layer": law(given, si),
-        **_adhesion(given, si),
-        **unloading(given),
-        **rest,
-    }
-    if "punch_profile" in given:
-        punch = _punch_profile(given["punch_profile"], si)
-        known |= {"punch_profile": punch} if si else {"profile": Sum(known["profile"], punch)}
-    return Scene.from_physical(**known) if si else Scene(**known)
+
+
+def _materials(given: dict[str, Any]) -> dict[str, Any]:
+    """Return friction and what is given of the materials; Poisson's ratio has a default."""
+    names = ("youngs_modulus", "poisson_ratio", *MATERIALS, "friction")
+    known = {name: given[name] for name in names if name in given}
+    return known if "reduced_modulus" in given else {"poisson_ratio": 0.3, **known}
+
+
+def _profile(
+    given: dict[str, Any], values: dict[str, float], si: bool
+) -> tuple[Profile, list[str]]:
+    """Return the profile of the options, and what is to be said of its file."""
+    name = given["profile"]
+    if name == _POINTS:
+        _check_complete(name, (), values)
+        profile, remark = _of_points(given, si)
+        return profile, [remark]
+    needed = SHAPES.get(_NAMED[name], ("radius",))
+    _check_complete(name, needed, values)
+    return KINDS[_NAMED[name]](**{one: values[one] for one in needed}), []
 
 
 def _punch_profile(words: list[str], si: bool) -> Profile:
@@ -216,8 +246,8 @@ def _punch_profile(words: list[str], si: bool) -> Profile:
     return KINDS[kind](**_numbers(given, si))
 
 
-def _of_points(given: dict[str, Any], si: bool) -> Profile:
-    """Return the profile through the points of a file."""
+def _of_points(given: dict[str, Any], si: bool) -> tuple[Profile, str]:
+    """Return the profile through the points of a file, and what was read from it."""
     if "profile_file" not in given:
         raise UsageError("--profile points needs a FILE, as in --profile points tip.csv")
     unit = "m" if si else ""
@@ -233,12 +263,11 @@ def _of_points(given: dict[str, Any], si: bool) -> Profile:
     )
     points = table.values["r"], table.values["height"]
     if "convex_hull" not in given:
-        given["profile_remark"] = str(table)
-        return Sampled.from_points(*points)
+        return Sampled.from_points(*points), str(table)
     hull = hull_of_points(*points)
     away = f"the hull lies {hull.largest:.3g} from the points at most, {hull.rms:.3g} rms"
-    given["profile_remark"] = f"{table}; {away}{f' [{unit}]' if unit else ''}"
-    return Sampled.from_points(*points, convex_hull=True)
+    remark = f"{table}; {away}{f' [{unit}]' if unit else ''}"
+    return Sampled.from_points(*points, convex_hull=True), remark
 
 
 def _adhesion(given: dict[str, Any], si: bool) -> dict[str, Any]:

@@ -9,10 +9,8 @@ from typing import Any, Final
 
 from spectral_contact.errors import SceneError
 from spectral_contact.scene import Scene
-from spectral_contact.studies.named_solvers import named_solver
-from spectral_contact.studies.study import OwnSolver, convergence, work_precision
+from spectral_contact.studies.study import OwnSolver, convergence, named_solver, work_precision
 from spectral_contact.studies.study_results import QUANTITIES, Study
-from spectral_contact.studies.timing import Stopwatch
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.options import NotSolved, resolution
 
@@ -71,11 +69,6 @@ def add_options(command: argparse.ArgumentParser, kind: str) -> None:
         help=f"quantities to measure (default: all available): {', '.join(QUANTITIES)}",
     )
     group.add_argument(
-        "--store",
-        metavar="FILE",
-        help="file that keeps every point; a run that was stopped resumes from it",
-    )
-    group.add_argument(
         "--output",
         metavar="FILE",
         help="store the study: .json exactly, .csv one row for each point",
@@ -93,7 +86,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
         plotting.require()
     if arguments.solver and os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
-    common: dict[str, Any] = {"quantities": arguments.quantities, "store": arguments.store}
+    common: dict[str, Any] = {"quantities": arguments.quantities}
     own = OwnSolver(_asked(arguments.quantities))
     if arguments.kind == "work-precision":
         solvers: dict[str, Any] = {own.name: own}
@@ -110,8 +103,7 @@ def run(arguments: argparse.Namespace, scene: Scene) -> Study:
         scene,
         _TOLERANCES if resolutions is None else resolutions,
         name=arguments.solver,
-        stopwatch=None if arguments.no_times else Stopwatch(),
-        **common,
+        **common | ({"repeats": 0} if arguments.no_times else {}),
     )
 
 

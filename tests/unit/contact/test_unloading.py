@@ -19,9 +19,7 @@ SCENE = Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.8)
 
 @pytest.fixture(scope="module")
 def from_largest_load() -> Unloading:
-    run = uncoupled_run.UncoupledRun(
-        SCENE, plan(SCENE, ["total_shear"]), 1e-9, 20_000, StepCache()
-    )
+    run = uncoupled_run.UncoupledRun(SCENE, plan(SCENE, ["total_shear"]), 1e-9, 20_000, StepCache())
     run.solution()
     # what scenes at other loads take from this one
     found = run.cache.get(UNLOADING, run.cache._steps[UNLOADING][0], lambda: None)

@@ -5,15 +5,15 @@ import sys
 
 import peers
 import pytest
+import rings
 
 from spectral_contact import Scene
 from spectral_contact import __main__ as cli
 from spectral_contact.__main__ import main
-from spectral_contact.studies import OwnSolver, Stopwatch, convergence, load, work_precision
+from spectral_contact.studies import OwnSolver, convergence, load, work_precision
 from spectral_contact.view.cli import study_command
 
 FRICTIONLESS = ("--friction", "none")
-QUICK = Stopwatch(repeats=1, seconds=0.0, processes=1)
 
 
 def run(capsys, *options):
@@ -31,9 +31,7 @@ def asked(monkeypatch):
     def spied(study):
         def spy(*arguments, **options):
             calls.append((arguments, dict(options)))
-            if options.get("stopwatch", QUICK) is not None:
-                options["stopwatch"] = QUICK
-            return study(*arguments, **options)
+            return study(*arguments, **{"repeats": 1, **options})
 
         return spy
 
@@ -50,9 +48,8 @@ def test_convergence_of_the_library_on_the_default_scene(capsys, asked):
     assert resolutions == tuple(10.0**-k for k in range(2, 13))
     assert options == {
         "name": None,
-        "stopwatch": None,
+        "repeats": 0,
         "quantities": None,
-        "store": None,
     }
     assert "truth: gold table slip_equal, 27 digits" in out
 
@@ -62,15 +59,15 @@ def test_the_library_is_asked_for_what_is_studied_alone(capsys, asked):
     status, out, _ = run(capsys, "convergence", *FRICTIONLESS, *options)
     assert status == 0
     assert asked[0][0][0] == OwnSolver(("approach", "pressure"))
-    assert asked[0][1]["stopwatch"] == Stopwatch()
+    assert "repeats" not in asked[0][1]
     assert "cold [ms]" in out
 
 
 def test_a_solver_of_the_user_and_its_files(capsys, asked, tmp_path):
     pytest.importorskip("matplotlib")
-    files = {name: str(tmp_path / name) for name in ("x.json", "x.png", "x.jsonl")}
+    files = {name: str(tmp_path / name) for name in ("x.json", "x.png")}
     options = ("--solver", "peers:Decaying", "--resolutions", "8", "16", "2.5e1")
-    paths = ("--output", files["x.json"], "--plot", files["x.png"], "--store", files["x.jsonl"])
+    paths = ("--output", files["x.json"], "--plot", files["x.png"])
     status, out, err = run(capsys, "convergence", *FRICTIONLESS, *options, *paths)
     assert (status, err) == (0, "")
     (solver, scene, resolutions), _ = asked[0]
@@ -80,7 +77,6 @@ def test_a_solver_of_the_user_and_its_files(capsys, asked, tmp_path):
     assert f"{study}\n" == out
     assert [point.unknowns for point in study.points] == [24, 48, None]
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
-    assert len((tmp_path / "x.jsonl").read_text(encoding="utf-8").splitlines()) == 3
 
 
 def test_solvers_beside_the_library(capsys, asked, tmp_path):
@@ -89,7 +85,7 @@ def test_solvers_beside_the_library(capsys, asked, tmp_path):
         capsys,
         "work-precision",
         *FRICTIONLESS,
-        *("--solver", "peers:Decaying=8,16", "--solver", "peers:environment=4"),
+        *("--solver", "peers:Decaying=8,16", "--solver", "rings:graded=4"),
         *("--quantity", "approach", "--accuracies", "1e-1", "0.01", "--output", str(path)),
     )
     assert (status, err) == (0, "")
@@ -97,10 +93,10 @@ def test_solvers_beside_the_library(capsys, asked, tmp_path):
     assert scene == Scene(0.1, 0.5, 0.5)
     assert accuracies == [0.1, 0.01]
     assert solvers["peers:Decaying"] == (peers.Decaying, [8, 16])
-    assert solvers["peers:environment"] == (peers.environment, [4])
+    assert solvers["rings:graded"] == (rings.graded, [4])
     assert next(iter(solvers)) == "spectral_contact"
     assert "peers:Decaying [ms]" in out
-    assert path.read_text(encoding="utf-8").count("peers:environment") == 1
+    assert path.read_text(encoding="utf-8").count("rings:graded") == 1
 
 
 def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, asked):
@@ -129,7 +125,6 @@ def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, aske
         (["convergence", "--output", "x.npz"], "x.npz: the suffix must be one of .json, .csv"),
         (["convergence", "--plot", "x.gif"], "x.gif: the suffix"),
         (["convergence", "--plot", "no/x.png"], "no/x.png: its directory does not exist"),
-        (["convergence", "--store", "no/x.jsonl"], "no/x.jsonl: cannot be read or written"),
         (["convergence", "--poisson-ratio", "3"], "--poisson-ratio = 3.0"),
         (["convergence", "--friction", "some"], "'some' is not a number"),
         (["work-precision", "--accuracies", "2"], "--accuracies = 2: must be in (0, 1)"),
@@ -167,7 +162,7 @@ def test_the_table_is_printed_even_if_it_cannot_be_written(capsys, asked, monkey
 def test_help(capsys, kind):
     status, out, _ = run(capsys, kind, "--help")
     assert status == 0
-    for option in ("--poisson-ratio", "--solver", "--quantity", "--store", "--output", "--plot"):
+    for option in ("--poisson-ratio", "--solver", "--quantity", "--output", "--plot"):
         assert f"{option} " in out
 
 
@@ -180,7 +175,7 @@ def test_a_solver_in_the_current_folder(tmp_path):
     )
     for resolutions, said in (
         (["4", "8", "16", "--no-times"], "order 3.000 [3.000, 3.000]"),
-        (["4"], "mine:solve, medians and quartiles in fresh processes, BLAS threads: 1"),
+        (["4"], "times: medians and quartiles, one BLAS thread"),
     ):
         options = ["--friction", "none", "--solver", "mine:solve", "--resolutions", *resolutions]
         command = [sys.executable, "-P", "-m", "spectral_contact", "study", "convergence", *options]
