@@ -356,14 +356,3 @@ PATH_POINTS = 6
 MAX_EXTRAPOLATION = 1.0
 #: Scenes are on one line if they are off it by less than this part of their largest distance.
 COLLINEARITY = 1e-6
-
-# The first unloading
-
-#: Tolerance of the fields that tell by how much slip zones grow as the load falls, and error of
-#: that growth, in a logit over the logarithm of the load: at 1e-10 it changes by 1e-10.
-TURNING_TOLERANCE = 1e-8
-#: First step of the logarithm of the load in the search for thresholds of it.
-LOAD_STEP = 3e-3
-#: How often rings are split around the boundaries at the largest load, next to which slip may be
-#: narrow: 7 times where 100 beta is 7 f/kappa.
-MOST_RING_SPLITS = 9

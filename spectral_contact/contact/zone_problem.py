@@ -221,9 +221,17 @@ class FreeBoundaryProblem:
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def jacobian(
-        self, spaces: Sequence[DiscreteSpace], logits: Array, tolerance: float = JACOBIAN_FIELD_TOL
+        self,
+        spaces: Sequence[DiscreteSpace],
+        logits: Array,
+        tolerance: float = JACOBIAN_FIELD_TOL,
+        *,
+        fraction: float = 1.0,
     ) -> Array:
-        """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
+        """Return the Jacobian of the boundary residual by differences of fields to a tolerance.
+
+        The `fraction` is that of the usual step.
+        """
         factors = factored(self.system(spaces, logits))
         centre = corrected(FieldSolution.first(factors), tolerance, relative_size).fields
 
@@ -231,7 +239,7 @@ class FreeBoundaryProblem:
             moved = replace(centre, system=self.system(spaces, moved_logits))
             return corrected(moved, tolerance, relative_size).fields.boundary_residual
 
-        return fd_jacobian(residual, logits)
+        return fd_jacobian(residual, logits, fraction)
 
     def _layout_of(self, logits: Array, jacobian: Array) -> Layout:
         """Return these boundaries with the states of this problem."""

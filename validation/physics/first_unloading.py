@@ -55,8 +55,8 @@ def main() -> None:
         left.set_ylabel(r"$q/(f p)$")
         left.legend()
         boundaries: dict[int, list[tuple[float, float]]] = {0: [], 1: [], 2: []}
-        for ratio in RATIOS:
-            found = solve(SCENE.replace(unloaded_to=ratio), 1e-8, ["zones"])
+        for ratio in sorted(RATIOS):
+            found = solve(SCENE.replace(unloaded_to=float(ratio)), 1e-8, ["zones"])
             for k, zone in enumerate(found.zones[:-1]):
                 boundaries[k].append((ratio, zone.outer))
         names = "stick | slip", "slip | stick with memory", "memory | slip back"
