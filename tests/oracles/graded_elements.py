@@ -22,7 +22,7 @@ from scipy.optimize import root
 Array = NDArray[np.float64]
 
 #: Degree on an element, ratio of neighbouring elements, and the narrowest one over its zone.
-DEGREE, RATIO, NARROWEST = 12, 0.2, 1e-9
+DEGREE, RATIO, NARROWEST = 12, 0.25, 1e-6
 #: Points t on an element.
 _POINTS = 36
 
@@ -129,6 +129,13 @@ class Elements:
         ends = legvander(np.array([1.0 if inside else -1.0]), self.degree)[0]
         return float(ends @ coefficients.reshape(self.count, -1)[place])
 
+    def anywhere(self, coefficients: Array, z: Array) -> Array:
+        """Return values at any z."""
+        place = np.clip(np.searchsorted(self.lower, z, side="right") - 1, 0, self.count - 1)
+        local = 2.0 * (z - self.lower[place]) / self.width[place] - 1.0
+        basis = legvander(np.clip(local, -1.0, 1.0), self.degree)
+        return np.asarray((basis * coefficients.reshape(self.count, -1)[place]).sum(axis=1))
+
     def load_inside(self, pressure: Array) -> Array:
         """Return ``int_0^s eta p d eta`` at the points, of the coefficients of p."""
         c = pressure.reshape(self.count, -1)
@@ -219,7 +226,7 @@ def _with_free_boundaries(
         )
 
     start = np.log(np.square(guess) / (1.0 - np.square(guess)))
-    found = root(jumps, start, tol=1e-13, options={"maxfev": 40})
+    found = root(jumps, start, tol=1e-14, options={"maxfev": 40})
     return solve(_radii(found.x))
 
 

@@ -26,6 +26,7 @@ STRATA = {
     "thresholds_precise": ("thresholds", "the same, nearer than doubles can judge"),
     "profiles": ("profiles", "frictionless contact under profiles"),
     "adhesion": ("adhesion", "adhesive contact under profiles, and its pull-off"),
+    "unloading": ("unloading", "the first unloading of flat punches"),
     "growing": ("growing", "friction under growing contacts"),
     "growing_together": ("growing_together", "the same with elastic coupling"),
     "layers": ("layers", "nonlinear layers"),
