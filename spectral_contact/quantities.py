@@ -14,6 +14,7 @@ __all__ = [
     "PROFILE_QUANTITIES",
     "QUANTITIES",
     "TANGENTIAL_QUANTITIES",
+    "UNLOADED_QUANTITIES",
     "OutputQuantity",
 ]
 
@@ -44,7 +45,7 @@ class OutputQuantity:
         depend on the traction, or ``"tangential"``.
     scenes : str
         Which scenes have it: ``"all"``, those with a ``"profile"``, those with ``"adhesion"``, or
-        those with a ``"flat"`` punch.
+        those with a ``"flat"`` punch, or those that are ``"unloaded"``.
     """
 
     name: str
@@ -171,6 +172,18 @@ OUTPUTS = (
         "1",
         scenes="flat",
     ),
+    OutputQuantity(
+        "reverse_ratio",
+        "load over the largest load at which slip back begins",
+        "1",
+        scenes="unloaded",
+    ),
+    OutputQuantity(
+        "turning_ratio",
+        "load over the largest load below which the history counts",
+        "1",
+        scenes="unloaded",
+    ),
 )
 
 #: Names of what can be asked of a flat punch, most of it of any scene, in the order of a report.
@@ -181,6 +194,9 @@ PROFILE_QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes == "profile
 
 #: What else there is with adhesion.
 ADHESION_QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes == "adhesion")
+
+#: What else there is below the largest load.
+UNLOADED_QUANTITIES = tuple(one.name for one in OUTPUTS if one.scenes == "unloaded")
 
 #: Those that are functions of the radius, and those that are a number.
 FIELDS = tuple(one.name for one in OUTPUTS if one.kind == "field")

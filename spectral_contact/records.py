@@ -10,7 +10,12 @@ import numpy as np
 
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
-from spectral_contact.quantities import ADHESION_QUANTITIES, PROFILE_QUANTITIES, QUANTITIES
+from spectral_contact.quantities import (
+    ADHESION_QUANTITIES,
+    PROFILE_QUANTITIES,
+    QUANTITIES,
+    UNLOADED_QUANTITIES,
+)
 from spectral_contact.view.output import notebook_table
 
 __all__ = [
@@ -18,11 +23,14 @@ __all__ = [
     "COUPLING",
     "FULL_STICK",
     "GROWTH",
+    "LOAD_RATIOS",
     "NORMAL",
     "PARTIAL_SLIP",
     "PROFILE_QUANTITIES",
     "QUANTITIES",
     "SLIP_FIELD",
+    "UNLOADED_QUANTITIES",
+    "UNLOADING",
     "ZONE_SEARCH",
     "Ending",
     "ErrorEstimates",
@@ -43,6 +51,8 @@ GROWTH = "growing contact"
 PARTIAL_SLIP = "partial slip"
 ZONE_SEARCH = "zone search"
 SLIP_FIELD = "slip displacement"
+UNLOADING = "unloading"
+LOAD_RATIOS = "load ratios"
 
 
 def _make_plain(record: Any) -> None:
@@ -134,6 +144,10 @@ class Zone:
     inner_from_edge, outer_from_edge : float
         One minus the radii, to relative accuracy. In solutions to many digits all four are
         mpmath's numbers.
+    sense : int
+        In slip +1 if the traction has the sense it has under growing load, -1 if the other.
+    memory : bool
+        Whether the zone sticks where it has slipped before, and keeps that slip.
     """
 
     kind: str
@@ -141,12 +155,16 @@ class Zone:
     outer: float
     inner_from_edge: float
     outer_from_edge: float
+    sense: int = 1
+    memory: bool = False
 
     def __post_init__(self) -> None:
         _make_plain(self)
 
     @classmethod
-    def from_radii(cls, kind: str, inner: Radius, outer: Radius) -> Zone:
+    def from_radii(
+        cls, kind: str, inner: Radius, outer: Radius, *, sense: int = 1, memory: bool = False
+    ) -> Zone:
         """Return the zone between two radii.
 
         Raises
@@ -157,7 +175,8 @@ class Zone:
         one_of("kind", kind, ("stick", "slip"))
         for name, end in (("inner", inner), ("outer", outer)):
             instance(name, end, Radius)
-        return cls(kind, inner.value, outer.value, inner.from_edge, outer.from_edge)
+        ends = inner.value, outer.value, inner.from_edge, outer.from_edge
+        return cls(kind, *ends, sense=sense, memory=memory)
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +198,9 @@ class ErrorEstimates:
     With a profile, `pressure` is relative to the larger of the pressure and its mean, and
     `traction` to its largest value. Where the pressure is infinite, at a tip or corner of a smooth
     surface, its estimate holds for distances above some 1e-17 of the square of the contact radius.
+
+    Below the largest load the traction changes sign where the surface sticks with memory; its error
+    there is relative to ``f p``.
 
     With adhesion, load and approach are differences of what they are without it and of what it
     takes away, and may be 0: errors are relative to the sum of both, the work of indentation to the
@@ -202,6 +224,8 @@ class ErrorEstimates:
     indentation_work: float | None = None
     stiffness_on_branch: float | None = None
     shakedown_ratio: float | None = None
+    reverse_ratio: float | None = None
+    turning_ratio: float | None = None
 
     def __post_init__(self) -> None:
         _make_plain(self)

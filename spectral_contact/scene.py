@@ -105,6 +105,11 @@ class Scene(Suggesting):
         Which of several states with adhesion that have this load, or this approach: 0, the
         default, is the one that is reached by unloading from a large contact, 1 that on the next
         stretch of the curve to smaller contacts, and so on. Keyword only.
+    unloaded_to : float
+        λ in (0, 1]: the load over the largest load, from which a flat punch is unloaded for the
+        first time (docs/cycles). Tractions, approach and Q* stay in units of the largest load.
+        Below 1 without elastic coupling, and with friction under a tangential compliance. 1, the
+        default, is the largest load. Keyword only.
 
     Raises
     ------
@@ -134,6 +139,7 @@ class Scene(Suggesting):
     mismatch: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     work_of_adhesion: float | None = field(default=None, kw_only=True, metadata=YOUNGER)
     branch: int = field(default=0, kw_only=True, metadata=YOUNGER)
+    unloaded_to: float = field(default=1.0, kw_only=True, metadata=YOUNGER)
 
     def __post_init__(self) -> None:
         put = object.__setattr__  # the way into a frozen dataclass
@@ -157,6 +163,7 @@ class Scene(Suggesting):
         check_layer(given)
         put(self, "work_of_adhesion", checked_adhesion(given))
         put(self, "branch", checked_branch(given))
+        put(self, "unloaded_to", _checked_load_ratio(given))
         for name, number in checked_controls(given).items():
             put(self, name, number)
         if self.physical is not None:
@@ -183,6 +190,7 @@ class Scene(Suggesting):
         separation: float | None = None,
         work_of_adhesion: float | None = None,
         branch: int = 0,
+        unloaded_to: float = 1.0,
     ) -> Self:
         """Make a dimensionless scene of two elastic bodies from their coupling constant κ.
 
@@ -200,7 +208,7 @@ class Scene(Suggesting):
             As of `Scene`, with E' of both bodies in place of E/(4(1−ν²)).
         coupling, profile, contact_radius, load, approach, layer, separation
             As of `Scene`; the profile is the gap between the two.
-        work_of_adhesion, branch
+        work_of_adhesion, branch, unloaded_to
             As of `Scene`.
 
         Raises
@@ -228,6 +236,7 @@ class Scene(Suggesting):
             separation=separation,
             work_of_adhesion=work_of_adhesion,
             branch=branch,
+            unloaded_to=unloaded_to,
             mismatch=kappa,
         )
 
@@ -255,6 +264,7 @@ class Scene(Suggesting):
         reduced_modulus: Measured | None = None,
         work_of_adhesion: Measured | None = None,
         branch: int = 0,
+        unloaded_to: float = 1.0,
     ) -> Self:
         """Make a scene from SI data, of which exactly one of load and approach is given.
 
@@ -310,6 +320,8 @@ class Scene(Suggesting):
             then be 0 or negative.
         branch : int
             As of `Scene`.
+        unloaded_to : float
+            As of `Scene`; load and approach are then the largest ones.
 
         Raises
         ------
@@ -369,6 +381,7 @@ class Scene(Suggesting):
             mismatch=physical.kappa(poisson_ratio),
             work_of_adhesion=physical.dimensionless_adhesion(poisson_ratio),
             branch=branch,
+            unloaded_to=unloaded_to,
             **shape,
         )
 
@@ -442,7 +455,7 @@ class Scene(Suggesting):
             f"{name}={value!r}"
             for name, value in self._arguments().items()
             if (unknown and name == "poisson_ratio")
-            or not (value is None or value is False or (name in _OFF_AT_ZERO and not value))
+            or not (value is None or value is False or value == _OFF_AT.get(name))
         )
         return f"{made_by}({given})"
 
@@ -589,8 +602,13 @@ class Scene(Suggesting):
                 )
 
 
-#: What is left out of `repr` where it is 0.
-_OFF_AT_ZERO: Final = ("normal_compliance", "tangential_compliance", "branch")
+#: What is left out of `repr` where it has this value.
+_OFF_AT: Final = {
+    "normal_compliance": 0.0,
+    "tangential_compliance": 0.0,
+    "branch": 0,
+    "unloaded_to": 1.0,
+}
 _NAMES_OF_SCENE: Final = tuple(one.name for one in fields(Scene))
 _SI: Final = "data in SI units go to Scene.from_physical(...)"
 # `dataclass` generates the constructor, so it can only be wrapped here.
@@ -604,11 +622,12 @@ def same_problem(one: Scene, other: Scene) -> bool:
     """Return whether two scenes have one solution by definition.
 
     It does not matter whether κ is given or that of a Poisson's ratio. Without friction normal
-    contact decides: the compliance, the profile, how far it is pressed, and adhesion.
+    contact decides: the compliance, the profile, how far it is pressed and unloaded, and
+    adhesion.
     """
     if one.friction is None and other.friction is None:
         adhesion = "work_of_adhesion", "branch"
-        normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS, *adhesion)
+        normal = ("normal_compliance", "layer", "profile", *ALL_CONTROLS, *adhesion, "unloaded_to")
         return all(getattr(one, name) == getattr(other, name) for name in normal)
     if one.friction is None or other.friction is None:
         return False
@@ -616,6 +635,31 @@ def same_problem(one: Scene, other: Scene) -> bool:
     if one.mismatch is not None or other.mismatch is not None:
         bare = bare[0].replace(kappa=one.kappa), bare[1].replace(kappa=other.kappa)
     return bare[0] == bare[1]
+
+
+def refuse_unloaded(scene: Scene, what: str) -> None:
+    """Refuse a scene below its largest load, for a function that does not support it."""
+    if scene.unloaded_to < 1.0:
+        told = f"a scene at its largest load: {what} does not support unloaded_to below 1"
+        raise SceneError("scene", scene, told)
+
+
+def _checked_load_ratio(scene: Mapping[str, Any]) -> float:
+    """Return the load over the largest load, of a scene that can be unloaded if it is below 1."""
+    allowed = "in (0, 1], 1 being the largest load"
+    given = scene["unloaded_to"]
+    ratio = real("unloaded_to", given, allowed=allowed, low=0.0, high=1.0, low_open=True)
+    if ratio == 1.0:
+        return ratio
+    if scene["profile"] is not None:
+        raise SceneError("unloaded_to", given, "1 with a profile: flat punches alone are unloaded")
+    if scene["coupling"]:
+        told = "False where unloaded_to is below 1: unloading is without elastic coupling"
+        raise SceneError("coupling", True, told)
+    if scene["friction"] and scene["tangential_compliance"] == 0.0:
+        told = "> 0 where unloaded_to is below 1 and the scene has friction"
+        raise SceneError("tangential_compliance", 0.0, told)
+    return ratio
 
 
 def _checked_kappa(name: str, value: object) -> float:

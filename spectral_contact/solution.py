@@ -18,11 +18,14 @@ from spectral_contact.records import (
     COUPLING,
     FULL_STICK,
     GROWTH,
+    LOAD_RATIOS,
     NORMAL,
     PARTIAL_SLIP,
     PROFILE_QUANTITIES,
     QUANTITIES,
     SLIP_FIELD,
+    UNLOADED_QUANTITIES,
+    UNLOADING,
     ZONE_SEARCH,
     Ending,
     ErrorEstimates,
@@ -45,11 +48,14 @@ __all__ = [
     "COUPLING",
     "FULL_STICK",
     "GROWTH",
+    "LOAD_RATIOS",
     "NORMAL",
     "PARTIAL_SLIP",
     "PROFILE_QUANTITIES",
     "QUANTITIES",
     "SLIP_FIELD",
+    "UNLOADED_QUANTITIES",
+    "UNLOADING",
     "ZONE_SEARCH",
     "Ending",
     "ErrorEstimates",
@@ -115,6 +121,8 @@ class Solution(Output):
                 reasons[quantity] = "the punch is flat: its radius and load are the units"
             if quantity in ADHESION_QUANTITIES and self.scene.work_of_adhesion is None:
                 reasons[quantity] = "the scene has no adhesion"
+            if quantity in UNLOADED_QUANTITIES and self.scene.unloaded_to == 1.0:
+                reasons[quantity] = "the scene is at its largest load: unloaded_to is 1"
             raise NotComputedError(quantity, reasons.get(quantity, "it was not asked for"))
 
     def _value(self, quantity: str) -> Any:
@@ -252,9 +260,11 @@ class Solution(Output):
             return self.approach, self.approach
         from spectral_contact.equations.bounds import approach_bounds
 
-        field = self.pressure_field
+        field, load = self.pressure_field, self.scene.unloaded_to
         assert isinstance(field, PressureField)
-        return approach_bounds(self.scene.normal_compliance, self.values["approach"], field)
+        alpha, unit_approach = self.scene.normal_compliance, self.values["approach"] / load
+        low, high = approach_bounds(alpha, unit_approach, field.times(1.0 / load))
+        return load * low, load * high
 
     def _coupled_bounds(self) -> tuple[float, float]:
         from spectral_contact.equations.bounds import CoupledTraction, approach_bounds
@@ -330,6 +340,26 @@ class Solution(Output):
             approximate.
         """
         return float(self._value("shakedown_ratio"))
+
+    @property
+    def reverse_ratio(self) -> float:
+        """Load over the largest load at which slip back begins, in the first unloading.
+
+        Raises
+        ------
+        NotComputedError
+            At the largest load, and where nothing slips.
+        """
+        return float(self._value("reverse_ratio"))
+
+    @property
+    def turning_ratio(self) -> float:
+        """Load over the largest load below which the state depends on its history.
+
+        In the first unloading a slip zone has grown so far, and begins to shrink there. Errors are
+        those of `reverse_ratio`.
+        """
+        return float(self._value("turning_ratio"))
 
     def _field(
         self,

@@ -8,7 +8,7 @@ What is counted, of the flat core unless a figure says more:
 
 flat core
     All modules of contact/ and spectral/ but those that came with profiles, nonlinear layers,
-    sensitivities and adhesion (`CAME_WITH`).
+    sensitivities, adhesion and unloading (`CAME_WITH`).
 tokens
     Tokens of Python's `tokenize`: names, keywords, operators, brackets, numbers and strings. Not
     counted are comments, docstrings, ends of lines and indentation. An f-string is one token
@@ -67,9 +67,9 @@ LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
 #: How many of the worst are named.
 NAMED = 5
-#: Modules of the core that came with profiles, nonlinear layers, sensitivities and adhesion. The
-#: goals are those of flat punches, without them. A module that is not listed is part of the flat
-#: core.
+#: Modules of the core that came with profiles, nonlinear layers, sensitivities, adhesion and
+#: unloading. The goals are those of flat punches under growing load, without them. A module that is
+#: not listed is part of the flat core.
 CAME_WITH = {
     "profiles": (
         "contact.contact_radius",
@@ -89,6 +89,7 @@ CAME_WITH = {
     ),
     "sensitivities": ("contact.zone_derivatives",),
     "adhesion": ("contact.adhesion", "contact.pinned"),
+    "unloading": ("contact.unloading",),
 }
 
 

@@ -21,7 +21,7 @@ from spectral_contact.fields import Array
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.profiles.work_of_adhesion import refuse_adhesion
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, refuse_unloaded
 from spectral_contact.solution import Solution
 from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.threads import one_thread
@@ -69,6 +69,7 @@ class Setting:
         refuse_profile(scene, "fit")
         refuse_layer(scene, "fit")
         refuse_adhesion(scene, "fit")
+        refuse_unloaded(scene, "fit")
         data = scene.physical
         # of negative kappa the zones and the pressure are those of its mirror image
         kappa = None if scene.mismatch is None else abs(scene.mismatch)

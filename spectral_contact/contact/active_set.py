@@ -48,6 +48,8 @@ class RingSystem:
     coupled : bool
         Whether the traction acts on the pressure: with elastic coupling. That the pressure acts on
         the traction is part of the equations in any case.
+    frozen : ndarray, shape (rings,), optional
+        The displacement of each ring if it sticks, for unit load; by default zero.
 
     Attributes
     ----------
@@ -56,11 +58,19 @@ class RingSystem:
         Displacement of each ring by a traction of 1 on this ring alone.
     """
 
-    def __init__(self, rings: RingOperators, parameters: Parameters, *, coupled: bool) -> None:
+    def __init__(
+        self,
+        rings: RingOperators,
+        parameters: Parameters,
+        *,
+        coupled: bool,
+        frozen: Array | None = None,
+    ) -> None:
         alpha, beta, kappa, friction = parameters
         self.rings = rings
         self.friction = friction
         self._root_area = np.sqrt(rings.mass)
+        self.frozen = np.zeros(len(rings.mass)) if frozen is None else frozen
         scale = np.outer(self._root_area, self._root_area)
         identity = np.eye(len(self._root_area))
         self._normal = rings.normal / scale + alpha * identity
@@ -80,16 +90,18 @@ class RingSystem:
             p, q = self._solve_coupled(sticking, ratio)
         else:
             p = self._known_pressure
-            q = self._solve_traction(p, sticking, ratio)
+            load = 2.0 * pi * float(p @ self._root_area)
+            frozen = load * self._root_area * self.frozen
+            q = self._solve_traction(p, sticking, ratio, frozen)
         load = 2.0 * pi * float(p @ self._root_area)
         p = p / load
         q = q / load
-        displacement = self._tangential @ q - self._coupling @ p
-        displacement[sticking] = 0.0
         root = self._root_area
-        return RingState(self, states, 1.0 / load, p / root, q / root, displacement / root)
+        displacement = (self._tangential @ q - self._coupling @ p) / root
+        displacement[sticking] = self.frozen[sticking]
+        return RingState(self, states, 1.0 / load, p / root, q / root, displacement)
 
-    def _solve_traction(self, p: Array, sticking: Integers, ratio: Array) -> Array:
+    def _solve_traction(self, p: Array, sticking: Integers, ratio: Array, frozen: Array) -> Array:
         """Return the traction under a known pressure, for unit approach.
 
         Parameters
@@ -99,9 +111,11 @@ class RingSystem:
             Numbers of the rings that stick.
         ratio : ndarray, shape (rings,)
             q/p of the rings that slip.
+        frozen : ndarray, shape (rings,)
+            Displacement of the rings that stick.
         """
         q = ratio * p
-        right = (self._coupling @ p - self._tangential @ q)[sticking]
+        right = (self._coupling @ p - self._tangential @ q + frozen)[sticking]
         if len(sticking):
             q[sticking] = Cholesky(self._tangential[np.ix_(sticking, sticking)]).solve(right)
         return q
@@ -164,7 +178,9 @@ class RingState:
 
         In contrast to the traction it has no kink at a boundary between stick and slip.
         """
-        return self.traction - self.displacement / self.system.self_compliance
+        return (
+            self.traction - (self.displacement - self.system.frozen) / self.system.self_compliance
+        )
 
     @property
     def margin(self) -> Array:
@@ -266,6 +282,7 @@ def ring_layout(
     coupled: bool,
     first_rings: int = FIRST_RINGS,
     splits: int = 2,
+    unloaded_to: float = 1.0,
 ) -> RingLayout:
     """Return the zones by the friction law on rings.
 
@@ -280,6 +297,9 @@ def ring_layout(
         edge.
     splits : int
         How often the rings around boundaries are split.
+    unloaded_to : float
+        The load over the largest load there was before, without coupling. Below 1 what sticks has
+        the displacement of before. Rings are split around the boundaries at the largest load.
     """
 
     def solved(logits: Array, states: Integers, *, coupled: bool = coupled) -> RingState:
@@ -294,6 +314,14 @@ def ring_layout(
     ring_state = solved(logits, states)
     for _ in range(splits):
         ring_state = solved(*_split(ring_state))
+    if unloaded_to < 1.0:
+        system = RingSystem(
+            ring_state.system.rings,
+            parameters,
+            coupled=False,
+            frozen=ring_state.displacement / unloaded_to,
+        )
+        ring_state = solve_active_set(system, np.zeros_like(ring_state.states))
     zone_states = _without_spurious_zones(ring_state.states) if splits else ring_state.states
     last_rings, boundaries = _boundaries(replace(ring_state, states=zone_states))
     return RingLayout(

@@ -105,7 +105,9 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
 
     The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
-    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``.
+    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. Where slip that is
+    over has displaced what sticks, u changes sign, too, and the size is ``f p/s``, the most that u
+    can be.
     """
     sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
@@ -115,6 +117,13 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
         pressure, shear = sizes
         kappa = system.parameters.kappa
         sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
+    if system.known_displacement:
+        pressures, _ = system.series(values)
+        for i, field in enumerate(system.fields):
+            if field.part in system.known_displacement:
+                series = pressures[field.part]
+                radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
+                sizes[i] = system.parameters.friction * series.at_ends() / radii
     return sizes
 
 
@@ -365,7 +374,7 @@ class ZoneEstimate:
             total_shear=system.total_shear(self.values),
             stick_zones=stick_zones,
             approach_error=max(abs(effect.approach) for effect in self.effects) + integral_floor,
-            shear_error=self._shear_change() + integral_floor,
+            shear_error=self._shear_change() + integral_floor * self._shear_cancellation,
             pressure_error=pressure_error,
             traction_error=traction_error,
             radius_error=boundary_errors[0][0] if boundary_errors else 0.0,
@@ -386,6 +395,14 @@ class ZoneEstimate:
         if system.symmetric and not system.pressure_known:
             return self._with_energies(solution)
         return solution
+
+    @property
+    def _shear_cancellation(self) -> float:
+        """By how much more of the shear rounding is where it may vanish, as q changes sign."""
+        if not self.system.known_displacement:
+            return 1.0
+        bound = self.system.parameters.friction  # of the shear under unit load
+        return max(bound / abs(self.system.total_shear(self.values)), 1.0)
 
     def _shear_change(self) -> float:
         """Return the relative error of the shear by the changes and by the boundaries.

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
         NormalContact,
     )
     from spectral_contact.spectral.annulus import Annulus
+    from spectral_contact.spectral.contact_fields import KnownDisplacement
 
 
 class StickZone(NamedTuple):
@@ -104,6 +105,8 @@ class SlipFields(NamedTuple):
         ``u / kappa``, a field for every slip zone.
     samples : list of ndarray
         Its values times the sign of the traction: negative where slip opposes traction.
+    at_outer_ends : list of float
+        The same at the outer end of every zone.
     largest : float
         The largest modulus of all values.
     unresolved : float
@@ -114,8 +117,29 @@ class SlipFields(NamedTuple):
 
     fields: list[AnnulusSeries]
     samples: list[Array]
+    at_outer_ends: list[float]
     largest: float
     unresolved: float
+
+    def since(self, before: KnownDisplacement, slip_zones: list[SlipZone]) -> SlipFields:
+        """Return the displacement less that of before at the same radii, with this one's fields.
+
+        Parameters
+        ----------
+        before : KnownDisplacement
+        slip_zones : list of SlipZone
+            Those of the fields.
+        """
+        samples = [
+            sample - zone.sign * before.evaluate(zone.annulus.y)
+            for zone, sample in zip(slip_zones, self.samples, strict=True)
+        ]
+        at_outer_ends = [
+            value - zone.sign * float(before.evaluate(np.array([zone.annulus.outer.rest]))[0])
+            for zone, value in zip(slip_zones, self.at_outer_ends, strict=True)
+        ]
+        largest = max(float(np.abs(values).max()) for values in samples)
+        return self._replace(samples=samples, at_outer_ends=at_outer_ends, largest=largest)
 
 
 def slip_displacement(
@@ -164,8 +188,11 @@ def slip_displacement(
             zone_samples.append(zone.sign * displacement)
         fields.append(AnnulusSeries(annulus.inner, annulus.outer, series[0], series[1], power=0))
         samples.append(np.concatenate(zone_samples))
+    at_outer_ends = [
+        zone.sign * field.toward_outer.limit for zone, field in zip(slip_zones, fields, strict=True)
+    ]
     largest = max(float(np.abs(values).max()) for values in samples)
-    return SlipFields(fields, samples, largest, 2.0 * unresolved)
+    return SlipFields(fields, samples, at_outer_ends, largest, 2.0 * unresolved)
 
 
 def _zones_inside(stick_zones: list[StickZone], radius: Radius) -> list[StickZone]:

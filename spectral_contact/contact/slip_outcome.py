@@ -301,13 +301,17 @@ def _verified_outcome(
     states = solved.system.states
     bounds = list(pairwise(solved.system.bounds))
     displacement = slip_displacement(solved.stick_zones, slip_zones, pressure, beta, friction)
+    kept = solved.system.displacement
+    slip_of_now = displacement if kept is None else displacement.since(kept, slip_zones)
 
     zones: list[Zone] = []
     traction_pieces: list[ZonePiece] = []
     slip_pieces: list[ZonePiece] = []
     displacement_fields = iter(displacement.fields)
     for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
-        zones.append(Zone.from_radii("slip" if state else "stick", inner, outer))
+        displaced = 2 * k in solved.system.known_displacement
+        kind = "slip" if state else "stick"
+        zones.append(Zone.from_radii(kind, inner, outer, sense=state or 1, memory=displaced))
         if state:
             zone_pressure = (
                 pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
@@ -316,14 +320,17 @@ def _verified_outcome(
             slip_pieces.append(ZonePiece(outer, next(displacement_fields)))
         else:
             traction_pieces.append(ZonePiece(outer, stick_tractions.get(k)))
-            slip_pieces.append(ZonePiece(outer, None))
+            piece = kept.on_zone(outer) if kept and displaced else ZonePiece(outer, None)
+            slip_pieces.append(piece)
 
     absolute_error = solved.residual_error + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
     if beta > 0.0:  # of all radii that slip p is largest at the outermost one
         last_slip = max(k for k, state in enumerate(states) if state)
         max_pressure = float(pressure.evaluate(np.array(bounds[last_slip][1].rest)))
         absolute_error += beta * friction * max_pressure * solved.pressure_error
-    largest = max(displacement.largest, TINY)
+    if kept is not None:
+        absolute_error += kept.error
+    largest = max(slip_of_now.largest, TINY)
     field_error = inf_if_unresolved(absolute_error / largest)
     boundary_error = slip_error_from_boundaries(solved.slip_width_error)
     slip_error = inf_if_unresolved(field_error + boundary_error)
@@ -331,20 +338,16 @@ def _verified_outcome(
     # slip in the wrong sense is excused up to the error of the slip, of which that by the
     # boundaries counts for a half at most
     excused = field_error + min(boundary_error, 0.5)
-    wrong = max(0.0, *(float(sample.max()) for sample in displacement.samples)) / largest
-    at_outer_ends = [
-        zone.sign * field.toward_outer.limit
-        for zone, field in zip(slip_zones, displacement.fields, strict=True)
-    ]
+    wrong = max(0.0, *(float(sample.max()) for sample in slip_of_now.samples)) / largest
     missing = tuple(
         interval
         for zone, at_end, sample in zip(
-            slip_zones, at_outer_ends, displacement.samples, strict=True
+            slip_zones, slip_of_now.at_outer_ends, slip_of_now.samples, strict=True
         )
         for interval in missing_stick(zone.annulus, sample, largest, at_end, excused)
     )
     # the slip at the edge, if the edge slips and a layer keeps it finite
-    at_edge = at_outer_ends[-1] / largest if beta * states[-1] else inf
+    at_edge = slip_of_now.at_outer_ends[-1] / largest if beta * states[-1] else inf
 
     traction_error = max(solved.traction_error, solved.pressure_error)
     scalars = {item.name: getattr(solved, item.name) for item in fields_of(ScalarResults)}
@@ -360,7 +363,7 @@ def _verified_outcome(
         pressure=pressure,
         traction=ZonalField(tuple(traction_pieces)),
         slip=ZonalField(tuple(slip_pieces)),
-        slip_error=slip_error,
+        slip_error=slip_error * min(largest / max(displacement.largest, TINY), 1.0),
         violation=max(excess, wrong) if slip_error < inf else excess,
         wrong_slip=wrong,
         consistent=obeys(excess, traction_error, wrong, excused),

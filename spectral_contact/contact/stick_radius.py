@@ -118,19 +118,22 @@ def limiting_logit(parameters: Parameters) -> float:
     return min(max(logit, MIN_LOGIT), MAX_LOGIT)
 
 
-def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
+def fd_jacobian(
+    residual_at: Callable[[Array], Array], logits: Array, fraction: float = 1.0
+) -> Array:
     """Return the derivatives of a residual by the logits, by central differences.
 
     With w the width of the narrower zone at the boundary, over which the residual varies, the half
     step h balances the noise of the residual and its third derivative:
-    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE.
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE. A fraction of
+    it is taken, which is 1 by default.
     """
     columns = []
     widths = np.diff(logits)
     for i in range(len(logits)):
         width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
         relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
-        half_step = min(relative_step, JACOBIAN_RANGE) * width
+        half_step = fraction * min(relative_step, JACOBIAN_RANGE) * width
         step = half_step * np.eye(len(logits))[i]
         difference = residual_at(logits + step) - residual_at(logits - step)
         columns.append(difference / (2.0 * half_step))

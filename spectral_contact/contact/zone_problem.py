@@ -49,6 +49,7 @@ from spectral_contact.contact.zone_spaces import (
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
+from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import FactoredSystem, factored
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -76,6 +77,8 @@ class FreeBoundaryProblem:
         Without elastic coupling, the contact with the pressure; parameters are those for kappa = 1.
     boundary_tolerance : float, optional
         Bound on the relative errors of the boundaries; by default the tolerance.
+    displacement : KnownDisplacement, optional
+        That of what sticks, under a known pressure.
     """
 
     def __init__(
@@ -87,6 +90,7 @@ class FreeBoundaryProblem:
         pointwise: bool = True,
         known: NormalContact | None = None,
         boundary_tolerance: float | None = None,
+        displacement: KnownDisplacement | None = None,
     ) -> None:
         self.parameters = parameters
         self.pointwise = pointwise
@@ -96,6 +100,7 @@ class FreeBoundaryProblem:
         self.warm_start = layout.jacobian is not None
         self._layout = layout
         self._known = known
+        self._displacement = displacement
         self._panel_counts: list[int] = []
 
     # systems
@@ -155,6 +160,7 @@ class FreeBoundaryProblem:
             self.parameters,
             pressures,
             truncated=changes and self._known is not None,
+            displacement=self._displacement,
         )
 
     def _newton(self, spaces: Sequence[DiscreteSpace], *, changes: bool = False) -> FreeBoundary:
@@ -192,7 +198,7 @@ class FreeBoundaryProblem:
         logits = np.array(layout.logits)
         spaces = self.spaces(COARSE_TOL, logits)
         newton = self._newton(spaces)
-        jacobian = self._jacobian(spaces, logits)
+        jacobian = self.jacobian(spaces, logits)
         boundary_tol = min(COARSE_TOL, 0.5 * JACOBIAN_RANGE * min_zone_width(logits))
         iterate = newton.solve(newton.start(logits, jacobian), boundary_tol, COARSE_TOL)
         next_step = float(np.abs(iterate.newton_step).max())
@@ -210,10 +216,18 @@ class FreeBoundaryProblem:
         logit, slope = enclosed_root(residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
-    def _jacobian(
-        self, spaces: Sequence[DiscreteSpace], logits: Array, tolerance: float = JACOBIAN_FIELD_TOL
+    def jacobian(
+        self,
+        spaces: Sequence[DiscreteSpace],
+        logits: Array,
+        tolerance: float = JACOBIAN_FIELD_TOL,
+        *,
+        fraction: float = 1.0,
     ) -> Array:
-        """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
+        """Return the Jacobian of the boundary residual by differences of fields to a tolerance.
+
+        The `fraction` is that of the usual step.
+        """
         factors = factored(self.system(spaces, logits))
         centre = corrected(FieldSolution.first(factors), tolerance, relative_size).fields
 
@@ -221,7 +235,7 @@ class FreeBoundaryProblem:
             moved = replace(centre, system=self.system(spaces, moved_logits))
             return corrected(moved, tolerance, relative_size).fields.boundary_residual
 
-        return fd_jacobian(residual, logits)
+        return fd_jacobian(residual, logits, fraction)
 
     def _layout_of(self, logits: Array, jacobian: Array) -> Layout:
         """Return these boundaries with the states of this problem."""
@@ -275,7 +289,7 @@ class FreeBoundaryProblem:
         if not iterate.converged:
             # next to the onset of a zone no step is below the tolerance, and Broyden's Jacobian is
             # not accurate enough for the estimates
-            jacobian = self._jacobian(
+            jacobian = self.jacobian(
                 self.spaces(COARSE_TOL, iterate.logits), iterate.logits, ROUNDING
             )
             iterate = replace(iterate, jacobian=jacobian)

@@ -250,6 +250,12 @@ class PressureField:
                 row += one.weight(y)
         return values
 
+    def times(self, factor: float) -> PressureField:
+        """Return the field multiplied by a number."""
+        series = None if self.series is None else self.series.times(factor)
+        weight = None if self.weight is None else self.weight.times(factor)
+        return PressureField(weight, series)
+
     def at_ends(self) -> Array:
         """Return the values at the `ends` of the series."""
         assert self.series is not None

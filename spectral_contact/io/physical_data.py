@@ -355,7 +355,9 @@ class PhysicalData:
             return 1.0 if kind == "displacement" else self.quarter_modulus(nu)
         load = self.load
         if load is None:
-            load = self.load_for(scalar("approach", solved.approach), nu)
+            # tractions are in units of the largest load, from which a scene is unloaded
+            ratio = getattr(getattr(solved, "scene", None), "unloaded_to", 1.0)
+            load = self.load_for(scalar("approach", solved.approach) / ratio, nu)
         if kind == "force":
             return load
         return self.pressure_scale(load) if kind == "stress" else self.displacement_scale(load, nu)

@@ -93,6 +93,7 @@ _SCENE = Record(
         **dict.fromkeys(("profile", "contact_radius", "load", "approach", "layer", "separation")),
         **dict.fromkeys(("mismatch", "work_of_adhesion")),
         "branch": 0,
+        "unloaded_to": 1.0,
     },
     poisson_ratio=Maybe(_FLOAT),
     **_floats("normal_compliance tangential_compliance"),
@@ -104,6 +105,7 @@ _SCENE = Record(
     layer=_LAYER,
     **_maybe_floats("separation mismatch work_of_adhesion"),
     branch=_INT,
+    unloaded_to=_FLOAT,
 )
 _STATE = Choice(
     "StepState", RUN=StepState.RUN, CONDITIONAL=StepState.CONDITIONAL, SKIPPED=StepState.SKIPPED
@@ -126,8 +128,11 @@ _PLAN = Record(
 _ZONE = Record(
     "Zone",
     records.Zone,
+    {"sense": 1, "memory": False},
     kind=Plain(str, '"stick" or "slip"', "stick", "slip"),
     **_floats("inner outer inner_from_edge outer_from_edge"),
+    sense=_INT,
+    memory=_FLAG,
 )
 #: Numbers that came after version 1 was published.
 _YOUNGER = tuple(name for name in NUMBERS if name not in _FIRST)

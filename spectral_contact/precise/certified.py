@@ -29,7 +29,7 @@ from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.profiles import Flat
 from spectral_contact.records import ErrorEstimates, Zone
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, refuse_unloaded
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
@@ -63,6 +63,7 @@ def certified(
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
+    refuse_unloaded(scene, "reference")
     digits = checks.whole("digits", digits, 15)
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")

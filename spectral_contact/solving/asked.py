@@ -7,7 +7,12 @@ from collections.abc import Iterable
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
 from spectral_contact.io.choices import names
-from spectral_contact.records import ADHESION_QUANTITIES, PROFILE_QUANTITIES, QUANTITIES
+from spectral_contact.records import (
+    ADHESION_QUANTITIES,
+    PROFILE_QUANTITIES,
+    QUANTITIES,
+    UNLOADED_QUANTITIES,
+)
 
 #: Integral quantities, which may be asked for at 1e-13.
 _INTEGRAL = frozenset(
@@ -21,10 +26,15 @@ _CLOSER, _LOOSE = 1e-3, 1e-11
 
 
 def asked_quantities(
-    quantities: Iterable[str] | None, *, shaped: bool = False, adhesive: bool = False
+    quantities: Iterable[str] | None,
+    *,
+    shaped: bool = False,
+    adhesive: bool = False,
+    unloaded: bool = False,
 ) -> frozenset[str]:
     """Return what is asked for, known names; everything is the default."""
     known = (*PROFILE_QUANTITIES * shaped, *ADHESION_QUANTITIES * adhesive, *QUANTITIES)
+    known += UNLOADED_QUANTITIES * unloaded
     return frozenset(known if quantities is None else names("quantities", quantities, known))
 
 

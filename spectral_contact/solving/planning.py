@@ -19,11 +19,14 @@ from spectral_contact.solution import (
     COUPLING,
     FULL_STICK,
     GROWTH,
+    LOAD_RATIOS,
     NORMAL,
     PARTIAL_SLIP,
     PROFILE_QUANTITIES,
     QUANTITIES,
     SLIP_FIELD,
+    UNLOADED_QUANTITIES,
+    UNLOADING,
     ZONE_SEARCH,
     Plan,
     PlannedStep,
@@ -45,7 +48,8 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     scene : Scene
     quantities : iterable of str, optional
         Names out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, with adhesion out of
-        `ADHESION_QUANTITIES`, too; the default is everything that the scene has.
+        `ADHESION_QUANTITIES`, too, and below the largest load out of `UNLOADED_QUANTITIES`; the
+        default is everything that the scene has.
 
     Returns
     -------
@@ -59,13 +63,15 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     """
     shaped = instance("scene", scene, Scene).profile is not None
     adhesive, friction = scene.work_of_adhesion is not None, scene.friction
-    asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive)
+    unloaded = scene.unloaded_to < 1.0
+    asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive, unloaded=unloaded)
     kind: tuple[object, ...] = (
         friction if friction in (None, 0.0, math.inf) else "finite",
         _undriven(scene),
         scene.normal_compliance == 0.0,
         scene.tangential_compliance == 0.0,
         scene.coupling,
+        unloaded,
     )
     if shaped:  # only then there may be a layer
         kind = *kind, scene.layer is None, endless(scene), isinstance(scene.profile, Flat), adhesive
@@ -80,6 +86,8 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     if scene.friction is None:
         for name in ("slip", *sorted(FULL_STICK_RATIOS)):
             missing[name] = _NO_FRICTION
+        if scene.unloaded_to < 1.0:
+            missing.update(dict.fromkeys(UNLOADED_QUANTITIES, _NO_FRICTION))
     elif scene.profile is not None:
         flat = isinstance(scene.profile, Flat)
         kind = "under profiles" if flat else "of growing contacts"
@@ -97,13 +105,15 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
     steps = *_coupling(scene, present), _normal(scene, present), last
     if scene.profile is None:
         steps += _partial_slip(scene, present)
+    if scene.unloaded_to < 1.0:
+        steps += _unloading(steps[-1], present)
     return Plan(present, steps, tuple(sorted(missing.items())))
 
 
 def _present(scene: Scene) -> tuple[str, ...]:
     """Return what scenes of this kind may have."""
     if scene.profile is None:
-        return QUANTITIES
+        return QUANTITIES + UNLOADED_QUANTITIES * (scene.unloaded_to < 1.0)
     more = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
     return (*PROFILE_QUANTITIES, *more, *QUANTITIES)
 
@@ -231,3 +241,19 @@ def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, 
     )
     slip = PlannedStep(SLIP_FIELD, StepState.CONDITIONAL, "only if there is slip; checks its sense")
     return partial, search, slip
+
+
+def _unloading(slip: PlannedStep, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
+    """Return the steps below the largest load, after the last one that is about slip there."""
+    if slip.state is StepState.SKIPPED:
+        reason = f"{slip.reason}: all is that of the largest load times the load ratio"
+        return tuple(PlannedStep(name, slip.state, reason) for name in (UNLOADING, LOAD_RATIOS))
+    unloading = PlannedStep(
+        UNLOADING, StepState.CONDITIONAL, "only if there is slip at the largest load"
+    )
+    if set(UNLOADED_QUANTITIES).isdisjoint(present):
+        ratios = PlannedStep(LOAD_RATIOS, StepState.SKIPPED, "they are not asked for")
+    else:
+        reason = "only if there is slip at the largest load; where slip back begins, and turns"
+        ratios = PlannedStep(LOAD_RATIOS, StepState.CONDITIONAL, reason)
+    return unloading, ratios

@@ -23,9 +23,12 @@ from spectral_contact.quantities import FULL_STICK_RATIOS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     FULL_STICK,
+    LOAD_RATIOS,
     NORMAL,
     PARTIAL_SLIP,
     SLIP_FIELD,
+    UNLOADED_QUANTITIES,
+    UNLOADING,
     ZONE_SEARCH,
     Ending,
     ErrorEstimates,
@@ -132,6 +135,8 @@ class Run:
         self.run_steps(states)
         if rtol is not None:
             self.rtol = rtol
+        if self.scene.unloaded_to < 1.0:
+            self._scale_to_load(self.scene.unloaded_to)
         plan = self._updated_plan()
         wanted = set(plan.quantities)
         errors = {k: v for k, v in self.errors.items() if k in wanted or k == "violation"}
@@ -150,6 +155,15 @@ class Run:
             self.slip if "slip" in wanted else None,
             self.history,
         )
+
+    def _scale_to_load(self, load: float) -> None:
+        """Multiply what was found for unit load by another load."""
+        for name in ("approach", "total_shear"):
+            if name in self.values:
+                self.values[name] *= load
+        self.pressure = self.pressure and self.pressure.times(load)
+        self.traction = self.traction and self.traction.times(load)
+        self.slip = self.slip and self.slip.times(load)
 
     def _ending(self) -> Ending:
         """Return the worst ending of a step, unless all is within the tolerance."""
@@ -272,6 +286,8 @@ class Run:
         scene = self.scene
         friction = scene.friction
         exact = {"traction": 0.0, "total_shear": 0.0, "stick_radius": 0.0, "zones": 0.0}
+        if not friction or friction == math.inf or scene.kappa == 0.0:
+            self._no_load_ratios("nothing slips" if friction else "nothing sticks")
         if friction is None:
             self.values.update(total_shear=0.0, zones=(), stick_radius=None)
             self.errors.update(exact)
@@ -302,6 +318,16 @@ class Run:
     def store_all_stick(self) -> None:
         """Store that the whole contact sticks."""
         self.values.update(stick_radius=1.0, zones=(Zone.from_radii("stick", CENTRE, EDGE),))
+
+    def _no_load_ratios(self, reason: str) -> None:
+        """Note that a scene below its largest load has no thresholds of the load, and why."""
+        if self.scene.unloaded_to == 1.0:
+            return
+        for name in UNLOADED_QUANTITIES:
+            if name in self.plan.quantities:
+                self.unavailable[name] = reason
+        told = f"{reason}: all is that of the largest load times the load ratio"
+        self.skip(told, UNLOADING, LOAD_RATIOS)
 
     def _frictionless_slip(self, contact: NormalContact) -> None:
         """Store the slip at friction 0, the displacement by the pressure: ``u = -kappa g``."""
@@ -431,6 +457,7 @@ class Run:
         """Store that the whole contact sticks, with errors for the slip that may be unresolved."""
         self.store_all_stick()
         self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
+        self._no_load_ratios("nothing slips")
         if self.errors["shakedown_ratio"] > 0.0:  # friction may be below the critical, by its error
             from spectral_contact.contact.onset import unresolved_slip
 

@@ -3,16 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import perf_counter
 from typing import TYPE_CHECKING
 
+from spectral_contact.errors import NotComputedError
 from spectral_contact.fields.series import Radius
-from spectral_contact.solution import PARTIAL_SLIP
+from spectral_contact.solution import (
+    LOAD_RATIOS,
+    PARTIAL_SLIP,
+    UNLOADED_QUANTITIES,
+    UNLOADING,
+    ZONE_SEARCH,
+    PlannedStep,
+    StepState,
+)
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import ZonePath, log_parameters
 
 if TYPE_CHECKING:
     from spectral_contact.contact.ratio import FullStick
     from spectral_contact.contact.resolution import NormalContact
+    from spectral_contact.contact.unloading import Unloading
+    from spectral_contact.contact.zone_search import UncoupledSearch
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,16 +90,74 @@ class UncoupledRun(Run):
         parameters = self.parameters
         path = self.cache.get(PARTIAL_SLIP, (), ZonePath)
         place = log_parameters(parameters)
+        unloaded = self.scene.unloaded_to < 1.0
         search = UncoupledSearch(
             parameters,
             stick,
-            self.rtol,
+            self.pressure_tolerance if unloaded else self.rtol,
             self.max_unknowns,
             self.record,
             contact,
             warm_start=path.predict(place),
-            pointwise=not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
+            pointwise=unloaded
+            or not {"traction", "slip", "zones"}.isdisjoint(self.plan.quantities),
         )
+        if unloaded:
+            self._unload(search)
+            return
         solved = search.outcome()
         path.add(place, solved.layout)
         self.store(solved, self.scene.kappa)
+
+    def _unload(self, search: UncoupledSearch) -> None:
+        """Store the state below the largest load, whose zones the search is for.
+
+        Raises
+        ------
+        NotComputedError
+            If the zones at the largest load are not known, or the state depends on its history.
+        """
+        from spectral_contact.contact.unloading import HistoryError, Unloading
+        from spectral_contact.contact.zone_search import NoZonesError
+
+        load_ratio = self.scene.unloaded_to
+        key = (*self.normal_key, search.parameters, search.tolerance)
+
+        def from_largest_load() -> Unloading | None:
+            loaded = search.outcome()
+            if loaded.layout is None or not loaded.verified:
+                return None
+            return Unloading(search, loaded)
+
+        unloading: Unloading | None = self.cache.get(UNLOADING, key, from_largest_load)
+        told = f"the state unloaded to {load_ratio!r}"
+        if unloading is None:
+            reason = "the slip at the largest load is too narrow to be resolved"
+            raise NotComputedError(told, reason)
+        try:
+            solved = unloading.state(load_ratio, self.record)
+        except HistoryError as error:
+            raise NotComputedError(told, str(error)) from None
+        except NoZonesError as error:
+            reason = f"no zones were found that obey the friction law ({error})"
+            raise NotComputedError(told, reason) from None
+        self.store(solved, self.scene.kappa)
+        self.skip("the zones are those of the step unloading", ZONE_SEARCH)
+        self.updated_steps[UNLOADING] = PlannedStep(
+            UNLOADING, StepState.RUN, "; ".join(trial.text for trial in solved.trials)
+        )
+        if set(UNLOADED_QUANTITIES).isdisjoint(self.plan.quantities):
+            return
+        begin = perf_counter()
+        for name in UNLOADED_QUANTITIES:
+            try:
+                ratio = getattr(unloading, name)
+            except NoZonesError as error:
+                self.unavailable[name] = str(error)
+            else:
+                self.values[name] = ratio.value
+                self.errors[name] = ratio.error
+        self.record(LOAD_RATIOS, None, begin)
+        self.updated_steps[LOAD_RATIOS] = PlannedStep(
+            LOAD_RATIOS, StepState.RUN, "where slip back begins, and where a slip zone turns"
+        )

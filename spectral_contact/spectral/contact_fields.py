@@ -16,7 +16,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, PressureField, Radius
+from spectral_contact.fields.series import (
+    CENTRE,
+    EDGE,
+    LogSeries,
+    PressureField,
+    Radius,
+    ZonalField,
+    ZonePiece,
+)
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.blocks import disk_shear
 from spectral_contact.spectral.blockwise import Blockwise
@@ -73,6 +81,33 @@ class MeshPart(NamedTuple):
     def sticks(self) -> bool:
         """Whether the zone sticks."""
         return self.state == 0
+
+
+class KnownDisplacement(NamedTuple):
+    """The radial displacement that slip has left, and that is kept where the surface sticks now.
+
+    Attributes
+    ----------
+    field : ZonalField
+        ``u_r / kappa`` at the radii that have slipped, to a factor; zero at others.
+    factor : float
+        What the field is multiplied by.
+    error : float
+        Bound of the error of the field times the factor.
+    """
+
+    field: ZonalField
+    factor: float
+    error: float
+
+    def evaluate(self, y: Array) -> Array:
+        """Return ``u_r / kappa`` at ``y = 1 - s**2``."""
+        return self.factor * self.field.evaluate(y)
+
+    def on_zone(self, outer: Radius) -> ZonePiece:
+        """Return the displacement on a zone with this outer end, inside one piece of the field."""
+        piece = next(piece for piece in self.field.pieces if piece.outer.rest <= outer.rest)
+        return replace(piece, outer=outer, factor=piece.factor * self.factor)
 
 
 class UnknownField(NamedTuple):
@@ -133,6 +168,8 @@ class ContactFields:
     truncated : bool
         Whether the top degrees of the known pressure on the parts of this mesh, which the coarser
         spaces do not represent, are added to these contributions.
+    displacement : KnownDisplacement, optional
+        That of what sticks around the central disk, under a known pressure.
 
     Attributes
     ----------
@@ -156,6 +193,7 @@ class ContactFields:
         pressures: Sequence[PressureField] = (),
         *,
         truncated: bool = False,
+        displacement: KnownDisplacement | None = None,
     ) -> None:
         self.radii = radii
         self.states = states
@@ -164,6 +202,11 @@ class ContactFields:
         self.parts = self._cut(spaces)
         self.stick_parts = [k for k, part in enumerate(self.parts) if part.sticks]
         self._place_fields(pressures, truncated=truncated)
+        #: coefficients of ``u_r / (kappa s)`` on the parts that stick and are displaced
+        self.known_displacement: dict[int, Array] = {}
+        self.displacement = displacement
+        if displacement is not None:
+            self._expand_displacement(displacement, len(pressures))
         self._assemble_loads()
 
     def _cut(self, spaces: Sequence[DiscreteSpace]) -> list[MeshPart]:
@@ -271,6 +314,22 @@ class ContactFields:
             if not part.sticks:
                 slip = part.state * self.parameters.friction * values / np.sqrt(points.z)
                 self.known_slip[k] = _expansion(part, slip, truncated=truncated)
+
+    def _expand_displacement(self, displacement: KnownDisplacement, pressures: int) -> None:
+        """Expand the displacement of what sticks around the central disk, which has not slipped.
+
+        Columns are those of `known_pressure`: under the pressure itself the displacement, under its
+        contributions the error of the displacement.
+        """
+        for k in self.stick_parts:
+            part = self.parts[k]
+            points = part.shear_mesh.sampling()
+            values = displacement.evaluate(points.y)
+            if part.zone > 0 and values.any():
+                errors = np.full((pressures - 1, len(values)), displacement.error)
+                functions = part.shear_mesh.panels.functions(part.degrees)
+                columns = np.vstack([values, errors]) / np.sqrt(points.z)
+                self.known_displacement[k] = part.shear_mesh.expand(columns)[:, functions].T
 
     def pressure_on(self, k: int, values: Array) -> Array:
         """Return the coefficients of p on a part, for vectors as columns."""

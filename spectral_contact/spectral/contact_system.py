@@ -15,7 +15,9 @@ In slip u follows from p, as ``q = f p`` times the sign of the zone. A known pre
 the same parts, so that the same operators act on it. The equations are (docs/theory)
 
     alpha p + N p - kappa int_s^1 q = delta     where p is unknown,
-    beta q + T q - kappa g[p] = 0               in stick.
+    beta q + T q - kappa g[p] = u_r             in stick,
+
+where the displacement u_r is zero unless slip that is over has left some (`known_displacement`).
 
 **What Galerkin's method tests.** F and G are the half-integrals of p and q over radii outside of t,
 and ``kappa R`` is the value that stick prescribes for G, the *stick target*:
@@ -29,7 +31,7 @@ At the Galerkin nodes t of each part
     E(t) = kappa R(t) - G(t)
 
 are multiplied with the half-integral of each test function and summed over the nodes. The equations
-ask that these sums equal ``alpha p`` and ``beta q``, tested with the same functions.
+ask that these sums equal ``alpha p`` and ``beta q - u_r``, tested with the same functions.
 
 **Boundaries.** On a part whose mesh is graded to a boundary b between zones, E is the sum of E(b)
 and an increment from there, in which nothing cancels. On a part that is graded to the edge of the
@@ -255,6 +257,12 @@ class ContactSystem(ContactFields):
         projected = self.project(self.pointwise_residual(values, approach, defects))
         for place, product in self.masses(values):
             projected[place] -= product
+        factors = values[: self.pressure_terms]
+        for k, displacement in self.known_displacement.items():
+            part = self.parts[k]
+            projected[self.shear_places[k]] += part.shear_mesh.mass(
+                part.degrees, displacement @ factors, shear=True
+            )
         return projected
 
     def project(self, residual: PointwiseResidual) -> Array:

@@ -95,7 +95,7 @@ class FactoredSystem:
         values[0, 0] = system.pressure_known
         values[1 : 1 + pressure_changes, count:] = np.eye(pressure_changes)
         units = np.eye(count, values.shape[1])
-        values += self.step(system.project(system.pointwise_residual(values, units[0], units[1:])))
+        values += self.step(system.residual(values, units[0], units[1:]))
         if not system.symmetric:
             # next to a narrow stick zone at the edge the factors lose digits of these responses
             no_approach = np.zeros(count - 1)

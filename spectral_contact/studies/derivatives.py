@@ -22,7 +22,7 @@ from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import refuse_profile
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, refuse_unloaded
 from spectral_contact.solution import Solution
 from spectral_contact.solving.mirror import with_positive_kappa
 from spectral_contact.solving.slopes import PARAMETERS, SolutionSlopes, kappa_slope
@@ -175,6 +175,7 @@ def sensitivity(
     asked = known if parameters is None else names("parameters", parameters, known)
     refuse_profile(scene, "sensitivity")
     refuse_layer(scene, "sensitivity")
+    refuse_unloaded(scene, "sensitivity")
     places = None if s is None and from_edge is None else radii(s, from_edge)
     with ProgressLine(progress) as tell, one_thread():
         problem = _Slopes(scene, places, tell)

@@ -28,6 +28,7 @@ _MEANINGS: Final = {
     "normal_compliance": ("normal compliance α* = αE/(4(1−ν²)a)", "1"),
     "tangential_compliance": ("tangential compliance β* = βE/(4(1−ν²)a)", "1"),
     "friction": ("coefficient of friction f", "1"),
+    "unloaded_to": ("load over the largest load λ", "1"),
     "s": ("radius s = r/a", "1"),
     "from_edge": ("distance from the edge 1 − r/a", "1"),
     "separation": ("separation at the deformed centre", "L"),
@@ -143,6 +144,7 @@ def of_solution(
     else:
         kind = {"shaped": scene.profile is not None}
         kind["adhesive"] = scene.work_of_adhesion is not None
+        kind["unloaded"] = scene.unloaded_to < 1.0
         request = requested(quantities, solution.rtol, 1, s, from_edge, **kind)
     rows = Rows(1, request)
     rows.take(0, solution)
@@ -161,6 +163,8 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
     for k, name in enumerate(parameters.names):
         values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
         values = parameters.axes.get(name, values)
+        if name == "unloaded_to" and not parameters.unloaded and name not in parameters.axes:
+            continue
         # a load or radius that is not given of every contact is a result
         if name not in _MAY_BE_ABSENT or np.isfinite(values).all():
             dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)

@@ -46,6 +46,7 @@ SI_UNITS: Final[Mapping[str, str]] = {
     "normal_compliance": "m/Pa",
     "tangential_compliance": "m/Pa",
     "friction": "",
+    "unloaded_to": "",
     "contact_radius": "m",
     "load": "N",
     "approach": "m",
@@ -131,7 +132,7 @@ class PhysicalScenes:
 
     def _named(self, name: str) -> str:
         """Return the name of a parameter in a dataset."""
-        alike = name in ("poisson_ratio", "friction") or name in OF_SI_ALONE
+        alike = name in ("poisson_ratio", "friction", "unloaded_to") or name in OF_SI_ALONE
         return name if alike or not self.physical else f"{name}{_SI}"
 
     def different(self) -> DifferentScenes:
@@ -333,7 +334,9 @@ def si_results(
     modulus = np.array([_quarter(scene, one) for scene, one in zip(scenes, data, strict=True)])
     with np.errstate(all="ignore"):
         if scenes[0].profile is None:
-            scales, of_load = _flat_scales(known, errors, given, modulus)
+            ratios = np.array([one.unloaded_to for one in scenes])
+            scales, of_load = _flat_scales(known, errors, given, modulus, ratios)
+            given["approach"] = ratios * given["approach"]
         else:
             scales, of_load = _profile_scales(known, given, modulus)
         found: dict[str, Any] = {}
@@ -350,7 +353,7 @@ def si_results(
                 error = np.where(is_given, 0.0, error)
             found |= _variables(name, ("scene", *own), result, error)
         if scenes[0].profile is None and "load" in scales:
-            found |= _variables("load", ("scene",), scales["load"], of_load["load"])
+            found |= _variables("load", ("scene",), ratios * scales["load"], of_load["load"])
     return found
 
 
@@ -364,13 +367,21 @@ def _variables(name: str, dims: tuple[str, ...], result: Array, error: Array) ->
 
 
 def _flat_scales(
-    known: dict[str, Array], errors: dict[str, Array], given: dict[str, Array], modulus: Array
+    known: dict[str, Array],
+    errors: dict[str, Array],
+    given: dict[str, Array],
+    modulus: Array,
+    ratios: Array,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the units of results under flat punches, and the errors that these have."""
+    """Return the units of results under flat punches, and the errors that these have.
+
+    They are those of the largest load, which the load ratios are relative to.
+    """
     load = given["load"]
     error = np.zeros(len(load))
     if "approach" in known:
-        by_approach = given["radius"] * modulus * given["approach"] / known["approach"]
+        largest = known["approach"] / ratios
+        by_approach = given["radius"] * modulus * given["approach"] / largest
         load = np.where(np.isfinite(load), load, by_approach)
         error = np.where(np.isfinite(given["load"]), 0.0, errors["approach"])
     stress = load / given["radius"] ** 2

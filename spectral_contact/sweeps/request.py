@@ -91,8 +91,11 @@ def requested(
     *,
     shaped: bool = False,
     adhesive: bool = False,
+    unloaded: bool = False,
 ) -> Request:
     """Check what is asked, of scenes with a profile if they are shaped, with adhesion if adhesive.
+
+    Below the largest load (`unloaded`) the thresholds of the load are not among the default.
 
     Raises
     ------
@@ -104,7 +107,7 @@ def requested(
         scalars = _PROFILE_SCALARS if shaped else SCALARS
         asked = frozenset((*scalars, *ADHESION_QUANTITIES * adhesive))
     else:
-        asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive)
+        asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive, unloaded=unloaded)
     if not asked:
         raise SceneError("quantities", [], "at least one name")
     chosen = tuple(one.name for one in OUTPUTS if one.name in asked)

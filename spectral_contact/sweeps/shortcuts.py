@@ -27,8 +27,8 @@ _LEAST_POINTWISE: Final = 1e-6
 def eligible(columns: Columns, request: Request) -> Mask:
     """Return which scenes the spectra may serve, as far as that is known before any work."""
     asked = frozenset(request.quantities)
-    _, alpha, beta, friction = columns.values
-    mask: Mask = (alpha > 0.0) & ~columns.coupled
+    alpha, beta, friction = columns.values[1:4]
+    mask: Mask = (alpha > 0.0) & ~columns.coupled & columns.at_largest_load
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
     if asked & FULL_STICK_RATIOS:
         mask &= ~thin
@@ -76,7 +76,7 @@ def _full_stick(
     columns: Columns, request: Request, values: dict[str, Array], errors: dict[str, Array]
 ) -> Mask:
     """Fill in full stick, and return where what is asked is that."""
-    _, alpha, beta, friction = columns.values
+    alpha, beta, friction = columns.values[1:4]
     kappa, stick = np.abs(columns.kappa), certified_stick(request.rtol)
     (shear, edge), (lost_shear, lost_edge) = stick.shear_and_edge(alpha, beta)
     values.update(

@@ -25,12 +25,13 @@ from spectral_contact.scene import Scene
 Indices = NDArray[np.intp]
 
 #: The parameters of a scene, in the order of the columns and of the dimensions of a grid; those
-#: from the fifth on, with a profile alone.
+#: from the sixth on, with a profile alone.
 PARAMETERS: Final = (
     "poisson_ratio",
     "normal_compliance",
     "tangential_compliance",
     "friction",
+    "unloaded_to",
     *ALL_CONTROLS,
     "work_of_adhesion",
 )
@@ -39,9 +40,10 @@ KAPPA: Final = "kappa"
 #: What parameters of a layer's law begin with; they follow those.
 _LAW: Final = "layer_"
 #: How many of them a flat punch has.
-_FLAT: Final = 4
+_FLAT: Final = 5
+_UNLOADED: Final = PARAMETERS.index("unloaded_to")
 #: What varies slowest when scenes are solved: alpha, adhesion, beta, nu, friction.
-_SLOWEST: Final = (1, 8, 2, 0, 3, 4, 5, 6, 7)
+_SLOWEST: Final = (1, 9, 2, 0, 3, 4, 5, 6, 7, 8)
 
 
 class SceneForm(NamedTuple):
@@ -67,7 +69,7 @@ class Columns:
 
     Attributes
     ----------
-    values : ndarray, shape (4, scenes) or (7 and more, scenes)
+    values : ndarray, shape (5, scenes) or (10 and more, scenes)
         In the order of `PARAMETERS`, then those of `law`. NaN stands for None: no friction at all,
         not given. The first is kappa where the form says so.
     forms : tuple of SceneForm
@@ -104,6 +106,11 @@ class Columns:
         return Scene(**{"poisson_ratio": None, **given, **kinds})
 
     @property
+    def at_largest_load(self) -> NDArray[np.bool_]:
+        """Which scenes are not unloaded, (scenes,)."""
+        return np.asarray(self.values[_UNLOADED] == 1.0)
+
+    @property
     def coupled(self) -> NDArray[np.bool_]:
         """Which scenes have elastic coupling, (scenes,)."""
         return np.broadcast_to([one.coupling for one in self.forms], len(self))
@@ -122,7 +129,7 @@ class SweepParameters:
         What each parameter is where it does not vary.
     axes : dict of str to ndarray
         What varies, in the order of the dimensions; empty for a list.
-    table : ndarray or None, shape (4, scenes) or (7, scenes)
+    table : ndarray or None, shape (5, scenes) or (10, scenes)
         The scenes of a list.
     forms : tuple of SceneForm
         Of each, or one that is that of all.
@@ -155,6 +162,12 @@ class SweepParameters:
         last = len(PARAMETERS) - 1
         known = self.fixed[last] if self.table is None else self.table[last]
         return PARAMETERS[last] in self.axes or not bool(np.isnan(known).all())
+
+    @property
+    def unloaded(self) -> bool:
+        """Whether some scenes are below their largest load."""
+        known = self.fixed[_UNLOADED] if self.table is None else self.table[_UNLOADED]
+        return bool((np.asarray(self.axes.get("unloaded_to", known)) < 1.0).any())
 
     @property
     def coupled(self) -> bool:
@@ -210,8 +223,13 @@ class SweepParameters:
 
     def fingerprint(self) -> str:
         """Return a digest that differs for other scenes, or the same ones in another order."""
-        digest = hashlib.sha256(repr((self.fixed, list(self.axes))).encode())
-        for values in self.axes.values() if self.table is None else [self.table]:
+        fixed = self.fixed
+        table = self.table
+        if not self.unloaded and "unloaded_to" not in self.axes:
+            fixed = (*fixed[:_UNLOADED], *fixed[_UNLOADED + 1 :])
+            table = None if table is None else np.delete(table, _UNLOADED, axis=0)
+        digest = hashlib.sha256(repr((fixed, list(self.axes))).encode())
+        for values in self.axes.values() if table is None else [table]:
             digest.update(repr(values.shape).encode() + values.astype("<f8").tobytes())
         for one in self.forms:
             kinds = [kind_tree(part) for part in one[:2] if part is not None]

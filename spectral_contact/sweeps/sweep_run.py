@@ -78,6 +78,7 @@ def sweep(
     normal_compliance: ArrayLike | None = None,
     tangential_compliance: ArrayLike | None = None,
     friction: ArrayLike | None = None,
+    unloaded_to: ArrayLike | None = None,
     contact_radius: ArrayLike | None = None,
     load: ArrayLike | None = None,
     approach: ArrayLike | None = None,
@@ -107,7 +108,7 @@ def sweep(
     ----------
     scenes : Scene or iterable of Scene
         The scene whose parameters vary, or a list.
-    poisson_ratio, kappa, normal_compliance, tangential_compliance, friction : array_like, optional
+    poisson_ratio, kappa, normal_compliance, tangential_compliance, friction, unloaded_to
         The values that a parameter takes, dimensionless as in `Scene`, where kappa of two elastic
         bodies takes the place of Poisson's ratio; the grid has every
         combination, and a list of scenes takes none. A single number replaces that of all
@@ -183,7 +184,7 @@ def sweep(
     ['0.49141798', '0.99195671']
     """
     needed()
-    given = poisson_ratio, normal_compliance, tangential_compliance, friction
+    given = poisson_ratio, normal_compliance, tangential_compliance, friction, unloaded_to
     pressed = contact_radius, load, approach, separation, work_of_adhesion
     axes = dict(zip(PARAMETERS, (*given, *pressed), strict=True))
     axes[KAPPA] = kappa
@@ -263,7 +264,8 @@ def _physical_scenes(
 
 def _kind(parameters: SweepParameters) -> dict[str, bool]:
     """Return of what kind the scenes are, as `requested` needs it."""
-    return {"shaped": parameters.shaped, "adhesive": parameters.adhesive}
+    kinds = "shaped", "adhesive", "unloaded"
+    return {name: getattr(parameters, name) for name in kinds}
 
 
 def _check_size(parameters: SweepParameters, request: Request) -> None:

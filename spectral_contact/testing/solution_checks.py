@@ -23,7 +23,7 @@ from spectral_contact.io.checks import flag, real, scalar, values_at, within
 from spectral_contact.io.choices import instance, listed
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, refuse_unloaded
 from spectral_contact.testing.attributes import computed
 from spectral_contact.testing.layer_conditions import LayerConditions
 
@@ -147,7 +147,7 @@ def check_solution(
     >>> check_solution(solve(scene), scene, 1e-10).passed
     True
     """
-    instance("scene", scene, Scene)
+    refuse_unloaded(instance("scene", scene, Scene), "check_solution")
     flag("strict", strict)
     rtol = within("rtol", rtol, "in (0, 0.5]")
     cuts = [within("breaks", b, "in (0, 1)") for b in listed("breaks", breaks, "numbers")]

@@ -139,7 +139,8 @@ def scene_title(scene: Scene) -> str:
         rf"$\alpha^* = {math_number(scene.normal_compliance)}$",
         rf"$\beta^* = {math_number(scene.tangential_compliance)}$",
     )
-    return ",   ".join((*numbers, friction, *["coupled"] * scene.coupling))
+    unloaded = [rf"$\lambda = {scene.unloaded_to:g}$"] * (scene.unloaded_to < 1.0)
+    return ",   ".join((*numbers, friction, *unloaded, *["coupled"] * scene.coupling))
 
 
 def math_number(number: float) -> str:

@@ -72,6 +72,8 @@ def of_scene(scene: Scene) -> str:
         rows.append(("layer", "", law.brief))
     if scene.branch:
         rows.append(("branch", "", str(scene.branch)))
+    if scene.unloaded_to < 1.0:
+        rows.append(("load over the largest load", "λ", f"{scene.unloaded_to:.6g}"))
     if scene.coupling:
         rows.append(("elastic coupling", "", "yes"))
     return table_html(rows)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from numpy.typing import ArrayLike
@@ -67,15 +67,16 @@ class PhysicalSolution(choices.Suggesting):
     @property
     def load(self) -> float:
         """Normal load P [N]."""
+        ratio = self.solution.scene.unloaded_to
         if self._data.load is not None:
-            return float(self._data.load)
-        return float(self._in_si("load")) if self._shaped else self._factor("force")
+            return ratio * float(self._data.load)
+        return float(self._in_si("load")) if self._shaped else ratio * self._factor("force")
 
     @property
     def approach(self) -> float:
         """Approach [m]."""
         if self._data.approach is not None:
-            return float(self._data.approach)
+            return self.solution.scene.unloaded_to * float(self._data.approach)
         return float(self._in_si("approach"))
 
     @property
@@ -102,6 +103,16 @@ class PhysicalSolution(choices.Suggesting):
     def stiffness(self) -> float:
         """Contact stiffness dP/dδ under a profile [N/m]."""
         return float(self._in_si("stiffness"))
+
+    @property
+    def reverse_ratio(self) -> float:
+        """Load over the largest load at which slip back begins."""
+        return self.solution.reverse_ratio
+
+    @property
+    def turning_ratio(self) -> float:
+        """Load over the largest load below which the history counts."""
+        return self.solution.turning_ratio
 
     @property
     def stiffness_on_branch(self) -> float:
@@ -150,8 +161,14 @@ class PhysicalSolution(choices.Suggesting):
         """Stick and slip zones, radii in m."""
         a = self.radius
         return tuple(
-            Zone(z.kind, z.inner * a, z.outer * a, z.inner_from_edge * a, z.outer_from_edge * a)
-            for z in self.solution.zones
+            replace(
+                zone,
+                inner=zone.inner * a,
+                outer=zone.outer * a,
+                inner_from_edge=zone.inner_from_edge * a,
+                outer_from_edge=zone.outer_from_edge * a,
+            )
+            for zone in self.solution.zones
         )
 
     def _scaled(self, name: str, r: ArrayLike | None, from_edge: ArrayLike | None) -> Any:

@@ -16,6 +16,7 @@ from spectral_contact.processes import VERSION
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.quantities import FIELDS, OUTPUTS
+from spectral_contact.records import Zone
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
 from spectral_contact.view.radii import graded_radii
@@ -209,8 +210,13 @@ def scene_text(scene: Scene) -> str:
     return (
         f"{_material_text(scene)}alpha* = {scene.normal_compliance!r}, "
         f"beta* = {scene.tangential_compliance!r}, {friction}{', coupled' * scene.coupling}"
-        f"{_shape_text(scene)}"
+        f"{_load_text(scene)}{_shape_text(scene)}"
     )
+
+
+def _load_text(scene: Scene) -> str:
+    """Return to what part of its largest load a scene is unloaded."""
+    return "" if scene.unloaded_to == 1.0 else f", unloaded to {scene.unloaded_to!r}"
 
 
 def _material_text(scene: Scene) -> str:
@@ -284,6 +290,13 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     return cells
 
 
+def _zone_text(zone: Zone) -> str:
+    """Return what a zone does: stick, stick with memory, slip or slip back."""
+    if zone.kind == "stick":
+        return "stick, memory" if zone.memory else "stick"
+    return "slip" if zone.sense > 0 else "slip back"
+
+
 def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     """Return the table of the zones; only its heading if there are none."""
     zones, estimate = solution.zones, solution.error.zones
@@ -291,7 +304,7 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     for zone in zones:
         radii = (zone.inner, zone.outer, zone.outer_from_edge)
         cells.append(
-            (zone.kind, *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
+            (_zone_text(zone), *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
         )
     if solution.scene.physical is not None:
         metres = (digits_text(zone.outer, estimate) for zone in solution.physical.zones)
@@ -366,7 +379,7 @@ def _csv_comments(solution: Solution) -> list[str]:
     if "zones" in solution.plan.quantities:
         for zone in solution.zones:
             lines.append(
-                f"zone: {zone.kind} from {zone.inner!r} to {zone.outer!r}, "
+                f"zone: {_zone_text(zone)} from {zone.inner!r} to {zone.outer!r}, "
                 f"1 - s from {zone.inner_from_edge!r} to {zone.outer_from_edge!r}"
             )
     return lines

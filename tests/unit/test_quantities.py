@@ -20,6 +20,7 @@ from spectral_contact.quantities import (
     NUMBERS,
     OUTPUTS,
     PROFILE_QUANTITIES,
+    UNLOADED_QUANTITIES,
 )
 from spectral_contact.solving.planning import plan
 
@@ -39,18 +40,29 @@ def test_a_quantity_is_in_the_file_format_and_has_known_kinds(quantity):
     assert quantity.si_factor in ("", "radius", "displacement", "stress", "force")
     assert quantity.kind in ("number", "field", "zones")
     assert quantity.contact in ("normal", "tangential")
-    assert quantity.scenes in ("all", "profile", "adhesion", "flat")
+    assert quantity.scenes in ("all", "profile", "adhesion", "flat", "unloaded")
     assert bool(quantity.si_unit) >= bool(quantity.si_factor)
 
 
 def test_names_are_in_the_order_of_a_report():
     assert QUANTITIES[:3] == ("approach", *FIELDS[:2])
-    assert {*NUMBERS, *FIELDS, "zones"} == {*QUANTITIES, *PROFILE_QUANTITIES, *ADHESION_QUANTITIES}
+    others = *PROFILE_QUANTITIES, *ADHESION_QUANTITIES, *UNLOADED_QUANTITIES
+    assert {*NUMBERS, *FIELDS, "zones"} == {*QUANTITIES, *others}
 
 
 def test_a_plan_lists_all_that_a_scene_may_have():
     flat = plan(Scene(0.1, 0.5, 0.5, np.inf))
     assert {*flat.quantities, *dict(flat.missing)} == set(QUANTITIES)
+
+
+def test_a_plan_lists_all_that_a_scene_below_its_largest_load_may_have():
+    scene = plan(Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.8))
+    assert set(scene.quantities) == {*QUANTITIES, *UNLOADED_QUANTITIES}
+    names = [one.name for one in scene.steps]
+    assert names[-2:] == ["unloading", "load ratios"]
+    alone = plan(Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.8), ["total_shear"])
+    assert [one.state.value for one in alone.steps][-2:] == ["if needed", "skipped"]
+    assert dict(plan(Scene(0.1, unloaded_to=0.8)).missing)["turning_ratio"]
 
 
 def test_a_radius_in_metres_takes_no_load():

@@ -48,6 +48,9 @@ def energies(
     tell : ProgressLine
         Is told how far it is.
     """
+    if solution.scene.unloaded_to < 1.0:
+        told = "below the largest load they are no functions of the state"
+        raise NotComputedError("energies", told)
     external, doubt = _external(solution)
     surface, size = _surface(solution, external)
     parts, missing = _parts(solution, mesh, move, tell)

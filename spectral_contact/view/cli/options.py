@@ -32,6 +32,10 @@ class NotSolved(SpectralContactError):
     """The request was done, and not everything of it was solved."""
 
 
+#: What an option is called that has another name than its parameter.
+_IMPERATIVES: Final = {"unloaded_to": "unload_to"}
+
+
 def add_option(
     group: argparse._ActionsContainer,
     name: str,
@@ -41,12 +45,18 @@ def add_option(
 ) -> None:
     """Add the option of a parameter; where it is not given there is no attribute of it."""
     group.add_argument(
-        flag(name), type=kind, metavar=metavar, default=argparse.SUPPRESS, help=meaning
+        flag(name),
+        dest=name,
+        type=kind,
+        metavar=metavar,
+        default=argparse.SUPPRESS,
+        help=meaning,
     )
 
 
 def flag(name: str) -> str:
     """Return the option of a parameter."""
+    name = _IMPERATIVES.get(name, name)
     return "--" + name.replace("_", "-")
 
 

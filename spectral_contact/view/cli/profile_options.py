@@ -29,6 +29,7 @@ from spectral_contact.view.cli.scene_options import (
     missing_material,
     scene,
     si_given,
+    unloading,
 )
 
 #: Profiles that numbers describe, by the name on the command line.
@@ -185,6 +186,7 @@ def _under_profile(arguments: argparse.Namespace) -> GivenScene:
         "coupling": arguments.coupling,
         "layer": law(given, si),
         **_adhesion(given, si),
+        **unloading(given),
         **_materials(given),
         **({} if si else kappa(given)),
     }

@@ -53,6 +53,8 @@ def add_scene(command: argparse.ArgumentParser) -> None:
         add_option(group, name, kind, f"{meaning} (default: {_DEFAULTS[name]})", metavar)
     meaning = "instead of --poisson-ratio: kappa of two elastic bodies, in (-3/8, 3/8)"
     add_option(group, "kappa", number, meaning, "KAPPA")
+    meaning = "load over the largest load, from which the punch is unloaded (default: 1)"
+    add_option(group, "unloaded_to", number, meaning, "RATIO")
     add_coupling(group)
 
 
@@ -98,12 +100,18 @@ def scene(arguments: argparse.Namespace) -> Scene:
     given = vars(arguments)
     if not si_given(arguments):
         values = {name: given.get(name, default) for name, default in _DEFAULTS.items()}
-        return Scene(**{**values, **kappa(given)}, coupling=arguments.coupling)
+        return Scene(**{**values, **kappa(given), **unloading(given)}, coupling=arguments.coupling)
     _check_si(arguments)
     known = (*_SI_NEEDS, *MATERIALS, "load", "approach")
     values = {name: given[name] for name in known if name in given}
     compliances = {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
+    values |= unloading(given)
     return Scene.from_physical(**values, **compliances, coupling=arguments.coupling)
+
+
+def unloading(given: dict[str, Any]) -> dict[str, Any]:
+    """Return what a scene takes for a load below the largest one, if that is given."""
+    return {"unloaded_to": given["unloaded_to"]} if "unloaded_to" in given else {}
 
 
 def kappa(given: dict[str, Any]) -> dict[str, Any]:

@@ -47,6 +47,7 @@ _PARAMETERS: Final = {
     "normal_compliance": (0.5, "alpha* = alpha E / (4 (1 - nu^2) a)"),
     "tangential_compliance": (0.5, "beta* = beta E / (4 (1 - nu^2) a)"),
     "friction": (0.1, "coefficient of friction >= 0; inf: full stick, none: no friction"),
+    "unloaded_to": (1.0, "load over the largest load, from which the punch is unloaded"),
 }
 
 

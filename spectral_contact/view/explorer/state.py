@@ -19,7 +19,7 @@ from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
 from spectral_contact.profiles.work_of_adhesion import refuse_adhesion
-from spectral_contact.scene import Scene
+from spectral_contact.scene import Scene, refuse_unloaded
 from spectral_contact.solving.asked import checked_tolerance
 
 Texts = Mapping[str, str]
@@ -106,6 +106,7 @@ def texts_of(scene: Scene | None, rtol: float | None = None) -> dict[str, str]:
         return {name: KNOBS[name].start for name in FLAT} | told
     refuse_layer(instance("scene", scene, Scene), "explore")
     refuse_adhesion(scene, "explore")
+    refuse_unloaded(scene, "explore")
     if scene.poisson_ratio is None or scene.mismatch is not None:
         allowed = "one with a Poisson's ratio and a rigid punch: explore has no kappa"
         raise SceneError("scene", scene, allowed)

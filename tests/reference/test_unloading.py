@@ -1,0 +1,153 @@
+"""The first unloading against numbers of other solvers, laws and limits (docs/cycles)."""
+
+from math import inf
+
+import numpy as np
+import pytest
+
+from spectral_contact import NotComputedError, Scene, solve
+from tests.oracles import graded_elements, legendre_matrices
+
+#: The scene of docs/cycles, which slips at the edge.
+LOADED = Scene(0.1, 0.5, 0.5, 0.1)
+KAPPA = LOADED.kappa
+#: By graded elements: boundaries and ``Q/kappa`` at a load ratio of 0.8.
+BOUNDARIES = 0.641410268894, 0.675082689664
+SHEAR = 0.2974672161999
+
+
+@pytest.fixture(scope="module")
+def unloaded():
+    asked = "approach", "pressure", "traction", "slip", "zones", "stick_radius", "total_shear"
+    return solve(LOADED.replace(unloaded_to=0.8), 1e-10, asked)
+
+
+def test_normal_contact_and_full_stick_in_closed_form_matrices():
+    known = {(0.5, 0.5): 0.464971875312765, (0.5, 1.0): 0.267484815875045}
+    for (alpha, beta), shear in known.items():
+        found = legendre_matrices.full_stick(alpha, beta, 300)
+        assert found.approach == pytest.approx(0.29295979691047814, rel=1e-14)
+        assert found.total_shear == pytest.approx(shear, rel=2e-13)
+        own = solve(Scene(0.1, alpha, beta, inf), 1e-12, ["approach", "total_shear"])
+        assert abs(own.total_shear / KAPPA / found.total_shear - 1.0) <= 2e-13
+        assert abs(own.approach / found.approach - 1.0) <= 1e-14
+
+
+def test_zones_and_shear_are_those_of_another_solver(unloaded):
+    assert unloaded.converged
+    assert [(z.kind, z.sense, z.memory) for z in unloaded.zones] == [
+        ("stick", 1, False),
+        ("slip", 1, False),
+        ("stick", 1, True),
+    ]
+    error = unloaded.error
+    off = abs(unloaded.total_shear / KAPPA / SHEAR - 1.0)
+    assert off <= error.total_shear + 1e-12
+    for zone, boundary in zip(unloaded.zones, BOUNDARIES, strict=False):
+        # twelve digits are known
+        assert abs(zone.outer / boundary - 1.0) <= error.zones + 1e-12
+    assert max(error.total_shear, error.traction, error.stick_radius, error.zones) < 1e-9
+    assert unloaded.stick_radius == unloaded.zones[0].outer
+
+
+def test_load_ratios_are_those_of_another_solver():
+    unloaded = solve(LOADED.replace(unloaded_to=0.8), 1e-10, ["reverse_ratio", "turning_ratio"])
+    error = unloaded.error
+    assert abs(unloaded.reverse_ratio / 0.2221247691538 - 1.0) <= error.reverse_ratio + 1e-12
+    # c2 as a function of the load has its maximum there
+    assert abs(unloaded.turning_ratio / 0.2200152471 - 1.0) <= error.turning_ratio + 1e-9
+    assert error.reverse_ratio < 1e-9
+    assert error.turning_ratio < 1e-6
+
+
+def test_the_friction_law_holds_everywhere(unloaded):
+    distance = np.concatenate([np.geomspace(1e-12, 1e-2, 100), np.linspace(0.01, 1.0, 900)])
+    q = unloaded.traction(from_edge=distance)
+    bound = 0.1 * unloaded.pressure(from_edge=distance)
+    assert (np.abs(q) <= bound * (1.0 + 1e-9)).all()
+    forward, memory = unloaded.zones[1:]
+    slips = (distance < forward.inner_from_edge) & (distance > forward.outer_from_edge)
+    np.testing.assert_allclose(q[slips], bound[slips], rtol=1e-10)
+    # slip goes on where the surface slips, and is kept where it sticks
+    before = solve(LOADED, 1e-10, ["slip"]).slip(from_edge=distance)
+    now = unloaded.slip(from_edge=distance)
+    inside = distance < memory.inner_from_edge
+    np.testing.assert_allclose(now[inside], before[inside], atol=1e-11 * np.abs(before).max())
+    assert (now[slips] < before[slips]).all()
+    assert (now[distance > forward.inner_from_edge] == 0.0).all()
+
+
+def test_what_sticks_keeps_the_displacement_by_quadrature(unloaded):
+    from spectral_contact.equations.residuals import tangential_displacement
+
+    cuts = [zone.outer_from_edge for zone in unloaded.zones[:-1]]
+    for place in (0.9, 0.4, 0.31, 0.1, 0.01):
+        traction = lambda d: unloaded.traction(from_edge=d)  # noqa: E731
+        pressure = lambda d: unloaded.pressure(from_edge=d)  # noqa: E731
+        outward, inward = tangential_displacement(traction, pressure, KAPPA, place, cuts)
+        moved = outward - inward + 0.5 * float(unloaded.traction(from_edge=place))
+        assert moved == pytest.approx(float(unloaded.slip(from_edge=place)), abs=1e-12)
+
+
+def test_at_the_largest_load_it_is_the_loaded_scene():
+    assert LOADED.replace(unloaded_to=1.0) == LOADED
+    shear = solve(LOADED, 1e-10, ["total_shear"]).total_shear
+    almost = solve(LOADED.replace(unloaded_to=1.0 - 1e-7), 1e-9, ["total_shear"])
+    assert almost.total_shear == pytest.approx(shear, rel=2e-7)
+
+
+@pytest.mark.parametrize("friction", [None, 0.0, 0.5, inf])
+def test_without_partial_slip_all_is_proportional_to_the_load(friction):
+    loaded = solve(LOADED.replace(friction=friction), 1e-10)
+    unloaded = solve(LOADED.replace(friction=friction, unloaded_to=0.3), 1e-10)
+    assert unloaded.converged
+    assert unloaded.approach == pytest.approx(0.3 * loaded.approach, rel=1e-15)
+    assert unloaded.total_shear == pytest.approx(0.3 * loaded.total_shear, rel=1e-15)
+    s = np.linspace(0.0, 1.0, 7)
+    np.testing.assert_allclose(unloaded.pressure(s), 0.3 * loaded.pressure(s), rtol=1e-14)
+    np.testing.assert_allclose(unloaded.traction(s), 0.3 * loaded.traction(s), rtol=1e-14)
+    with pytest.raises(NotComputedError, match=r"nothing|friction"):
+        _ = unloaded.reverse_ratio
+
+
+def test_below_the_turning_ratio_it_is_refused_by_its_name():
+    with pytest.raises(NotComputedError, match=r"below the turning ratio 0\.220015"):
+        solve(LOADED.replace(unloaded_to=0.1), 1e-9, ["total_shear"])
+
+
+def test_slip_back_at_the_edge_by_graded_elements():
+    scene = LOADED.replace(unloaded_to=0.2205)
+    found = solve(scene, 1e-7, ["total_shear", "zones", "traction", "pressure"])
+    assert [(z.kind, z.sense, z.memory) for z in found.zones][2:] == [
+        ("stick", 1, True),
+        ("slip", -1, False),
+    ]
+    edge = float(found.traction(from_edge=0.0)) / float(found.pressure(from_edge=0.0))
+    assert edge == pytest.approx(-0.1, rel=1e-12)
+    before = graded_elements.loaded(0.5, 0.5, 0.1 / KAPPA, [0.6475686430034], (0, 1))
+    guess = [zone.outer for zone in found.zones[:-1]]
+    truth = graded_elements.unloaded(
+        0.5, 0.5, 0.1 / KAPPA, 0.2205, guess, (0, 1, 0, -1), before, (0, 1)
+    )
+    off = abs(found.total_shear / KAPPA / truth.total_shear - 1.0)
+    assert off <= found.error.total_shear
+    for zone, boundary in zip(found.zones, truth.boundaries, strict=False):
+        assert abs(zone.outer / boundary - 1.0) <= found.error.zones
+
+
+def test_slip_inside_has_five_zones():
+    scene = Scene.from_kappa(1.0 / 7.0, 0.05, 1.0, 0.23 / 7.0, unloaded_to=0.7)
+    loaded = solve(scene.replace(unloaded_to=1.0), 1e-9, ["zones"])
+    assert [zone.kind for zone in loaded.zones] == ["stick", "slip", "stick"]
+    found = solve(scene, 1e-9, ["zones", "total_shear"])
+    assert found.converged
+    assert [(z.kind, z.memory) for z in found.zones] == [
+        ("stick", False),
+        ("slip", False),
+        ("stick", True),
+        ("slip", False),
+        ("stick", False),
+    ]
+    inner, outer = (zone.outer for zone in loaded.zones[:2])
+    assert found.zones[0].outer < inner < found.zones[1].outer
+    assert found.zones[2].outer < outer < found.zones[3].outer

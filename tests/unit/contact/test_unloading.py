@@ -1,0 +1,79 @@
+"""Zones below the largest load: candidates, growth, and the loads at which something changes."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from spectral_contact import Scene
+from spectral_contact.contact import unloading
+from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.unloading import HistoryError, LoadRatio, Unloading
+from spectral_contact.records import UNLOADING
+from spectral_contact.solving import uncoupled_run
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.sharing import StepCache
+
+SCENE = Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.8)
+
+
+@pytest.fixture(scope="module")
+def from_largest_load() -> Unloading:
+    run = uncoupled_run.UncoupledRun(SCENE, plan(SCENE, ["total_shear"]), 1e-9, 20_000, StepCache())
+    run.solution()
+    # what scenes at other loads take from this one
+    found = run.cache.get(UNLOADING, run.cache._steps[UNLOADING][0], lambda: None)
+    assert isinstance(found, Unloading)
+    return found
+
+
+def test_growth_is_the_derivative_of_the_boundaries(from_largest_load):
+    step = 1e-3
+    boundaries = []
+    for load in (0.5 * np.exp(-step), 0.5, 0.5 * np.exp(step)):
+        search = from_largest_load._search(load)
+        boundaries.append(np.array(search.outcome().layout.logits))
+        if load == 0.5:
+            growth = search.growth(search.outcome().layout)
+    derivative = (boundaries[2] - boundaries[0]) / (2.0 * step)
+    np.testing.assert_allclose(growth.changes, derivative * [-1.0, 1.0] * -1.0, rtol=1e-5)
+    assert growth.least == growth.changes.min() > 0.0
+
+
+def test_slip_back_is_left_out_with_its_boundaries():
+    zones = Layout((-1.0, 0.0, 1.0, 2.0), (0, 1, 0, -1, 0))
+    assert unloading._without_reverse_slip(zones) == Layout((-1.0, 0.0), (0, 1, 0))
+    edge = Layout((-1.0, 0.0, 1.0), (0, 1, 0, -1))
+    assert unloading._without_reverse_slip(edge) == Layout((-1.0, 0.0), (0, 1, 0))
+
+
+def test_slip_that_is_missing_is_where_friction_is_exceeded(from_largest_load):
+    # below the reverse ratio without slip back
+    search = from_largest_load._search(0.2, reversing=False)
+    solved = search.solve_zones(None)
+    assert solved.system.states == (0, 1, 0)
+    missing = unloading._with_missing_slip(solved)
+    assert missing.states == (0, 1, 0, -1)
+    found = from_largest_load._search(0.2).outcome()
+    assert [zone.sense for zone in found.zones] == [1, 1, 1, -1]
+    # slip back relieves what sticks beside it
+    assert missing.logits[2] < found.layout.logits[2]
+
+
+def test_where_nothing_exceeds_friction_no_slip_is_missing(from_largest_load):
+    assert unloading._with_missing_slip(from_largest_load._search(0.8).solve_zones(None)) is None
+
+
+def test_a_state_that_turned_names_the_load(from_largest_load, monkeypatch):
+    known = SimpleNamespace(value=0.22, error=0.0)
+    monkeypatch.setattr(Unloading, "turning_ratio", known)
+    with pytest.raises(HistoryError, match=r"turning ratio 0\.22 ") as refused:
+        from_largest_load.state(0.15, unloading._unrecorded)
+    assert refused.value.turning is known
+
+
+def test_the_reverse_ratio_is_just_below_where_cycles_shake_down(from_largest_load):
+    found = from_largest_load.reverse_ratio
+    assert isinstance(found, LoadRatio)
+    assert abs(found.value / 0.2221247691538 - 1.0) <= found.error
+    assert found.error < 1e-6

@@ -1,0 +1,115 @@
+"""True errors of the first unloading against their estimates.
+
+A stratum of honesty.py. Scenes have random compliances, Poisson's ratios, frictions, load ratios
+down to where slip back begins and below, and tolerances. The truth of the shear is another solver
+(tests/oracles/graded_elements.py): Legendre polynomials on graded elements, with boundaries of its
+own, which begin at those found. It has twelve digits of the shear, and room for that is given. It
+has fewer digits of the fields and boundaries; of these the truth is a solve to 1e-12, with its
+estimates as room. The traction is compared at places that the boundaries fix.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from honesty_table import Outcome, Stratum, command, decade, in_turn
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from spectral_contact import NotComputedError, Scene, Solution, solve
+from tests.oracles import graded_elements
+
+#: What the truth of the shear may be off by, over the friction; and the tolerance of the other.
+ROOM, CLOSE = 2e-12, 1e-12
+#: Compliances, in decades; thinner layers take more elements.
+LEAST, MOST = -1.5, 0.5
+#: Places in a zone, in the square of the radius.
+PLACES = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
+
+
+def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
+    """Return a scene and a tolerance."""
+    alpha = decade(rng, LEAST, MOST)
+    beta = alpha if rng.random() < 0.25 else float(np.clip(alpha * decade(rng, -1, 1), 0.02, 5.0))
+    nu = float(rng.choice([0.0, 0.1, 0.3, 0.45]))
+    base = Scene(nu, alpha, beta, np.inf)
+    critical = solve(base, 1e-8, ["critical_friction"]).critical_friction
+    share = rng.uniform(0.05, 0.95)
+    lowest = (1.0 - share) / (1.0 + share)
+    ratio = lowest + (1.0 - lowest) * rng.uniform(-0.01, 0.99)
+    scene = base.replace(friction=critical * share, unloaded_to=float(ratio))
+    return scene, decade(rng, -9.0, -2.0)
+
+
+def states(solution: Solution) -> tuple[int, ...]:
+    """Return the states of the zones: 0 in stick, the sense in slip."""
+    return tuple(zone.sense if zone.kind == "slip" else 0 for zone in solution.zones)
+
+
+def truth_of(scene: Scene, found: Solution) -> graded_elements.ZonesOnElements:
+    """Return the truth on zones of the same states."""
+    assert scene.friction is not None
+    given = scene.normal_compliance, scene.tangential_compliance, scene.friction / scene.kappa
+    largest = solve(scene.replace(unloaded_to=1.0), 1e-8, ["zones"])
+    guess = [zone.outer for zone in largest.zones[:-1]]
+    before = graded_elements.loaded(*given, guess, states(largest))
+    guess = [zone.outer for zone in found.zones[:-1]]
+    return graded_elements.unloaded(
+        *given, scene.unloaded_to, guess, states(found), before, states(largest)
+    )
+
+
+def traction_off(scene: Scene, found: Solution, truth: Solution) -> float:
+    """Return the largest error of the traction, relative as its estimate is."""
+    assert scene.friction is not None
+    largest = 0.0
+    for zone, exact in zip(found.zones, truth.zones, strict=True):
+        places, true_places = (
+            np.sqrt(one.inner**2 + PLACES * (one.outer**2 - one.inner**2)) for one in (zone, exact)
+        )
+        q = truth.traction(true_places)
+        size = scene.friction * truth.pressure(true_places) if exact.memory else np.abs(q)
+        largest = max(largest, float((np.abs(found.traction(places) - q) / size).max()))
+    return largest
+
+
+def ratios(rng: np.random.Generator, _: int) -> Outcome:
+    """Return the largest true errors over estimates of a scene."""
+    scene, tolerance = drawn(rng)
+    label = f"{scene!r}, rtol = {tolerance:.1e}"
+    asked = "traction", "pressure", "zones", "stick_radius", "total_shear"
+    found = solve(scene, tolerance, asked, strict=False)
+    close = solve(scene, CLOSE, asked, strict=False)
+    exact = scene.kappa * truth_of(scene, close).total_shear
+    error, room = ({name: getattr(one.error, name) for name in asked} for one in (found, close))
+    shear = abs(found.total_shear - exact)
+    zones = max(
+        abs(zone.outer - known.outer) / min(known.outer, known.outer_from_edge)
+        for zone, known in zip(found.zones[:-1], close.zones[:-1], strict=True)
+    )
+    traction = traction_off(scene, found, close)
+    own = {
+        "total shear": shear / (error["total_shear"] * abs(exact) + ROOM * (scene.friction or 0.0)),
+        "zones": zones / (error["zones"] + room["zones"]),
+        "traction": traction / (error["traction"] + room["traction"]),
+    }
+    return Outcome(own, label, found.converged)
+
+
+STRATA = {
+    "unloading": Stratum(
+        "Honesty: the first unloading",
+        150,
+        in_turn(ratios, (NotComputedError, ArithmeticError, np.linalg.LinAlgError)),
+        refused="{} were refused, most of them below the turning ratio",
+        every=5,
+    )
+}
+
+
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)
