@@ -637,13 +637,6 @@ def same_problem(one: Scene, other: Scene) -> bool:
     return bare[0] == bare[1]
 
 
-def refuse_unloaded(scene: Scene, what: str) -> None:
-    """Refuse a scene below its largest load, for a function that does not support it."""
-    if scene.unloaded_to < 1.0:
-        told = f"a scene at its largest load: {what} does not support unloaded_to below 1"
-        raise SceneError("scene", scene, told)
-
-
 def _checked_load_ratio(scene: Mapping[str, Any]) -> float:
     """Return the load over the largest load, of a scene that can be unloaded if it is below 1."""
     allowed = "in (0, 1], 1 being the largest load"

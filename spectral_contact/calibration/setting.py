@@ -19,9 +19,9 @@ from spectral_contact.contact.refine import Refinement
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.layers.scene_layer import refuse_layer
-from spectral_contact.profiles.control import refuse_profile
+from spectral_contact.profiles.control import refuse_profile, refuse_unloaded
 from spectral_contact.profiles.work_of_adhesion import refuse_adhesion
-from spectral_contact.scene import Scene, refuse_unloaded
+from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.slopes import SolutionSlopes
 from spectral_contact.threads import one_thread

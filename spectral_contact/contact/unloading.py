@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.zone_search import Record, UncoupledSearch
 
 
-class Growth(NamedTuple):
+class ZoneGrowth(NamedTuple):
     """By how much slip zones grow as the load falls.
 
     Attributes
@@ -167,7 +167,7 @@ class UnloadedSearch(ZoneSearch):
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         raise NoZonesError("; ".join(trial.text for trial in self._trials))
 
-    def growth(self, zones: Layout) -> Growth:
+    def growth(self, zones: Layout) -> ZoneGrowth:
         """Return by how much the slip zones grow at their ends, per ``-d ln(load)``.
 
         At given boundaries the boundary residual r is linear in the displacement that what sticks
@@ -190,7 +190,7 @@ class UnloadedSearch(ZoneSearch):
         changes = outward * np.linalg.solve((4.0 * fine - coarse) / 3.0, residual)
         plain = outward * np.linalg.solve(coarse, residual)
         i = int(np.argmin(changes))
-        return Growth(changes, float(changes[i]), abs(plain[i] - changes[i]) / 16.0 + tolerance)
+        return ZoneGrowth(changes, float(changes[i]), abs(plain[i] - changes[i]) / 16.0 + tolerance)
 
 
 def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
@@ -377,7 +377,7 @@ class Unloading:
         top = log(reverse.value)
         start: Layout | None = None
 
-        def growth(root: float) -> Growth:
+        def growth(root: float) -> ZoneGrowth:
             nonlocal start
             if root == 0.0:
                 return self._search(reverse.value).growth(zones)

@@ -28,8 +28,9 @@ from spectral_contact.precise.reference_solution import ReferenceSolution
 from spectral_contact.precise.search import lawful, solved
 from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.profiles import Flat
+from spectral_contact.profiles.control import refuse_unloaded
 from spectral_contact.records import ErrorEstimates, Zone
-from spectral_contact.scene import Scene, refuse_unloaded
+from spectral_contact.scene import Scene
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 

@@ -144,3 +144,10 @@ def refuse_profile(scene: Any, what: str) -> None:
 def profile_from(tree: Any) -> Profile:
     """Return the profile that `kind_tree` wrote."""
     return kind_from("profile", tree, KINDS)
+
+
+def refuse_unloaded(scene: Any, what: str) -> None:
+    """Refuse a scene below its largest load, for a function that does not support it."""
+    if scene.unloaded_to < 1.0:
+        told = f"a scene at its largest load: {what} does not support unloaded_to below 1"
+        raise SceneError("scene", scene, told)

@@ -21,8 +21,8 @@ from spectral_contact.io.checks import radii
 from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Flat
-from spectral_contact.profiles.control import refuse_profile
-from spectral_contact.scene import Scene, refuse_unloaded
+from spectral_contact.profiles.control import refuse_profile, refuse_unloaded
+from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.mirror import with_positive_kappa
 from spectral_contact.solving.slopes import PARAMETERS, SolutionSlopes, kappa_slope

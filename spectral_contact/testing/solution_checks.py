@@ -22,8 +22,8 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import flag, real, scalar, values_at, within
 from spectral_contact.io.choices import instance, listed
 from spectral_contact.profiles import Flat
-from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.scene import Scene, refuse_unloaded
+from spectral_contact.profiles.control import ALL_CONTROLS, refuse_unloaded
+from spectral_contact.scene import Scene
 from spectral_contact.testing.attributes import computed
 from spectral_contact.testing.layer_conditions import LayerConditions
 

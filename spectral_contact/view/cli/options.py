@@ -46,7 +46,7 @@ def add_option(
     """Add the option of a parameter; where it is not given there is no attribute of it."""
     group.add_argument(
         flag(name),
-        dest=name,
+        dest=name.replace("-", "_"),
         type=kind,
         metavar=metavar,
         default=argparse.SUPPRESS,

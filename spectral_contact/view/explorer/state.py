@@ -17,9 +17,9 @@ from spectral_contact.io.choices import instance, one_of
 from spectral_contact.io.physical_data import checked_poisson_ratio
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Profile
-from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES
+from spectral_contact.profiles.control import CONTROLS, KINDS, SHAPES, refuse_unloaded
 from spectral_contact.profiles.work_of_adhesion import refuse_adhesion
-from spectral_contact.scene import Scene, refuse_unloaded
+from spectral_contact.scene import Scene
 from spectral_contact.solving.asked import checked_tolerance
 
 Texts = Mapping[str, str]
