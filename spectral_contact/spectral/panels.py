@@ -88,8 +88,8 @@ class LogPanels:
 
     @property
     def tail_terms(self) -> int:
-        """Number of tail polynomials: in ``sqrt(d)`` twice as many leave as little, ``d**3``."""
-        return 2 * TAIL_TERMS if self.root_tail else TAIL_TERMS
+        """Number of tail polynomials; in ``sqrt(d)`` they leave ``d**(9/2)``, in d ``d**3``."""
+        return 3 * TAIL_TERMS if self.root_tail else TAIL_TERMS
 
     def table(self, coefficients: Array) -> Array:
         """Return the coefficients on the panels as (panels, degree + 1), a view without tail."""

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from spectral_contact import (
-    ConvergenceError,
     NotComputedError,
     Scene,
     SceneError,
@@ -23,10 +22,8 @@ from spectral_contact import (
     solve,
 )
 from spectral_contact.__main__ import main
-from spectral_contact.calibration import ApproachData, fit
 from spectral_contact.scene import same_problem
 from spectral_contact.solving.solver import Continuation
-from spectral_contact.studies import sensitivity
 from spectral_contact.sweeps import sweep
 from spectral_contact.testing import check_solution
 from spectral_contact.view.explorer.state import texts_of
@@ -169,10 +166,6 @@ def test_what_does_not_know_adhesion_says_so():
     scene = sticky(load=0.0)
     with pytest.raises(SceneError, match="does not support adhesion"):
         texts_of(scene)
-    with pytest.raises(SceneError, match="a scene without a profile"):
-        sensitivity(solve(scene))
-    with pytest.raises(SceneError, match="a scene without a profile"):
-        fit(scene, ApproachData([1.0, 2.0], [0.1, 0.2]), "normal_compliance")
     with pytest.raises(SceneError, match="a work_of_adhesion"):
         pull_off(Scene(0.3, profile=BALL, load=1.0))
 
@@ -260,11 +253,9 @@ def test_pull_off_of_a_sphere_is_found_where_the_curve_begins_next_to_its_equato
     """The search began so close to it that radii were rounded to that of the sphere."""
     ball = {"profile": profiles.Sphere(8.28), "normal_compliance": 1060.0, "work_of_adhesion": 0.08}
     scene = Scene(0.3, load=0.0, **ball)
-    with pytest.raises(ConvergenceError, match=r"error estimate .* of the load"):
-        pull_off(scene, rtol=1e-9)
-    found = pull_off(scene, rtol=1e-9, strict=False)
-    assert not found.converged
-    assert 1e-9 < found.error.load <= 1e-6
+    found = pull_off(scene, rtol=1e-9)
+    assert found.converged
+    assert found.error.load <= 1e-9
     for factor in (0.98, 1.02):
         radius = factor * found.contact_radius
         beside = solve(scene.replace(load=None, contact_radius=radius), quantities=["load"])

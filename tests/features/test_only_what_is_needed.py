@@ -32,7 +32,7 @@ FULL_STICK = NORMAL | ZONES | {"full_stick", "ratio"}
 SLIP = FULL_STICK | {"friction_law", "slip_outcome", "zone_fields", "zone_search"}
 PROFILE = NORMAL | {"contact_radius", "indented", "on_parts", "smooth_indented"}
 ADHESION = PROFILE | {"adhesion", "pinned"}
-ONSET = FULL_STICK | {"onset"}
+ONSET = FULL_STICK | {"friction_law", "onset"}
 LAYERED = PROFILE | {
     "layered",
     "layered_bends",
@@ -178,7 +178,9 @@ def test_every_module_is_loaded_by_something():
     # derivatives are for fits and sensitivities
     others = {"little_friction", "tuning", "zone_derivatives"}
     assert coupled > RINGS
-    assert coupled | SLIP | LAYERED | ADHESION | others == CONTACT
+    unloaded = imported_by("Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.9)", 1e-2)
+    assert unloaded == SLIP | RINGS | {"unloading"}
+    assert coupled | unloaded | LAYERED | ADHESION | others == CONTACT
 
 
 @pytest.mark.parametrize("quantities", [("approach",), ("pressure",), ("approach", "pressure")])

@@ -24,8 +24,8 @@ def test_sizes():
     assert panels.tail_terms == TAIL_TERMS
     assert panels.size == 5 * 8 + TAIL_TERMS
     rooted = LogPanels(5, 2.0, 7, root_tail=True)
-    assert rooted.tail_terms == 2 * TAIL_TERMS
-    assert rooted.size == 5 * 8 + 2 * TAIL_TERMS
+    assert rooted.tail_terms == 3 * TAIL_TERMS
+    assert rooted.size == 5 * 8 + 3 * TAIL_TERMS
 
 
 def test_panels_are_keys():

@@ -139,7 +139,8 @@ def test_every_estimate_is_drawn(slipping):
 
 def test_exact_quantities_are_said_to_be_exact():
     axes = plotting.plot_solution(solve(STUCK, 1e-4)).axes[-1]
-    assert [text.get_text() for text in axes.texts].count("exact") == 3  # slip, zones, stick radius
+    # slip, zones, stick radius, shakedown ratio
+    assert [text.get_text() for text in axes.texts].count("exact") == 4
 
 
 @pytest.mark.parametrize("error", [3.0, np.inf, np.nan])
