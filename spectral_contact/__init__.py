@@ -50,11 +50,14 @@ if TYPE_CHECKING:
     from spectral_contact import testing as testing
     from spectral_contact.calibration import fit as fit
     from spectral_contact.gold import benchmarks as benchmarks
+    from spectral_contact.precise import proof as proof
     from spectral_contact.precise.reference import reference as reference
     from spectral_contact.solving.pull_off import adhesion_cycle as adhesion_cycle
     from spectral_contact.solving.pull_off import pull_off as pull_off
     from spectral_contact.studies import compare as compare
     from spectral_contact.sweeps import sweep as sweep
+    from spectral_contact.sweeps.damping import damping_map as damping_map
+    from spectral_contact.sweeps.steady_cycle import steady_cycle as steady_cycle
     from spectral_contact.view import plotting as plotting
     from spectral_contact.view.explorer import explore as explore
     from spectral_contact.view.physical_solution import PhysicalSolution as PhysicalSolution
@@ -86,6 +89,7 @@ __all__ = [
     "clear_caches",
     "closed_forms",
     "compare",
+    "damping_map",
     "explore",
     "fit",
     "gold",
@@ -94,9 +98,11 @@ __all__ = [
     "plotting",
     "precise",
     "profiles",
+    "proof",
     "pull_off",
     "reference",
     "solve",
+    "steady_cycle",
     "studies",
     "sweep",
     "testing",
@@ -111,11 +117,14 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     "PhysicalSolution": ("view.physical_solution", "PhysicalSolution"),
     "adhesion_cycle": ("solving.pull_off", "adhesion_cycle"),
     "compare": ("studies", "compare"),
+    "damping_map": ("sweeps.damping", "damping_map"),
     "explore": ("view.explorer", "explore"),
     "fit": ("calibration", "fit"),
     "plotting": ("view.plotting", None),
+    "proof": ("precise.proof", None),
     "pull_off": ("solving.pull_off", "pull_off"),
     "reference": ("precise", "reference"),
+    "steady_cycle": ("sweeps.steady_cycle", "steady_cycle"),
     "sweep": ("sweeps", "sweep"),
 }
 

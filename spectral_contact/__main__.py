@@ -1,4 +1,4 @@
-"""The command line: ``spectral-contact solve``, ``inside``, ``sweep``, ``explore`` ...
+"""The command line: ``spectral-contact solve``, ``inside``, ``cycle``, ``sweep``, ``explore`` ...
 
 Also ``python -m spectral_contact``.
 
@@ -34,6 +34,7 @@ from spectral_contact.view import plotting
 from spectral_contact.view.cli import (
     benchmark_command,
     compare_command,
+    cycle_command,
     explore_command,
     fit_command,
     inside_command,
@@ -65,6 +66,13 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     ),
     "inside": (
         "inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png --output body.csv",
+    ),
+    "cycle": (
+        "cycle --poisson-ratio 0.1 --normal-compliance 0.5 --tangential-compliance 0.5 "
+        "--friction 0.1 --lowest 0.1",
+        'cycle --youngs-modulus "210 GPa" --poisson-ratio 0.3 --radius "5 mm" --load "5 kN" '
+        "--normal-compliance-si 5e-15 --tangential-compliance-si 6e-15 --friction 0.15 "
+        "--lowest 0.2 --rtol 1e-4 --plot loop.png",
     ),
     "sweep": (
         "sweep --poisson-ratio 0:0.5:11 --friction 0.01:1:21:log --output map.nc",
@@ -111,7 +119,7 @@ def _run(argv: Sequence[str]) -> int:
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
     except ConvergenceError as error:
-        hint = " (--no-strict prints what was reached)" if arguments.command == "solve" else ""
+        hint = " (--no-strict prints what was reached)" if "no_strict" in arguments else ""
         return failed(f"{error}{hint}", 1)
     except NotSolved as error:
         return failed(str(error), 1)
@@ -175,6 +183,7 @@ def _parser() -> _Parser:
     _add_request(command)
     command.set_defaults(run=_solve)
     _add_inside(commands)
+    _add_cycle(commands)
     _add_studies(commands)
     _add_sweep(commands)
     _add_fit(commands)
@@ -246,6 +255,21 @@ def _add_inside(commands: argparse._SubParsersAction[_Parser]) -> None:
     add_any_scene(command)
     inside_command.add_options(command)
     command.set_defaults(run=_inside)
+
+
+def _add_cycle(commands: argparse._SubParsersAction[_Parser]) -> None:
+    command = commands.add_parser(
+        "cycle",
+        usage=_usage("cycle"),
+        help="the steady loop of a load that cycles",
+        description="Find the steady loop of a load that cycles under a flat punch between that of "
+        "the scene and a lower one: what sticks, what slips how far, and the energy that friction "
+        "dissipates in each cycle.",
+        epilog="Exit status: 0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.",
+    )
+    add_any_scene(command)
+    cycle_command.add_options(command)
+    command.set_defaults(run=_cycle)
 
 
 def _add_studies(commands: argparse._SubParsersAction[_Parser]) -> None:
@@ -377,6 +401,11 @@ def _solve(arguments: argparse.Namespace) -> None:
 def _inside(arguments: argparse.Namespace) -> None:
     _check_paths(arguments, inside_command.OUTPUTS)
     print(inside_command.run(arguments))
+
+
+def _cycle(arguments: argparse.Namespace) -> None:
+    _check_paths(arguments, cycle_command.OUTPUTS)
+    print(cycle_command.run(arguments))
 
 
 def _study(arguments: argparse.Namespace) -> None:

@@ -8,6 +8,7 @@ __all__ = [
     "ADHESION_QUANTITIES",
     "FIELDS",
     "FLAT_QUANTITIES",
+    "FULL_STICK_RATIOS",
     "NUMBERS",
     "OUTPUTS",
     "PROFILE_QUANTITIES",
@@ -166,6 +167,12 @@ OUTPUTS = (
         scenes="flat",
     ),
     OutputQuantity(
+        "shakedown_ratio",
+        "shakedown ratio λ*, the lowest load over the largest of cycles that stop slipping",
+        "1",
+        scenes="flat",
+    ),
+    OutputQuantity(
         "reverse_ratio",
         "load over the largest load at which slip back begins",
         "1",
@@ -198,3 +205,6 @@ NUMBERS = tuple(one.name for one in OUTPUTS if one.kind == "number")
 #: Those that a flat punch alone has, and those that take the traction.
 FLAT_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.scenes == "flat")
 TANGENTIAL_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.contact == "tangential")
+
+#: Those that take q/p of full stick and nothing of the slip.
+FULL_STICK_RATIOS = frozenset({"edge_ratio", "critical_friction", "shakedown_ratio"})

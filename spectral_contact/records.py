@@ -223,6 +223,7 @@ class ErrorEstimates:
     stiffness: float | None = None
     indentation_work: float | None = None
     stiffness_on_branch: float | None = None
+    shakedown_ratio: float | None = None
     reverse_ratio: float | None = None
     turning_ratio: float | None = None
 

@@ -325,6 +325,23 @@ class Solution(Output):
         return float(self._value("critical_friction"))
 
     @property
+    def shakedown_ratio(self) -> float:
+        """Lowest load, over the largest one, down to which cycles of the load stop slipping.
+
+        ``lambda* = (R - f)/(R + f)`` with the critical friction R (docs/cycles): between this share
+        of the load and the whole of it the contact shakes down, and cycles that go lower slip and
+        dissipate in every round. It is 0 where nothing slips, and 1 without tangential compliance
+        and at friction 0.
+
+        Raises
+        ------
+        NotComputedError
+            Without friction, under profiles, and with elastic coupling, where the law is only
+            approximate.
+        """
+        return float(self._value("shakedown_ratio"))
+
+    @property
     def reverse_ratio(self) -> float:
         """Load over the largest load at which slip back begins, in the first unloading.
 

@@ -1,4 +1,4 @@
-"""The fit of a force-indentation curve, through a linear layer or any other."""
+"""The fit of a force-indentation curve: through a linear layer, any other, or with adhesion."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from spectral_contact.calibration.adhesive_fits import AdhesiveProblem
 from spectral_contact.calibration.indentation_curve import CurveProblem, IndentationFit
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.calibration.layered_fits import LawProblem
@@ -18,6 +19,8 @@ from spectral_contact.view.progress import ProgressLine
 
 #: What ends the search, over the tolerance of the solves.
 _SETTLED: Final = 1e-2
+#: Tolerance of the curves of a first search.
+_ROUGH: Final = 1e-4
 
 
 def fit_curve(
@@ -30,20 +33,26 @@ def fit_curve(
 ) -> IndentationFit:
     """Return the fit of a curve; arguments and errors are those of `fit`."""
     kind = CurveProblem if scene.layer is None else LawProblem
+    if scene.work_of_adhesion is not None:
+        kind = AdhesiveProblem
     free = names("free", [free] if isinstance(free, str) else free, kind.parameters(scene))
     problem = kind(scene, data, tuple(free), rtol)
-    limits, end = problem.bounds(), max(1e-12, _SETTLED * rtol)
+    limits, start = problem.bounds(), problem.start
     with one_thread(), ProgressLine(progress) as tell:
         tell("the first curve")
         problem.look()
-        found = least_squares_fit(
-            lambda x: np.asarray(problem.at(tuple(x.tolist()))[0]),
-            problem.start,
-            most,
-            tell,
-            jac=lambda x: problem.at(tuple(x.tolist()))[1],
-            bounds=limits,
-            x_scale=problem.scale,
-            **dict.fromkeys(("ftol", "xtol", "gtol"), end),
-        )
+        # most of the way curves of a few digits do
+        for tolerance in sorted({max(rtol, _ROUGH), rtol}, reverse=True):
+            problem.take_tolerance(tolerance)
+            found = least_squares_fit(
+                lambda x: np.asarray(problem.at(tuple(x.tolist()))[0]),
+                start,
+                most,
+                tell,
+                jac=lambda x: problem.at(tuple(x.tolist()))[1],
+                bounds=limits,
+                x_scale=problem.scale,
+                **dict.fromkeys(("ftol", "xtol", "gtol"), max(1e-12, _SETTLED * tolerance)),
+            )
+            start = found.x.tolist()
     return problem.outcome(found)

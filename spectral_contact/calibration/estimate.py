@@ -87,6 +87,7 @@ def fit(
         ``"friction"``. The others keep the values of the scene. With `IndentationData` out of
         ``"reduced_modulus"``, ``"normal_compliance"``, ``"zero_point"``, ``"load_offset"`` and
         ``"tilt"``, where the numbers of a nonlinear layer's law take the place of the compliance.
+        If the scene has a work of adhesion, ``"work_of_adhesion"``, too.
     rtol : float
         Tolerance of the solves, in [1e-12, 1e-4].
     max_evaluations : int

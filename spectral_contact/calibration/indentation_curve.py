@@ -37,6 +37,7 @@ INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", *OF_INS
 #: Units of all that can be fitted, the numbers of a layer's law included.
 _UNITS: Final = {
     **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m", "N", "N/m"), strict=True)),
+    "work_of_adhesion": "J/m²",
     "compliance": "m/Pa",
     "coefficient": "Pa/m^exponent",
     "exponent": "",
@@ -80,7 +81,7 @@ class IndentationFit:
         ``reduced_modulus`` is E* [Pa], ``normal_compliance`` alpha [m/Pa], ``zero_point`` the depth
         of first touch [m], that of zero approach under a nonlinear layer; numbers of its law as in
         SI units. ``load_offset`` [N] and ``tilt`` [N/m] are a straight line that is added to the
-        loads: its value at the zero point and its slope.
+        loads: its value at the zero point and its slope. ``work_of_adhesion`` is w [J/m²].
     errors : tuple of float
         Their standard deviations, in the same units; to first order.
     covariance : tuple of tuple of float
@@ -310,7 +311,7 @@ class CurveProblem:
         if "normal_compliance" in free and not self.known["normal_compliance"] > 0.0:
             told = "> 0 where it is free: the fit starts there"
             raise SceneError("normal_compliance", physical.normal_compliance, told)
-        self.scene, self.profile, self.free, self.rtol = scene, profile, free, rtol
+        self.scene, self.profile, self.free = scene, profile, free
         self.data = data
         self.depth, self.load, self.sigma = map(np.array, (data.depth, data.load, data.sigma))
         self.line = baseline(self.depth, self.load)
@@ -325,8 +326,13 @@ class CurveProblem:
         scale = {"zero_point": extent, "load_offset": force, "tilt": force / extent}
         self.start = [start[name] for name in free]
         self.scale = [scale.get(name, 1.0) for name in free]
-        self.at = partial(self._at, {})
+        self.take_tolerance(rtol)
         self.evaluations = 0
+
+    def take_tolerance(self, rtol: float) -> None:
+        """Solve with another tolerance from now on."""
+        self.rtol = rtol
+        self.at = partial(self._at, {})
 
     @staticmethod
     def _of_layer(scene: Scene) -> dict[str, float]:

@@ -19,7 +19,9 @@ import numpy as np
 
 from spectral_contact.calibration.indentation_curve import OF_INSTRUMENT, CurveProblem, cuts
 from spectral_contact.calibration.load_curves import CurvePoint, LoadCurve
-from spectral_contact.contact.contact_radius import value_of
+from spectral_contact.contact.contact_radius import RadiusScale, value_of
+from spectral_contact.contact.layered_contact import solve_layered
+from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError
@@ -83,7 +85,7 @@ def layered_load(
     if error > 10.0 * rtol:
         told = f"load and stiffness of {profile.brief} on {layer.brief} at {approach:.6g} are known"
         raise ConvergenceError(f"{told} to {error:.1e}", "loosen rtol.")
-    by = _derivatives(profile, layer, found)
+    by = _derivatives(profile, layer, found, _rate_names(layer))
     return LayeredLoad(found.load, found.stiffness, by, found.radius)
 
 
@@ -100,10 +102,16 @@ def _of_approach(
     return value_of(solved)
 
 
-def layered_loads(profile: Profile, layer: Layer, approaches: Array, rtol: float) -> LayeredLoads:
+def layered_loads(
+    profile: Profile,
+    layer: Layer,
+    approaches: Array,
+    rtol: float,
+    names: tuple[str, ...] | None = None,
+) -> LayeredLoads:
     """Return loads of many approaches with their derivatives, each as of `layered_load`.
 
-    Few approaches are solved, and polynomials go through them.
+    Few radii or approaches are solved, and polynomials go through them.
 
     Parameters
     ----------
@@ -112,8 +120,11 @@ def layered_loads(profile: Profile, layer: Layer, approaches: Array, rtol: float
         In E'.
     approaches : ndarray, shape (approaches,)
     rtol : float
+    names : tuple of str, optional
+        Numbers of the law whose derivatives are wanted; by default all.
     """
-    names = _rate_names(layer)
+    if names is None:
+        names = _rate_names(layer)
     result = np.zeros((len(approaches), 2 + len(names)))
     touches = approaches > layer.start
     pressed, places = np.unique(approaches[touches], return_inverse=True)
@@ -134,35 +145,60 @@ def layered_loads(profile: Profile, layer: Layer, approaches: Array, rtol: float
 def _interpolated(
     profile: Profile, layer: Layer, approaches: Array, rtol: float, names: tuple[str, ...]
 ) -> Array:
-    """Return the rows of rising approaches from those of few."""
-    start, width = layer.start, layer._size
-    near: float | None = None
+    """Return the rows of rising approaches from those of few.
 
-    def at_place(place: float) -> CurvePoint:
-        nonlocal near
-        # a law with a start has powers of the distance from it, one without exponentials
-        approach = start + math.exp(place) if math.isfinite(start) else width * math.sinh(place)
-        found = _of_approach(profile, layer, approach, rtol, near)
-        near = found.radius if math.isfinite(start) else None
-        by = _derivatives(profile, layer, found)
+    Where the contact has an edge, these are of given radii: one solve each, and no search.
+    """
+    start, width = layer.start, layer._size
+    scale = RadiusScale(profile)
+
+    def point(found: Indentation, abscissa: float, off: float) -> CurvePoint:
+        by = _derivatives(profile, layer, found, names)
         shares = [by[name] / found.load for name in names]
         functions = np.array([math.log(found.load), math.log(found.stiffness), *shares])
         error = found.load_error
-        errors = np.array([0.0, error, found.stiffness_error, *[error] * len(names)])
-        return CurvePoint(place, functions, errors)
+        errors = np.array([off, error, found.stiffness_error, *[error] * len(names)])
+        return CurvePoint(abscissa, functions, errors)
 
-    if math.isfinite(start):
-        places = np.log(approaches - start)
+    def at_radius(place: float) -> CurvePoint:
+        setting = setting_at_radius(profile, layer, scale.radius(place))
+        found = value_of(solve_layered(setting, rtol, _MOST_UNKNOWNS, pointwise=True))
+        deep = found.approach - start
+        return point(found, math.log(deep), found.approach_error * found.approach_size / deep)
+
+    def of_logarithm(logarithm: float) -> CurvePoint:
+        found = _of_approach(profile, layer, start + math.exp(logarithm), rtol, None)
+        return point(found, logarithm, 0.0)
+
+    def of_arcsinh(place: float) -> CurvePoint:
+        found = _of_approach(profile, layer, width * math.sinh(place), rtol, None)
+        return point(found, place, 0.0)
+
+    if has_edge(profile, layer):
+        # near its start a law with one is a power of the distance
+        outer = approaches[[0, -1]].tolist()
+        first, last = (_of_approach(profile, layer, one, rtol, None).radius for one in outer)
+        breaks = [one for one in profile.breaks if first < one < last]
+        places = [scale.place(radius) for radius in (first, *breaks, last)]
+        curve = LoadCurve(at_radius, of_logarithm, rtol)
+        wanted = np.log(approaches - start)
+    elif math.isfinite(start):
+        wanted = np.log(approaches - start)
+        places = wanted[[0, -1]].tolist()
+        curve = LoadCurve(of_logarithm, of_logarithm, rtol)
     else:
-        places = np.arcsinh(approaches / width)
-    ends = places[[0, -1]].tolist()
-    load, stiffness, *shares = LoadCurve(at_place, at_place, rtol).values(ends, places).T
+        wanted = np.arcsinh(approaches / width)
+        places = wanted[[0, -1]].tolist()
+        curve = LoadCurve(of_arcsinh, of_arcsinh, rtol)
+    load, stiffness, *shares = curve.values(places, wanted).T
     value = np.exp(load)
     return np.stack([value, np.exp(stiffness), *(value * one for one in shares)], axis=1)
 
 
-def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str, float]:
-    """Return the derivatives of the load by the logarithms of the law's numbers."""
+def _derivatives(
+    profile: Profile, layer: Layer, found: Indentation, names: tuple[str, ...]
+) -> dict[str, float]:
+    """Return the derivatives of the load by the logarithms of some of the law's numbers."""
     from scipy.interpolate import CubicSpline  # takes long to import
 
     pressure, flat, a = found.pressure, found.flat, found.radius
@@ -191,7 +227,7 @@ def _derivatives(profile: Profile, layer: Layer, found: Indentation) -> dict[str
 
         return 2.0 * math.pi * a * half_load(product, breaks=places)
 
-    return {name: integral(values) for name, values in moved.items()}
+    return {name: integral(moved[name]) for name in names}
 
 
 class LawProblem(CurveProblem):
@@ -257,13 +293,15 @@ class LawProblem(CurveProblem):
         """Return the loads of all approaches, and their derivatives by name."""
         quarter = values["reduced_modulus"] / 4.0
         own = in_own_units(self._law(values), quarter)
-        loads = layered_loads(self.profile, own, approach, self.rtol)
+        # pressures in Pa are less of a larger E'; asperities have theirs in E'
+        rigid = isinstance(own, GreenwoodWilliamson)
+        names = tuple(name for name in self.free if name in _rate_names(own))
+        names += (UNIT,) * (not rigid and "reduced_modulus" in self.free)
+        loads = layered_loads(self.profile, own, approach, self.rtol, names)
         value = quarter * loads.value
         by_approach = quarter * loads.by_approach
         by = {name: quarter * one for name, one in loads.by.items()}
-        # pressures in Pa are less of a larger E'; asperities have theirs in E'
-        rigid = isinstance(own, GreenwoodWilliamson)
-        by["reduced_modulus"] = value if rigid else value - by[UNIT]
+        by["reduced_modulus"] = value - by.get(UNIT, 0.0)
         return value, {**by, "zero_point": -by_approach}
 
     def best(self, values: dict[str, float]) -> dict[str, Any]:

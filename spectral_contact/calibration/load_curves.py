@@ -107,7 +107,7 @@ class LoadCurve:
                 allowed = _ALLOWED * self._allowed(found.values[:, 0])
                 if (errors.max(axis=1) <= allowed).all():
                     return found.values
-            point = self._point(curves.next())
+            point = self._point(curves.next(np.array([*self._solved])))
             curves.add(np.array([point.abscissa, *point.functions]), point.errors)
         middle = 0.5 * (low + high)
         cut = int(np.searchsorted(wanted, self._point(middle).abscissa))

@@ -1,12 +1,13 @@
 """A first layout of zones for every case: the friction law on graded rings, by an active set.
 
-Pressure p, traction q and radial displacement are constant on rings (`spectral.rings`). Every ring
-sticks at first; those that then violate the law change their state, until none does. That needs no
-guess and no search, and without coupling it is a strictly convex problem, whose solution is reached
-in any case. The rings around the boundaries of zones are then split, and the law is solved again.
+Pressure p, traction q and radial displacement u_r are constant on rings (`spectral.rings`). Every
+ring sticks at first; rings that then violate the friction law change their state, until none does.
+No guess of the zones is needed. Without elastic coupling this is a strictly convex problem, and its
+solution is always reached. The rings around the boundaries of zones are then split, and the states
+found again.
 
-alpha, beta, kappa and friction f are those of `Parameters`; the logit of a radius is
-``ln(s**2/(1 - s**2))``.
+alpha, beta, kappa and f are the compliances, the coupling and the friction of docs/theory, in
+`Parameters`. The logit of a radius s, over that of the contact, is ``ln(s**2/(1 - s**2))``.
 """
 
 from __future__ import annotations
@@ -21,14 +22,11 @@ from numpy.typing import NDArray
 from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.tuning import (
     FIRST_RINGS,
-    MAX_RING_SYSTEMS,
     MAX_RING_WIDTH,
-    MAX_SPURIOUS_RINGS,
+    MAX_STEPS,
     RING_GRADING,
     RING_PATIENCE,
-    RING_SPLITS,
     RINGS_PER_SPLIT,
-    SPLIT_NEIGHBOURS,
 )
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
@@ -38,7 +36,7 @@ from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_op
 Integers = NDArray[np.int_]
 
 
-class RingLaw:
+class RingSystem:
     """The equations of pressure and traction on rings, scaled by the square roots of their areas.
 
     The unknowns are p and q times these roots, so that all rows are of like size.
@@ -48,7 +46,8 @@ class RingLaw:
     rings : RingOperators
     parameters : Parameters
     coupled : bool
-        Whether q acts back on p.
+        Whether the traction acts on the pressure: with elastic coupling. That the pressure acts on
+        the traction is part of the equations in any case.
     frozen : ndarray, shape (rings,), optional
         The displacement of each ring if it sticks, for unit load; by default zero.
 
@@ -56,7 +55,7 @@ class RingLaw:
     ----------
     friction : float
     self_compliance : ndarray, shape (rings,)
-        Displacement of each ring that a traction of 1 on this ring alone makes.
+        Displacement of each ring by a traction of 1 on this ring alone.
     """
 
     def __init__(
@@ -76,14 +75,14 @@ class RingLaw:
         identity = np.eye(len(self._root_area))
         self._normal = rings.normal / scale + alpha * identity
         self._tangential = rings.tangential / scale + beta * identity
-        self._coupling = kappa * rings.carried / scale
+        self._coupling = kappa * rings.coupling / scale
         self.self_compliance: Array = self._tangential.diagonal()
         self._known_pressure: Array | None = None
         if not coupled:
             self._known_pressure = Cholesky(self._normal.copy()).solve(self._root_area)
 
     def solve(self, states: Integers) -> RingState:
-        """Return p, q and the displacement for these states, scaled to unit load."""
+        """Return p, q and u_r for these states, scaled to unit load."""
         sticking = np.flatnonzero(states == 0)
         ratio = np.zeros(len(states))
         ratio[states != 0] = self.friction * states[states != 0]
@@ -98,9 +97,9 @@ class RingLaw:
         p = p / load
         q = q / load
         root = self._root_area
-        slip = (self._tangential @ q - self._coupling @ p) / root
-        slip[sticking] = self.frozen[sticking]
-        return RingState(self, states, 1.0 / load, p / root, q / root, slip)
+        displacement = (self._tangential @ q - self._coupling @ p) / root
+        displacement[sticking] = self.frozen[sticking]
+        return RingState(self, states, 1.0 / load, p / root, q / root, displacement)
 
     def _solve_traction(self, p: Array, sticking: Integers, ratio: Array, frozen: Array) -> Array:
         """Return the traction under a known pressure, for unit approach.
@@ -133,7 +132,7 @@ class RingLaw:
         matrix[:n, n:] = -self._coupling.T[:, sticking]
         matrix[n:, :n] = (self._tangential * ratio - self._coupling)[sticking]
         matrix[n:, n:] = self._tangential[np.ix_(sticking, sticking)]
-        # on smooth surfaces the diagonal of a small ring is small: scale it to 1
+        # On smooth surfaces the diagonal of a small ring is small. It is scaled to 1.
         diagonal = np.concatenate([self._normal.diagonal(), self.self_compliance[sticking]])
         scale = 1.0 / np.sqrt(diagonal)
         matrix *= scale
@@ -148,83 +147,87 @@ class RingLaw:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingState:
-    """The solution for given states of rings: means of p, q and u_r over the area of each.
+    """The solution for given states of rings, for unit load.
 
     Attributes
     ----------
-    law : RingLaw
+    system : RingSystem
     states : ndarray of int, shape (rings,)
         0 for stick, +1 or -1 for slip with ``q = +f p`` or ``q = -f p``.
     approach : float
-        For unit load.
-    pressure, traction, slip : ndarray, shape (rings,)
+        delta of docs/theory.
+    pressure, traction, displacement : ndarray, shape (rings,)
+        p, q and u_r: the mean of each over the area of a ring.
     """
 
-    law: RingLaw
+    system: RingSystem
     states: Integers
     approach: float
     pressure: Array
     traction: Array
-    slip: Array
+    displacement: Array
 
     @property
-    def limit(self) -> Array:
-        """The largest traction ``f |p|`` that friction bears on each ring."""
-        return np.asarray(self.law.friction * np.abs(self.pressure))
+    def friction_limit(self) -> Array:
+        """The largest traction ``f |p|`` that friction allows on each ring."""
+        return np.asarray(self.system.friction * np.abs(self.pressure))
 
     @property
     def holding_traction(self) -> Array:
-        """The traction that would make each ring stick if the others stayed as they are.
+        """The traction with which a ring would stick if those of the others did not change.
 
-        Unlike the traction it passes smoothly from stick to slip.
+        In contrast to the traction it has no kink at a boundary between stick and slip.
         """
-        return self.traction - (self.slip - self.law.frozen) / self.law.self_compliance
+        moved = self.displacement - self.system.frozen
+        return self.traction - moved / self.system.self_compliance
 
     @property
     def margin(self) -> Array:
-        """One minus the holding traction over ``f p``: positive in stick, negative in slip.
+        """One minus the modulus of the holding traction over ``f p``.
 
-        If the law holds, its modulus is the margin by which it does.
+        If the friction law holds, it is positive on rings that stick and negative on those that
+        slip, and its modulus says how far a ring is from the other state.
         """
         with np.errstate(divide="ignore", over="ignore"):
-            return np.asarray(1.0 - np.abs(self.holding_traction) / self.limit)
+            return np.asarray(1.0 - np.abs(self.holding_traction) / self.friction_limit)
 
     @property
-    def positive(self) -> bool:
+    def pressure_is_positive(self) -> bool:
         """Whether the pressure is positive on all rings.
 
-        It need not be: with coupling, thin layers in full stick may pull at the edge, and where
-        ``kappa f`` is about 1 or more, pressures oscillate on the widest rings. Beyond the first
-        such ring all rings slip, and the law is not verified.
+        It need not be. With elastic coupling, thin layers in full stick may pull at the edge; and
+        where ``kappa f`` is about 1 or more, pressures oscillate on the widest rings.
         """
         return bool((self.pressure > 0.0).all())
 
     def states_by_law(self) -> Integers:
-        """Return the states that the law asks for: rings slip whose holding traction exceeds f p.
+        """Return the states by the friction law: a ring slips if its holding traction exceeds f p.
 
-        Beyond the first ring at which the surfaces would separate all rings slip outward: p and q
-        oscillate there as long as zones nearer the centre are wrong.
+        From the first ring outward on which the pressure is not positive, all rings slip with the
+        state +1, and the law is not verified: p and q oscillate there as long as zones nearer the
+        centre are wrong.
         """
-        if self.law.friction == inf:
+        if self.system.friction == inf:
             return np.zeros_like(self.states)
         holding = self.holding_traction
-        states = np.where(np.abs(holding) > self.limit, np.sign(holding).astype(int), 0)
-        separated = np.flatnonzero(self.pressure <= 0.0)
-        if len(separated):
-            states[separated[0] :] = 1
+        states = np.where(np.abs(holding) > self.friction_limit, np.sign(holding).astype(int), 0)
+        pulling = np.flatnonzero(self.pressure <= 0.0)
+        if len(pulling):
+            states[pulling[0] :] = 1
         return states
 
 
-def solve_active_set(law: RingLaw, states: Integers) -> RingState:
-    """Change states until all obey the law; return the solution for the last ones.
+def solve_active_set(system: RingSystem, states: Integers) -> RingState:
+    """Change states until all obey the friction law; return the solution for the last ones.
 
-    All wrong rings change at once. If their number does not fall, the last of them alone does: then
-    a positive definite problem is solved after finitely many changes (Judice and Pires, 1994).
+    All wrong rings change at once. If their number has not fallen in RING_PATIENCE rounds, only the
+    outermost of them changes in each, until it falls: so a positive definite problem is solved
+    after finitely many changes (Judice and Pires, 1994).
     """
     fewest = len(states) + 1
     patience = RING_PATIENCE
-    for _ in range(MAX_RING_SYSTEMS):
-        state = law.solve(states)
+    for _ in range(MAX_STEPS):
+        state = system.solve(states)
         wanted_states = state.states_by_law()
         wrong = np.flatnonzero(wanted_states != states)
         if len(wrong) == 0:
@@ -243,31 +246,32 @@ def solve_active_set(law: RingLaw, states: Integers) -> RingState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingLayout:
-    """Zones, and the rings they are read from.
+    """Zones, and the solution on rings that they follow from.
 
     Attributes
     ----------
     states : tuple of int
-        Of every zone, outward: 0 for stick, +1 or -1 for slip with ``q = +f p`` or ``q = -f p``.
-        Zones of at most `MAX_SPURIOUS_RINGS` between others are left out once rings were split.
+        States of the zones, outward: 0 for stick, +1 or -1 for slip with ``q = +f p`` or ``q = -f
+        p``. After a split, a zone of fewer rings than
+        `RINGS_PER_SPLIT` between two others is left out.
     boundaries : tuple of Radius
-        Between the zones, interpolated between rings; one fewer than zones.
-    on_rings : RingState
+        Boundaries between the zones, interpolated between rings; one fewer than zones.
+    ring_state : RingState
         The solution on the last grid.
     """
 
     states: tuple[int, ...]
     boundaries: tuple[Radius, ...]
-    on_rings: RingState
+    ring_state: RingState
 
     @property
     def converged(self) -> bool:
-        """Whether the law holds on every ring, as far as the pressure is positive."""
-        return bool((self.on_rings.states_by_law() == self.on_rings.states).all())
+        """Whether the law holds on every ring inside the first one without a positive pressure."""
+        return bool((self.ring_state.states_by_law() == self.ring_state.states).all())
 
     @property
     def centre_unresolved(self) -> bool:
-        """Whether the stick disk, which every contact with friction has, is below all rings."""
+        """Whether the stick disk, which friction always leaves, is inside the first ring."""
         return self.states[0] != 0
 
 
@@ -275,61 +279,65 @@ def ring_layout(
     parameters: Parameters,
     *,
     coupled: bool,
-    rings: int = FIRST_RINGS,
-    splits: int = RING_SPLITS,
+    first_rings: int = FIRST_RINGS,
+    splits: int = 2,
     unloaded_to: float = 1.0,
 ) -> RingLayout:
-    """Return the zones that the friction law makes on rings.
+    """Return the zones by the friction law on rings.
 
     Parameters
     ----------
     parameters : Parameters
         Infinite friction is full stick.
     coupled : bool
-        Whether q acts back on p.
-    rings : int
-        Rings of the first grid, but for those next to the centre and the edge.
+        Whether the traction acts on the pressure.
+    first_rings : int
+        Number of rings of the first grid, without those that are added next to the centre and the
+        edge.
     splits : int
         How often the rings around boundaries are split.
     unloaded_to : float
         The load over the largest load there was before, without coupling. Below 1 what sticks has
         the displacement of before. Rings are split around the boundaries at the largest load.
     """
-    logits = graded_rings(rings, RING_GRADING, MAX_RING_WIDTH, EPSILON_DEPTH, EPSILON_DEPTH)
+
+    def solved(logits: Array, states: Integers, *, coupled: bool = coupled) -> RingState:
+        system = RingSystem(ring_operators(logits), parameters, coupled=coupled)
+        return solve_active_set(system, states)
+
+    logits = graded_rings(first_rings, RING_GRADING, MAX_RING_WIDTH, -EPSILON_DEPTH, EPSILON_DEPTH)
     states = np.zeros(len(logits) - 1, dtype=int)
     if coupled:
         # on smooth surfaces coupled full stick oscillates: begin with the states without coupling
-        states = solve_active_set(
-            RingLaw(ring_operators(logits), parameters, coupled=False), states
-        ).states
-    on_rings = solve_active_set(
-        RingLaw(ring_operators(logits), parameters, coupled=coupled), states
-    )
+        states = solved(logits, states, coupled=False).states
+    ring_state = solved(logits, states)
     for _ in range(splits):
-        logits, states = _split(on_rings)
-        on_rings = solve_active_set(
-            RingLaw(ring_operators(logits), parameters, coupled=coupled), states
-        )
+        ring_state = solved(*_split(ring_state))
     if unloaded_to < 1.0:
-        frozen = on_rings.slip / unloaded_to
-        law = RingLaw(ring_operators(logits), parameters, coupled=False, frozen=frozen)
-        on_rings = solve_active_set(law, np.zeros_like(states))
-    zone_states = _without_spurious_zones(on_rings.states) if splits else on_rings.states
-    last_rings, boundaries = _boundaries(replace(on_rings, states=zone_states))
-    outermost = len(zone_states) - 1
+        rings = ring_state.system.rings
+        frozen = ring_state.displacement / unloaded_to
+        system = RingSystem(rings, parameters, coupled=False, frozen=frozen)
+        ring_state = solve_active_set(system, np.zeros_like(ring_state.states))
+    zone_states = _without_spurious_zones(ring_state.states) if splits else ring_state.states
+    last_rings, boundaries = _boundaries(replace(ring_state, states=zone_states))
     return RingLayout(
-        tuple(int(state) for state in zone_states[np.append(last_rings, outermost)]),
-        tuple(Radius.from_logit(float(logit)) for logit in boundaries),
-        on_rings,
+        tuple(zone_states[np.append(last_rings, -1)].tolist()),
+        tuple(map(Radius.from_logit, boundaries.tolist())),
+        ring_state,
     )
 
 
 def _without_spurious_zones(states: Integers) -> Integers:
-    """Return the states of rings, with zones of a few rings given to the zone inside them."""
+    """Return the states of rings, with narrow zones between two others joined to the inner one.
+
+    Zones of fewer rings than one is split into are an error of the rings, which is largest where
+    wide rings meet narrow ones: a third of random scenes near an onset had up to three rings that
+    stick amid slip, or slip amid stick.
+    """
     merged = states.copy()
     starts = (np.flatnonzero(np.diff(states)) + 1).tolist()
     for start, end in pairwise(starts):
-        if end - start <= MAX_SPURIOUS_RINGS:
+        if end - start < RINGS_PER_SPLIT:
             merged[start:end] = merged[start - 1]
     return merged
 
@@ -337,37 +345,38 @@ def _without_spurious_zones(states: Integers) -> Integers:
 def _boundaries(state: RingState) -> tuple[Integers, Array]:
     """Return the last ring of every zone but the outermost, and the logits where the zones end.
 
-    A zone ends where the margin, which is positive in stick and negative in slip, is zero between
-    the middles of two rings. If it does not change its sign, the zone ends between the rings.
+    A zone ends where the margin, interpolated linearly between the middles of two rings, is zero.
+    If it does not change its sign there, the zone ends at the boundary of the rings.
     """
     last = np.flatnonzero(np.diff(state.states))
-    middles = state.law.rings.middles
+    middles = state.system.rings.middles
     margin_inside = state.margin[last]
     margin_outside = state.margin[last + 1]
     with np.errstate(divide="ignore", invalid="ignore"):
         fraction = margin_inside / (margin_inside - margin_outside)
     zero = middles[last] + fraction * (middles[last + 1] - middles[last])
     changes_sign = (fraction > 0.0) & (fraction < 1.0)
-    return last, np.where(changes_sign, zero, state.law.rings.logits[last + 1])
+    return last, np.where(changes_sign, zero, state.system.rings.logits[last + 1])
 
 
 def _split(state: RingState) -> tuple[Array, Integers]:
     """Return a grid with smaller rings around boundaries, and the states of its rings."""
-    logits = state.law.rings.logits
+    logits = state.system.rings.logits
     count = len(state.states)
     last, _ = _boundaries(state)
-    to_split = [last + 1 + k for k in range(-SPLIT_NEIGHBOURS, SPLIT_NEIGHBOURS)]
+    # the two rings on either side
+    to_split = [last + 1 + k for k in range(-2, 2)]
     if state.states[0] != 0:  # the stick disk is smaller than the first ring
         to_split.append(np.array([0]))
     marked = np.unique(np.clip(np.concatenate(to_split), 0, count - 1))
     lower = logits[marked]
     upper = logits[marked + 1]
     # the first ring and the last one are infinite in the logit: only a part of them is split
-    depth = RINGS_PER_SPLIT * MAX_RING_WIDTH
-    lower = np.where(np.isinf(lower), upper - depth, lower)
-    upper = np.where(np.isinf(upper), lower + depth, upper)
+    logit_span = RINGS_PER_SPLIT * MAX_RING_WIDTH
+    lower = np.where(np.isinf(lower), upper - logit_span, lower)
+    upper = np.where(np.isinf(upper), lower + logit_span, upper)
     fractions = np.arange(1, RINGS_PER_SPLIT) / RINGS_PER_SPLIT
-    inner = lower + np.outer(fractions, upper - lower)
+    new_logits = lower + np.outer(fractions, upper - lower)
     parts = np.ones(count, dtype=int)
     parts[marked] = RINGS_PER_SPLIT
-    return np.sort(np.concatenate([logits, inner.ravel()])), np.repeat(state.states, parts)
+    return np.sort(np.concatenate([logits, new_logits.ravel()])), np.repeat(state.states, parts)

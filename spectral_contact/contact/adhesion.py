@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from spectral_contact.contact.contact_radius import Contact, value_of
-from spectral_contact.contact.indented import glance, solve_indentation
+from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 #: States through which the curve is a polynomial, and half of what they span in the logarithm of
 #: the distance from the last break: its terms, as those of ``exp(3 x)``, fall to 1e-14.
 _NODES, _HALF_WIDTH = 10, 0.12
+#: Distance from the equator of a sphere, where its slope is infinite, over half of what they span.
+_ROOM = 12.0
 #: Longest step along the curve, in the same logarithm, and most steps of any search.
 _STEP, _STEPS = 0.5, 200
 #: Of so many states one is solved with estimates.
@@ -162,25 +164,24 @@ class LocalCurve:
     states_at : callable
         Returns the states of some radii.
     radius : float
-    base : float
-        Radius of the last break of the profile before it, or 0.
-    limit : float
-        Radius up to which the curve is smooth.
+    profile : Profile
+        The base is its last break before the radius, or 0.
     """
 
     def __init__(
         self,
         states_at: Callable[[Sequence[float]], list[Indentation]],
         radius: float,
-        base: float,
-        limit: float,
+        profile: Profile,
     ) -> None:
-        self.base = base
+        breaks = (profile.flat_part, *profile.breaks, profile.reach)
+        self.base = base = max((b for b in breaks if b < radius), default=0.0)
+        limit = min(b for b in breaks if b > radius)
         place = log(radius - base)
         # a singularity at the limit is as far as one at the base, which is pi away
         room = (limit - radius) / (radius - base)
-        high = place + min(_HALF_WIDTH, room / 2.0)
-        self._middle, self._half = high - _HALF_WIDTH, _HALF_WIDTH
+        self._half = min(_HALF_WIDTH, (profile.reach - radius) / (radius - base) / _ROOM)
+        self._middle = place + min(0.0, room / 2.0 - self._half)
         nodes = chebyshev.chebpts1(_NODES)
         states = states_at((base + np.exp(self._middle + self._half * nodes)).tolist())
         self._to_terms = np.linalg.inv(chebyshev.chebvander(nodes, _NODES - 1))
@@ -256,7 +257,7 @@ class AdhesiveCurve:
     ) -> None:
         self.profile, self.compliance, self.adhesion = profile, compliance, adhesion
         self.tolerance, self.max_unknowns = tolerance, max_unknowns
-        self._glances: dict[float, Indentation] = {}
+        self._values_only: dict[float, Indentation] = {}
         self.corners = _corners(profile)
 
     def at(self, radius: float, *, pointwise: bool = False) -> Contact:
@@ -264,12 +265,12 @@ class AdhesiveCurve:
         given = self.profile, radius, self.compliance, self.tolerance, self.max_unknowns
         return solve_indentation(*given, pointwise=pointwise, adhesion=self.adhesion)
 
-    def glance(self, radius: float) -> Indentation:
+    def values_only(self, radius: float) -> Indentation:
         """Return the state of a radius in the first space, without estimates."""
-        known = self._glances.get(radius)
+        known = self._values_only.get(radius)
         if known is None:
             given = self.profile, radius, self.compliance, self.tolerance, self.max_unknowns
-            known = self._glances[radius] = glance(*given, adhesion=self.adhesion)
+            known = self._values_only[radius] = values_only(*given, adhesion=self.adhesion)
         return known
 
     def rates(self, one: Indentation) -> Rates:
@@ -300,21 +301,18 @@ class AdhesiveCurve:
         found = []
         for k, radius in enumerate(radii):
             nearest = value_of(solved[k // _SAMPLED])
-            one = nearest if k % _SAMPLED == 0 else self.glance(radius)
+            one = nearest if k % _SAMPLED == 0 else self.values_only(radius)
             names = ("load_error", "approach_error", "work_error", "stiffness_error")
             found.append(replace(one, **{name: getattr(nearest, name) for name in names}))
         return found
 
     def local(self, radius: float) -> LocalCurve:
         """Return the curve near a radius."""
-        breaks = [b for b in (self.profile.flat_part, *self.profile.breaks) if b < radius]
-        base = max(breaks, default=0.0)
-        beyond = [b for b in (*self.profile.breaks, self.profile.reach) if b > radius]
-        return LocalCurve(self.states, radius, base, min(beyond, default=inf))
+        return LocalCurve(self.states, radius, self.profile)
 
     def past_flat_part(self) -> Indentation:
         """Return a state next to the one in which the contact is the flat part."""
-        return self.glance(self.profile.flat_part * (1.0 + _NEXT))
+        return self.values_only(self.profile.flat_part * (1.0 + _NEXT))
 
     def top(self, control: Control, value: float = -inf) -> float:
         """Return a radius beyond which a control grows with the radius, and is above a value.
@@ -333,7 +331,7 @@ class AdhesiveCurve:
         radius = self._modelled_top(control, value)
         flat, reach = self.profile.flat_part, self.profile.reach
         for _ in range(_STEPS):
-            one = self.glance(radius)
+            one = self.values_only(radius)
             stable = control.rate(self.rates(one)) > 0.0 and control.value(one) > value
             at_end = not isinf(reach) and reach - radius <= _NEXT * reach
             if stable and (at_end or one.approach + one.pull >= _MARGIN * one.pull):
@@ -356,7 +354,7 @@ class AdhesiveCurve:
         v = np.arange(-_REACH, _REACH, _STEP / 2.0)
         with np.errstate(all="ignore"):
             a = flat + np.exp(v) if isinf(reach) else flat + (reach - flat) / (1.0 + np.exp(-v))
-            # nearer to its end radii round to it, and no space resolves the slope of a sphere
+            # nearer to its end radii round to it
             a = a[(a > flat) & (a < reach * (1.0 - _NEXT))]
             c = self.compliance / a
             softness = 1.0 / 8.0 + c / pi
@@ -413,7 +411,7 @@ class AdhesiveCurve:
                 return
             if radius < least or self._settled(control, radius):
                 return
-            if sign * control.rate(self.rates(self.glance(radius))) <= 0.0:
+            if sign * control.rate(self.rates(self.values_only(radius))) <= 0.0:
                 fold = self._fold(control, before, radius)
                 yield fold
                 sign = -sign
@@ -423,7 +421,7 @@ class AdhesiveCurve:
 
     def _settled(self, control: Control, radius: float) -> bool:
         """Return whether the control changes no more to smaller radii, but for rounding."""
-        one = self.glance(radius)
+        one = self.values_only(radius)
         return abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one)
 
     def _fold(self, control: Control, high: float, low: float) -> Fold:
@@ -433,7 +431,7 @@ class AdhesiveCurve:
         base = max((b for b in (0.0, *self.corners) if b < low), default=0.0)
 
         def rate(place: float) -> float:
-            return control.rate(self.rates(self.glance(base + exp(place))))
+            return control.rate(self.rates(self.values_only(base + exp(place))))
 
         places = log(low - base), log(high - base)
         radius = base + exp(brentq(rate, *places, xtol=_NEARLY, rtol=_NEARLY))
@@ -473,7 +471,7 @@ class AdhesiveCurve:
         number, sign = 0, 1.0
         for radius in self._downward(above):
             pinned = radius == self.profile.flat_part
-            one = value_of(self.at(radius)) if pinned else self.glance(radius)
+            one = value_of(self.at(radius)) if pinned else self.values_only(radius)
             fold = None
             if not pinned and self._settled(control, radius):
                 break
@@ -506,7 +504,7 @@ class AdhesiveCurve:
         """
         low, high = self.stretch(control, value, branch)
         root = _Root(self, control, value, low, high)
-        root.run(self.glance, exact=False)
+        root.run(self.values_only, exact=False)
         root.run(lambda a: value_of(self.at(a)), exact=True)
         found = self.at(root.radius, pointwise=pointwise)
         one = value_of(found)
@@ -583,7 +581,7 @@ class _Root:
         self._base = max((b for b in (0.0, *curve.corners) if b <= low), default=0.0)
         least = _NEXT * (self._base or low)
         self._ends = log(max(low - self._base, least)), log(high - self._base)
-        states = [curve.glance(low), curve.glance(high)]
+        states = [curve.values_only(low), curve.values_only(high)]
         misses = [control.value(one) - value for one in states]
         self._sign = 1.0 if misses[1] > misses[0] else -1.0
         # where it is not between, for rounding, the nearer end is next to it

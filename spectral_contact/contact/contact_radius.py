@@ -1,9 +1,10 @@
-r"""The contact radius that a load, or an approach, asks for.
+r"""The contact radius a under a given load P or approach delta.
 
-Both grow with the radius without bound, and ``dP/da = (dP/ddelta) (ddelta/da)`` is known with
-either, so Newton's method takes few steps. The unknown is the logarithm of how far the radius is
-beyond the flat part of the profile, over how far it is from its reach. First steps are taken in
-poor spaces.
+Both grow with the radius without bound, and each solution comes with ``ddelta/da`` (the *growth*)
+and ``dP/da = (dP/ddelta) (ddelta/da)``. So Newton's method takes few steps. Its unknown v is the
+logarithm of the distance of a from the flat part of the profile, over its distance from the reach
+of the profile; the residual is the logarithm of load or approach over the given one. First steps
+are taken in small spaces.
 """
 
 from __future__ import annotations
@@ -23,29 +24,30 @@ from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.records import Ending
 
 Contact = Indentation | Refinement[Indentation]
-#: The contact of a radius, to a tolerance, and whether the pressure is wanted.
+#: A function of a radius, of a tolerance and of whether the pressure is wanted.
 Solver = Callable[[float, float, bool], Contact]
 
-#: Steps in all; the longest.
-_STEPS, _LONGEST = 60, 3.0
-#: Steps from which on a secant is taken for the slope.
-_CLOSE = 0.5
-#: The misfit of a secant over the product of the last two, measured 0.001 ... 0.06.
-_SECANT = 0.1
-#: Share of the tolerance that what was asked for, and what follows from the radius, may be off.
-_SHARE = 0.02
+#: Largest number of steps; largest step of v.
+_MAX_STEPS, _MAX_STEP = 60, 3.0
+#: Two values of v closer than this give the slope of the residual by a secant.
+_SECANT_DISTANCE = 0.5
+#: Residual after a step by a secant over the product of the two residuals before, measured 0.001
+#: ... 0.06.
+_SECANT_ERROR = 0.1
+#: Fraction of the tolerance that errors by the radius may come to.
+_RADIUS_FRACTION = 0.02
 #: Distances from edge and breaks between which the slope of the pressure is taken.
-_PLACES = np.geomspace(ROUNDING, 1.0, 61)
+_DISTANCES = np.geomspace(ROUNDING, 1.0, 61)
 
 
 @dataclass(frozen=True, slots=True)
 class RadiusScale:
-    """The unknown and the radius that it stands for."""
+    """The map between the contact radius and the unknown v of Newton's method."""
 
     profile: Profile
 
     def radius(self, v: float) -> float:
-        """Return the radius."""
+        """Return the radius of a v."""
         low, high = self.profile.flat_part, self.profile.reach
         if isinf(high):
             return low + exp(v)
@@ -56,25 +58,23 @@ class RadiusScale:
         )
 
     def place(self, radius: float) -> float:
-        """Return the unknown of a radius."""
+        """Return the v of a radius."""
         low, high = self.profile.flat_part, self.profile.reach
         return log(radius - low) - (0.0 if isinf(high) else log(high - radius))
 
     def slope(self, radius: float) -> float:
-        """Return the derivative of the radius in the unknown."""
+        """Return the derivative of the radius by v."""
         low, high = self.profile.flat_part, self.profile.reach
-        room = 1.0 if isinf(high) else (high - radius) / (high - low)
-        return (radius - low) * room
+        to_reach = 1.0 if isinf(high) else (high - radius) / (high - low)
+        return (radius - low) * to_reach
 
 
-def indenter(
-    profile: Profile, compliance: float, max_unknowns: int, adhesion: float = 0.0
-) -> Solver:
-    """Return what solves normal contact with a linear layer at a radius, to a tolerance."""
+def indenter(profile: Profile, compliance: float, max_unknowns: int) -> Solver:
+    """Return the solver for normal contact with a linear layer."""
 
     def solve(radius: float, tolerance: float, pointwise: bool) -> Contact:
         given = profile, radius, compliance, tolerance, max_unknowns
-        return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
+        return solve_indentation(*given, pointwise=pointwise)
 
     return solve
 
@@ -97,44 +97,45 @@ def find_radius(
     ----------
     profile : Profile
     solve : callable
-        Solves at a radius.
+        The solver at a radius.
     tolerance : float
     pointwise : bool
         Whether the pressure is wanted.
     load, approach : float or None
-        One of them.
+        The given one of them; the other is None.
     near : float or None
-        Where the radius may be.
+        A guess of the radius.
     origin : float
         Approach at which the contact begins.
     first : callable, optional
-        Solves at a radius for the first steps, without estimates.
+        Returns the contact at a radius without error estimates, for the first steps.
 
     Raises
     ------
     SceneError
-        If no contact smaller than the profile carries it.
+        If the load or the approach is larger than that of any contact within the profile.
     """
     search = _RadiusSearch(profile, load, approach, near, origin)
 
-    def solved(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
+    def at_tolerance(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
         return lambda radius: solve(radius, tolerance, pointwise)
 
-    off = max(_SHARE * tolerance, ROUNDING)
-    # a poor space knows what is integrated as well as a rich one knows the pressure
+    residual = max(_RADIUS_FRACTION * tolerance, ROUNDING)
+    # load and approach need a smaller space than the pressure: the first steps are for them alone
     if pointwise or first is not None:
-        search.run(first or solved(tolerance, False), off, rough=True)
-    search.run(solved(tolerance, pointwise), off)
-    found, error = search.found()
-    if search.rate * error > _SHARE * tolerance:  # next to a corner the pressure hangs on it
-        search.run(solved(tolerance, pointwise), max(off / search.rate, ROUNDING))
-        found, error = search.found()
-    space_converged = isinstance(found, Refinement) and found.ending is Ending.CONVERGED
-    if space_converged and _largest_error(value_of(found), pointwise) > tolerance:
-        # what the radius adds takes the errors of the space above the tolerance
-        search.run(solved(tolerance / 4, pointwise), off)
-        found, error = search.found()
-    return found, error
+        search.run(first or at_tolerance(tolerance, False), residual, rough=True)
+    search.run(at_tolerance(tolerance, pointwise), residual)
+    contact, error = search.outcome()
+    if search.rate * error > _RADIUS_FRACTION * tolerance:
+        # next to a corner the pressure depends strongly on the radius
+        search.run(at_tolerance(tolerance, pointwise), max(residual / search.rate, ROUNDING))
+        contact, error = search.outcome()
+    space_converged = isinstance(contact, Refinement) and contact.ending is Ending.CONVERGED
+    if space_converged and _largest_error(value_of(contact), pointwise) > tolerance:
+        # with the errors by the radius, those in the space come to more than the tolerance
+        search.run(at_tolerance(tolerance / 4, pointwise), residual)
+        contact, error = search.outcome()
+    return contact, error
 
 
 def _largest_error(contact: Indentation, pointwise: bool) -> float:
@@ -149,7 +150,7 @@ def _largest_error(contact: Indentation, pointwise: bool) -> float:
 
 
 class _RadiusSearch:
-    """Newton's method, bracketed."""
+    """Newton's method for the radius, bracketed; parameters are those of `find_radius`."""
 
     def __init__(
         self,
@@ -159,144 +160,167 @@ class _RadiusSearch:
         near: float | None,
         origin: float,
     ) -> None:
-        self.profile, self.load, self.approach, self.origin = profile, load, approach, origin
-        self.at = RadiusScale(profile)
+        self.profile = profile
+        self.load = load
+        self.approach = approach
+        self.origin = origin
+        self.scale = RadiusScale(profile)
         size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
         if near is None or not profile.flat_part < near < profile.reach:
             near = profile.flat_part + 0.5 * size
-        self.v = self.at.place(near)
-        self.low, self.high = -inf, inf
+        self.v = self.scale.place(near)
+        self.low = -inf
+        self.high = inf
         self.last: Contact | None = None
-        self.misfit = inf
-        self.known = 0.0
+        #: logarithm of load or approach over the given one, its error, and its derivative by v
+        self.residual = inf
+        self.residual_error = 0.0
         self.slope = 1.0
-        #: by how much the pressure found hangs on the radius
+        #: relative change of the pressure over that of the radius
         self.rate = 0.0
-        self.before: float | None = None
+        self.last_v: float | None = None
 
-    def run(self, solve: Callable[[float], Contact], near: float, *, rough: bool = False) -> None:
-        """Step until the logarithm of the value is as near to that of what is asked for.
+    def run(
+        self, solve: Callable[[float], Contact], tolerance: float, *, rough: bool = False
+    ) -> None:
+        """Step until the modulus of the residual is below a tolerance or its own rounding.
 
-        Or, if rough, as near as the value is known, or as the next secant leads.
+        If rough, it suffices that it is below its error, or that the next secant leads there.
         """
-        # those of a poorer space may be wrong
-        self.low, self.high, self.before = -inf, inf, None
+        # the bracket of a smaller space may be wrong
+        self.low = -inf
+        self.high = inf
+        self.last_v = None
         least = inf
-        for _ in range(_STEPS):
-            self._look(solve)
-            off = abs(self.misfit)
-            enough = max(near, self.known if rough else self.least)
-            if off <= enough or (off >= least and least < 1e3 * near):
+        for _ in range(_MAX_STEPS):
+            self._evaluate(solve)
+            size = abs(self.residual)
+            enough = max(tolerance, self.residual_error if rough else self.rounding)
+            if size <= enough or (size >= least and least < 1e3 * tolerance):
                 return
             self._step()
-            if rough and _SECANT * off * least <= near:
+            if rough and _SECANT_ERROR * size * least <= tolerance:
                 return
-            least = min(least, off)
+            least = min(least, size)
         self._refuse()
 
-    def _look(self, solve: Callable[[float], Contact]) -> None:
-        radius = self.at.radius(self.v)
+    def _evaluate(self, solve: Callable[[float], Contact]) -> None:
+        """Solve at the radius at hand; set residual, slope and error."""
+        radius = self.scale.radius(self.v)
         if not self.profile.flat_part < radius < self.profile.reach:
             self._refuse()
         self.last = solve(radius)
-        one = value_of(self.last)
+        contact = value_of(self.last)
         if self.approach is None:
             assert self.load is not None
-            value, asked, rate = one.load, self.load, one.growth * one.stiffness
+            value = contact.load
+            given = self.load
+            rate = contact.growth * contact.stiffness
         else:
-            value, asked, rate = one.approach - self.origin, self.approach - self.origin, one.growth
-        misfit = log(value / asked)
-        self.known = self._known(one)
-        self.slope = rate * self.at.slope(radius) / value
-        # between places that are close a secant knows better: next to the rim of a sphere the
-        # pressure bends closer to the edge than where its slope is taken
-        if self.before is not None and 0.0 < abs(self.v - self.before) < _CLOSE:
-            secant = (misfit - self.misfit) / (self.v - self.before)
+            value = contact.approach - self.origin
+            given = self.approach - self.origin
+            rate = contact.growth
+        residual = log(value / given)
+        self.residual_error = self._value_error(contact)
+        self.slope = rate * self.scale.slope(radius) / value
+        # Over a short step the secant is more exact: next to the rim of a sphere the pressure bends
+        # closer to the edge than where its slope, and so the growth, is taken.
+        if self.last_v is not None and 0.0 < abs(self.v - self.last_v) < _SECANT_DISTANCE:
+            secant = (residual - self.residual) / (self.v - self.last_v)
             self.slope = secant if secant > 0.0 else self.slope
-        self.misfit, self.before = misfit, self.v
+        self.residual = residual
+        self.last_v = self.v
 
     @property
-    def least(self) -> float:
-        """The misfit that a rounding of the radius makes: next to a corner much more than that."""
-        radius = self.at.radius(self.v)
-        return float(np.finfo(float).eps) * radius * self.slope / self.at.slope(radius)
+    def rounding(self) -> float:
+        """The change of the residual by a rounding of the radius: large next to a corner."""
+        radius = self.scale.radius(self.v)
+        return float(np.finfo(float).eps) * radius * self.slope / self.scale.slope(radius)
 
-    def _known(self, one: Indentation) -> float:
-        """Return the relative error of what is asked for."""
+    def _value_error(self, contact: Indentation) -> float:
+        """Return the relative error of the load or approach at the radius."""
         if self.approach is None:
-            return one.load_error
-        return one.approach_error * one.approach_size / (self.approach - self.origin)
+            return contact.load_error
+        return contact.approach_error * contact.approach_size / (self.approach - self.origin)
 
     def _step(self) -> None:
-        if self.misfit > 0.0:
+        """Move v by a step of Newton's method, or to the middle of the bracket."""
+        if self.residual > 0.0:
             self.high = min(self.high, self.v)
         else:
             self.low = max(self.low, self.v)
-        step = -self.misfit / self.slope if self.slope > 0.0 else -self.misfit
-        v = self.v + max(min(step, _LONGEST), -_LONGEST)
+        step = -self.residual / self.slope if self.slope > 0.0 else -self.residual
+        v = self.v + max(min(step, _MAX_STEP), -_MAX_STEP)
         inside = self.low < v < self.high
         self.v = v if inside or not isfinite(self.low + self.high) else (self.low + self.high) / 2.0
 
     def _refuse(self) -> None:
+        """Raise that the profile has no such radius."""
         name, value = ("load", self.load) if self.approach is None else ("approach", self.approach)
-        radius = self.at.radius(self.v)
-        told = (
+        radius = self.scale.radius(self.v)
+        allowed = (
             f"that of a contact radius in ({self.profile.flat_part:.6g}, "
             f"{self.profile.reach:.6g}), the range of the profile; {radius:.6g} is not enough"
         )
-        raise SceneError(name, value, told)
+        raise SceneError(name, value, allowed)
 
-    def found(self) -> tuple[Contact, float]:
-        """Return the contact, what was asked exactly, and the relative error of its radius."""
+    def outcome(self) -> tuple[Contact, float]:
+        """Return the contact, with the given load or approach exact, and its radius's error.
+
+        The error of the radius is relative. The errors of the other results grow by it.
+        """
         assert self.last is not None
-        one = value_of(self.last)
-        of_value = self._known(one)
-        # errors of load and approach at this radius are those of a radius that is a little off
-        off = of_value + 2.0 * abs(self.misfit)  # the slope is not known to all digits
-        error = off / self.slope * self.at.slope(one.radius) / one.radius
-        # by how much the approach moves with the radius, and with it P = dW/ddelta
-        moved = one.growth * one.radius * error
-        of_load = one.stiffness * moved / one.load
-        self.rate = _pressure_rate(one, self.profile)
+        contact = value_of(self.last)
+        # The error of load or approach at a radius, and twice the residual (the slope has an error,
+        # too), are an error of the radius at the given load or approach.
+        value_error = self._value_error(contact) + 2.0 * abs(self.residual)
+        error = value_error / self.slope * self.scale.slope(contact.radius) / contact.radius
+        # changes by the error of the radius: of the approach and, with P = dW/ddelta, of the load
+        approach_change = contact.growth * contact.radius * error
+        load_error = contact.stiffness * approach_change / contact.load
+        self.rate = _pressure_rate(contact, self.profile)
         best = replace(
-            one,
-            work_error=one.work_error + one.load * moved / one.work,
-            # grows like the radius on a smooth surface, like its square in a linear layer, and as
-            # fast as the load under an exponential law
-            stiffness_error=one.stiffness_error + max(2.0 * error, of_load),
-            pressure_error=one.pressure_error + max(of_load, self.rate * error),
+            contact,
+            work_error=contact.work_error + contact.load * approach_change / contact.work,
+            # the stiffness grows like the radius on a smooth surface, like its square in a linear
+            # layer, and as fast as the load under an exponential law
+            stiffness_error=contact.stiffness_error + max(2.0 * error, load_error),
+            pressure_error=contact.pressure_error + max(load_error, self.rate * error),
         )
         if self.approach is None:
             assert self.load is not None
-            of_approach = one.approach_error + moved / one.approach_size
-            best = replace(best, load=self.load, load_error=0.0, approach_error=of_approach)
+            approach_error = contact.approach_error + approach_change / contact.approach_size
+            best = replace(best, load=self.load, load_error=0.0, approach_error=approach_error)
         else:
-            of_load += one.load_error
-            best = replace(best, approach=self.approach, approach_error=0.0, load_error=of_load)
+            load_error += contact.load_error
+            best = replace(best, approach=self.approach, approach_error=0.0, load_error=load_error)
         if isinstance(self.last, Refinement):
             return replace(self.last, best=replace(self.last.best, value=best)), error
         return best, error
 
 
-def _pressure_rate(one: Indentation, profile: Profile) -> float:
-    """Return the largest ``dp/dln a`` at a given ``s``, of the pressure or its mean.
+def _pressure_rate(contact: Indentation, profile: Profile) -> float:
+    """Return the largest ``dp/dln a`` at constant ``s = r/a``, over the pressure or its mean.
 
-    It is ``flat ddelta/da + s dp/ds``, taken between places graded to the edge and to breaks.
+    The derivative is ``flat ddelta/da + s dp/ds``, taken between radii graded to the edge and to
+    breaks.
     """
-    if one.pressure is None or one.flat is None:
+    if contact.pressure is None or contact.flat is None:
         return 0.0
-    a, mean = one.radius, one.load / (pi * one.radius**2)
-    inside = [b / a for b in profile.breaks if b < a]
-    around = [1.0 - b + sign * _PLACES for b in inside for sign in (-1.0, 1.0)]
-    from_edge = np.concatenate([[1.0], _PLACES, *around])
+    a = contact.radius
+    mean = contact.load / (pi * a**2)
+    breaks = [b / a for b in profile.breaks if b < a]
+    near_breaks = [1.0 - b + sign * _DISTANCES for b in breaks for sign in (-1.0, 1.0)]
+    from_edge = np.concatenate([[1.0], _DISTANCES, *near_breaks])
     from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
     s = 1.0 - from_edge
-    p, flat = one.pressure(s, from_edge), one.flat(s, from_edge)
+    p = contact.pressure(s, from_edge)
+    flat = contact.flat(s, from_edge)
     slope = -np.diff(p) / np.diff(from_edge)
-    moved = (one.growth * (flat[1:] + flat[:-1]) + (s[1:] + s[:-1]) * slope) / 2.0
-    return float((np.abs(moved) / np.maximum(np.minimum(p[1:], p[:-1]), mean)).max())
+    rate = (contact.growth * (flat[1:] + flat[:-1]) + (s[1:] + s[:-1]) * slope) / 2.0
+    return float((np.abs(rate) / np.maximum(np.minimum(p[1:], p[:-1]), mean)).max())
 
 
 def value_of(solved: Contact) -> Indentation:
-    """Return the contact."""
+    """Return the contact itself, which a `Refinement` has as its best solution."""
     return solved.best.value if isinstance(solved, Refinement) else solved

@@ -21,13 +21,10 @@ import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES, stick_violation
 from spectral_contact.contact.resolution import (
+    CUBIC_TAIL_DEPTH,
     EPSILON_DEPTH,
 )
-from spectral_contact.contact.tuning import (
-    COARSE_TOL,
-    SCAN_ACCURACY,
-    SCAN_PAST_LAYERS,
-)
+from spectral_contact.contact.tuning import COARSE_TOL
 from spectral_contact.contact.zone_fields import all_positive
 
 if TYPE_CHECKING:
@@ -90,12 +87,12 @@ def stick_radii(
         left_residual = left_solution.boundary_residual[0]
         right_residual = right_solution.boundary_residual[0]
         if (left_residual > 0.0) != (right_residual > 0.0):
-            root = float(brentq(residual, left, right, xtol=SCAN_ACCURACY))
+            root = float(brentq(residual, left, right, xtol=COARSE_TOL))
             yield _assessed(root, problem.coarse_solution(root))
 
 
-def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> Iterator[float]:
-    """Yield the logits of a scan, `step` apart.
+def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> list[float]:
+    """Return the logits of a scan, `step` apart.
 
     Next to the edge fields change over distances like the compliances alpha and beta (boundary
     layers). The scan ends where slip is narrower than both, or is lost in rounding.
@@ -103,8 +100,8 @@ def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> Iter
     layer_width = min(problem.parameters.alpha, problem.parameters.beta)
     last = EPSILON_DEPTH
     if layer_width > 0.0:
-        last = min(last, SCAN_PAST_LAYERS - log(layer_width))
-    yield from np.arange(first, max(last, first + step) + step, step).tolist()
+        last = min(last, CUBIC_TAIL_DEPTH - log(layer_width))
+    return list(np.arange(first, max(last, first + step) + step, step).tolist())
 
 
 def _assessed(logit: float, solution: FieldSolution) -> CandidateRadius:

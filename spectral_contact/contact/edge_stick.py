@@ -1,22 +1,26 @@
 r"""Stick at the edge of a smooth surface with tangential compliance, matched in closed form.
 
-With ``alpha = 0 < beta`` the edge sticks over a width ``w`` in ``y = 1 - s**2`` that may be far
-below what panels reach: ``w = 1e-24`` at ``beta = 1e-12``. Outside it the contact is, but for
-``w**(1/2 + theta)``, the one that slips up to the edge, with ``p -> C y**(theta - 1/2)`` and
-``tan(pi theta) = 2 kappa f``. Inside, the compliance alone moves the surface by as much as the body
-does, so q is constant but for ``w/beta``, and next to the edge
+p is the pressure, q the traction, s the radius over that of the contact, and ``y = 1 - s**2``. With
+``alpha = 0 < beta`` the edge sticks over a width ``w`` in y that may be far too small for panels:
+``w = 1e-24`` at ``beta = 1e-12``. So the contact is first solved as if it slipped up to the edge;
+its pressure is ``p -> C y**(theta - 1/2)`` there, with ``tan(pi theta) = 2 kappa f``. Away from the
+stick at the edge this solution has a relative error of ``w**(1/2 + theta)``.
 
-    (1/pi) PV int_0^inf p(x) dx / (x - y) = 2 kappa q(y),    q = f p beyond w,    q = f p(w) within.
+In the stick the displacement ``beta q`` of the compliance is opposite to that of the body, which
+hardly varies over w. So q is constant to ``w/beta``, and next to the edge, with y' as variable,
+
+    (1/pi) PV int_0^inf p(y') dy' / (y' - y) = 2 kappa q(y),
+    q = f p in slip, y > w,    q = f p(w) in stick, y < w.
 
 So ``y p'`` solves a homogeneous Riemann-Hilbert problem, and with ``eta = y/w``
 
     p = C w**(theta - 1/2) P(eta),
-    P = (1/2 - theta) int_eta^inf x**(-3/2) (x - 1)**theta dx                        beyond 1,
-    P = P(1) + (1/2 - theta)/cos(pi theta) int_eta^1 x**(-3/2) (1 - x)**theta dx     within.
+    P = (1/2 - theta) int_eta^inf x**(-3/2) (x - 1)**theta dx                        if eta > 1,
+    P = P(1) + (1/2 - theta)/cos(pi theta) int_eta^1 x**(-3/2) (1 - x)**theta dx     if eta < 1.
 
-The width w follows from ``u = 0`` at w: the displacement of the edge by the body cancels that of
-the compliance, ``beta f p(w) = beta f C w**(theta - 1/2) P(1)``. Derivation and measured errors are
-in docs/coupling.md.
+The width w follows from the radial displacement ``u_r = 0`` at w, where that of the body cancels
+that of the compliance, ``beta f p(w) = beta f C w**(theta - 1/2) P(1)``. Derivation and measured
+errors are in docs/coupling.md.
 """
 
 from __future__ import annotations
@@ -31,22 +35,17 @@ from scipy.special import beta as beta_function
 from scipy.special import betainc
 
 from spectral_contact.contact.error_estimate import ZoneSolution
-from spectral_contact.contact.resolution import (
-    EPSILON_DEPTH,
-)
+from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
+from spectral_contact.contact.stick_radius import MAX_LOGIT
 from spectral_contact.contact.tuning import (
     EDGE_ERROR_INSIDE,
     EDGE_ERROR_OUTSIDE,
-    EDGE_SAMPLING_DEGREE,
-    EDGE_SAMPLING_MARGIN,
-    MAX_MATCHED_WIDTH,
-    MIN_MATCHED_WIDTH,
     PANEL_WIDTH,
     ROUNDING,
     SLIP_ROUNDING,
 )
-from spectral_contact.contact.zone_fields import edge_exponent, edge_stick_width
+from spectral_contact.contact.zone_fields import edge_exponent, estimated_edge_stick_width
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,
@@ -58,12 +57,13 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.records import Zone
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
-#: How far below the width panels toward the edge and toward the boundary reach, in ``-ln``.
-_DEPTH_BELOW_WIDTH = EPSILON_DEPTH + EDGE_SAMPLING_MARGIN
+#: Least width of the stick at the edge in ``y``; a narrower one is left out. The logit of its
+#: boundary is the largest that a stick radius may have.
+MIN_EDGE_WIDTH = exp(-MAX_LOGIT)
 
 
 class EdgeStick(NamedTuple):
@@ -74,9 +74,9 @@ class EdgeStick(NamedTuple):
     theta : float
         ``atan(2 kappa f)/pi``.
     amplitude : float
-        C of the pressure ``C y**(theta - 1/2)`` beyond the stick.
+        C of the pressure ``C y**(theta - 1/2)`` in slip, far from the stick.
     width : float
-        w, the value of y at the boundary of the stick.
+        w, the value of y at the inner boundary of the stick.
     """
 
     theta: float
@@ -85,7 +85,7 @@ class EdgeStick(NamedTuple):
 
     @classmethod
     def matched(
-        cls, theta: float, amplitude: float, displacement: float, resistance: float
+        cls, theta: float, amplitude: float, displacement: float, slip_compliance: float
     ) -> EdgeStick:
         """Return the stick whose width makes the displacement at its boundary vanish.
 
@@ -94,12 +94,13 @@ class EdgeStick(NamedTuple):
         theta, amplitude : float
             As the attributes.
         displacement : float
-            By how much the body alone moves the edge against the traction, positive.
-        resistance : float
-            ``beta f``: what a pressure of 1 adds to the displacement through the compliance.
+            Displacement of the edge by the body, without the compliance, against the traction:
+            positive.
+        slip_compliance : float
+            ``beta f``: displacement by the compliance in slip, over the pressure.
         """
         stick = cls(theta, amplitude, 0.0)
-        ratio = resistance * amplitude * stick.pressure_factor_at_width / displacement
+        ratio = slip_compliance * amplitude * stick.pressure_factor_at_width / displacement
         return stick._replace(width=float(np.exp(log(ratio) / (0.5 - theta))))
 
     @property
@@ -109,29 +110,29 @@ class EdgeStick(NamedTuple):
         return float(exponent * beta_function(exponent, 1.0 + self.theta))
 
     @property
-    def error(self) -> float:
-        """Relative error of the fields outside the stick, and of approach and shear."""
+    def outer_error(self) -> float:
+        """Relative error of the fields away from the stick, and of approach and shear."""
         return float(EDGE_ERROR_OUTSIDE * self.width ** (0.5 + self.theta))
 
     def traction_error(self, beta: float) -> float:
-        """Return the relative error of the traction in the stick: it is taken to be constant."""
+        """Return the relative error of the traction in the stick, which is set constant."""
         return float(EDGE_ERROR_INSIDE * -log(self.width) * self.width / beta) + ROUNDING
 
     @property
-    def traction(self) -> float:
-        """The traction in the stick, over the friction: ``p(w)``."""
+    def pressure_at_width(self) -> float:
+        """``p(w)``: the traction in the stick is f times this."""
         return float(
             self.amplitude * self.width ** (self.theta - 0.5) * self.pressure_factor_at_width
         )
 
-    def exterior_factor(self, eta: Array) -> Array:
-        """Return ``P(eta) eta**(1/2 - theta)`` at eta above 1: the pressure over its power law."""
+    def slip_pressure_factor(self, eta: Array) -> Array:
+        """Return ``P(eta) eta**(1/2 - theta)``, eta > 1: pressure in slip over its power law."""
         exponent = 0.5 - self.theta
         incomplete = betainc(exponent, 1.0 + self.theta, 1.0 / eta)
         return np.asarray(self.pressure_factor_at_width * incomplete * eta**exponent)
 
-    def pressure_within(self, eta: Array, rest: Array) -> Array:
-        """Return the pressure at eta below 1, in the stick; ``rest = 1 - eta``, exact."""
+    def stick_pressure(self, eta: Array, rest: Array) -> Array:
+        """Return the pressure in the stick, eta < 1; ``rest = 1 - eta`` without cancellation."""
         prefactor = (0.5 - self.theta) / cos(pi * self.theta)
         incomplete = beta_function(self.theta, 0.5) * betainc(self.theta, 0.5, rest)
         # the integral from eta to 1 of x**(-3/2) (1 - x)**theta, by parts
@@ -143,51 +144,57 @@ class EdgeStick(NamedTuple):
 def expected_error(parameters: Parameters) -> float:
     """Return the expected relative error of the closed form, from an estimate of the width.
 
-    It is 1, no digit, where the stick is too wide to be narrow.
+    It is 1, which is no digit, if the stick is not narrow in comparison with the contact.
     """
     theta = edge_exponent(parameters)
-    width = edge_stick_width(parameters, theta)
+    width = estimated_edge_stick_width(parameters, theta)
     if width >= exp(-1.0):
         return 1.0
-    stick = EdgeStick(theta, 1.0, max(width, MIN_MATCHED_WIDTH))
-    return stick.error + stick.traction_error(parameters.beta)
+    stick = EdgeStick(theta, 1.0, max(width, MIN_EDGE_WIDTH))
+    return stick.outer_error + stick.traction_error(parameters.beta)
 
 
 def with_edge_stick(
     solved: ZoneSolution, parameters: Parameters, *, point_disk: bool = False
 ) -> PartialSlip:
-    """Return slip up to the edge with the stick there, verified against the friction law.
+    """Add the stick at the edge to a solution that slips there, and verify the friction law.
+
+    A stick narrower than MIN_MATCHED_WIDTH is left out: it changes no digit of any field, and its
+    boundary is not a double apart from the edge.
 
     Parameters
     ----------
     solved : ZoneSolution
-        One stick disk on a smooth surface, with slip to the edge.
+        One stick disk on a smooth surface, with slip from there to the edge.
     parameters : Parameters
         With tangential compliance, and without normal compliance.
     point_disk : bool
-        As of `zones_outcome`.
+        Whether the disk stands for a point, and its radius for 0, as in `zones_outcome`.
 
     Raises
     ------
     ArithmeticError
-        If the body does not move the edge against its traction, so that nothing sticks there, or
-        the stick is not narrow.
+        If the displacement by the body is not against the traction at the edge, so that nothing
+        sticks there, or the stick is not narrow in comparison with the slip.
     """
     _, beta, _, friction = parameters
     # the displacement of the body alone, because that of the compliance is infinite at the edge
     outcome = zones_outcome(solved, parameters._replace(beta=0.0), point_disk=point_disk)
     body_displacement = outcome.slip.pieces[-1].field
     assert isinstance(body_displacement, AnnulusSeries)
-    at_edge = body_displacement.toward_outer.limit
+    edge_displacement = body_displacement.toward_outer.limit
     edge_pressure = solved.pressures[-1]
-    extent = gap(*solved.system.bounds[-2:]) / 2.0
-    amplitude = legendre_sum(-1.0, edge_pressure.tail.tolist()) * extent**-edge_pressure.power
-    if not (at_edge < 0.0 < amplitude):
+    half_width = gap(*solved.system.bounds[-2:]) / 2.0
+    # C, from the value of the tail at its end, where it is a series in y / half_width
+    amplitude = legendre_sum(-1.0, edge_pressure.tail.tolist()) * half_width**-edge_pressure.power
+    if not (edge_displacement < 0.0 < amplitude):
         raise ArithmeticError("the edge is not moved against its traction")
-    stick = EdgeStick.matched(edge_exponent(parameters), amplitude, -at_edge, beta * friction)
-    if stick.width >= MAX_MATCHED_WIDTH * extent:
+    stick = EdgeStick.matched(
+        edge_exponent(parameters), amplitude, -edge_displacement, beta * friction
+    )
+    if stick.width >= half_width:
         raise ArithmeticError("the stick at the edge is no narrower than the slip")
-    if stick.width < MIN_MATCHED_WIDTH:
+    if stick.width < MIN_EDGE_WIDTH:
         return outcome
     return _with_fields_of_stick(outcome, body_displacement, stick, solved, parameters)
 
@@ -199,9 +206,9 @@ def _with_fields_of_stick(
     solved: ZoneSolution,
     parameters: Parameters,
 ) -> PartialSlip:
-    """Return an outcome that slips up to the edge, with the stick at the edge added.
+    """Add the stick at the edge to an outcome that slips up to the edge.
 
-    Its zones are the disk, slip from `inner` to `rim`, and stick from `rim` to the edge.
+    The zones are then the disk, slip from `inner` to `rim`, and stick from `rim` to the edge.
 
     Parameters
     ----------
@@ -211,7 +218,7 @@ def _with_fields_of_stick(
         Its displacement in slip.
     stick : EdgeStick
     solved : ZoneSolution
-        From which the outcome was made.
+        The solution of which it is the outcome.
     parameters : Parameters
     """
     _, beta, _, friction = parameters
@@ -219,61 +226,60 @@ def _with_fields_of_stick(
     width = stick.width
     rim_value = float(np.sqrt(1.0 - width))
     rim = Radius(rim_value, width / (1.0 + rim_value))
-    extent = gap(inner, EDGE) / 2.0
-    extent_to_rim = gap(inner, rim) / 2.0
+    half_width = gap(inner, EDGE) / 2.0
+    half_slip_width = gap(inner, rim) / 2.0
     inner_pressure = solved.pressures[1]
     outer_pressure = solved.pressures[-1]
+    assert isinstance(outcome.pressure, ZonalField)
 
-    # functions of the distance d of y from a boundary, 1 in the middle of the zone
+    # Functions of the distance d in y from a boundary: 0 at the boundary, 1 in the middle of the
+    # zone. Slip is the displacement times the sign of the traction, negative where the law holds.
 
-    def pressure_outside_rim(d: Array) -> Array:
-        y = width + extent_to_rim * d
-        unmatched = outer_pressure(np.minimum(y / extent, 1.0))
-        return np.asarray(unmatched * stick.exterior_factor(y / width))
+    def slip_pressure_at_rim(d: Array) -> Array:
+        y = width + half_slip_width * d
+        unmatched = outer_pressure(np.minimum(y / half_width, 1.0))
+        return np.asarray(unmatched * stick.slip_pressure_factor(y / width))
 
-    def slip_outside_rim(d: Array) -> Array:
-        distance = np.minimum((width + extent_to_rim * d) / extent, 1.0)
-        layer = beta * friction * pressure_outside_rim(d)
-        return np.asarray(body_displacement.toward_outer(distance) + layer)
+    def slip_at_rim(d: Array) -> Array:
+        unmatched_d = np.minimum((width + half_slip_width * d) / half_width, 1.0)
+        of_compliance = beta * friction * slip_pressure_at_rim(d)
+        return np.asarray(body_displacement.toward_outer(unmatched_d) + of_compliance)
 
-    def slip_outside_disk(d: Array) -> Array:
-        layer = beta * friction * inner_pressure(d)
-        return np.asarray(body_displacement.toward_inner(d) + layer)
+    def slip_at_disk(d: Array) -> Array:
+        of_compliance = beta * friction * inner_pressure(d)
+        return np.asarray(body_displacement.toward_inner(d) + of_compliance)
 
-    def pressure_inside_rim(d: Array) -> Array:
-        return stick.pressure_within(1.0 - d / 2.0, d / 2.0)
+    def stick_pressure_at_rim(d: Array) -> Array:
+        return stick.stick_pressure(1.0 - d / 2.0, d / 2.0)
 
-    def pressure_inside_edge(d: Array) -> Array:
-        """Return the pressure times the square root of the distance, which is regular."""
-        return stick.pressure_within(d / 2.0, 1.0 - d / 2.0) * np.sqrt(d)
+    def regular_stick_pressure_at_edge(d: Array) -> Array:
+        """Return the pressure times the square root of d."""
+        return stick.stick_pressure(d / 2.0, 1.0 - d / 2.0) * np.sqrt(d)
 
-    depth = log(extent_to_rim / width) + _DEPTH_BELOW_WIDTH
-    slip_series = (
-        sampled(slip_outside_disk, _DEPTH_BELOW_WIDTH),
-        sampled(slip_outside_rim, depth),
-    )
+    depth = log(half_slip_width / width) + EPSILON_DEPTH
+    slip_series = (sampled(slip_at_disk, EPSILON_DEPTH), sampled(slip_at_rim, depth))
     slip = AnnulusSeries(inner, rim, *slip_series, power=0)
-    # without the values next to the boundaries, where slip vanishes and its sense is rounding
+    # without the values at the boundaries, where slip vanishes and its sense is rounding
     values = np.concatenate([series.at_ends()[:-1] for series in slip_series])
-    wrong = max(float(values.max() / np.abs(values).max()), 0.0)
+    wrong_slip = max(float(values.max() / np.abs(values).max()), 0.0)
     slip_pressure = AnnulusSeries(
-        inner, rim, inner_pressure, sampled(pressure_outside_rim, depth), power=0
+        inner, rim, inner_pressure, sampled(slip_pressure_at_rim, depth), power=0
     )
     edge_pressure = AnnulusSeries(
         rim,
         EDGE,
-        sampled(pressure_inside_rim, _DEPTH_BELOW_WIDTH),
-        sampled(pressure_inside_edge, _DEPTH_BELOW_WIDTH, power=-0.5),
+        sampled(stick_pressure_at_rim, EPSILON_DEPTH),
+        sampled(regular_stick_pressure_at_edge, EPSILON_DEPTH, power=-0.5),
         power=0,
     )
-    stick_traction = np.array([friction * stick.traction])
+    stick_traction = np.array([friction * stick.pressure_at_width])
     constant = LogSeries(stick_traction[None], stick_traction, PANEL_WIDTH)
     edge_traction = AnnulusSeries(rim, EDGE, constant, constant, power=0)
-    disk_pressure = outcome.pressure.pieces[:1] if isinstance(outcome.pressure, ZonalField) else ()
 
-    field_error = stick.error + stick.traction_error(beta)
+    field_error = stick.outer_error + stick.traction_error(beta)
     slip_error = outcome.slip_error + field_error
-    # w is a power 1/(1/2 - theta) of amplitude and displacement, and its error so many times theirs
+    # w is the power 1/(1/2 - theta) of the ratio of amplitude and displacement, which multiplies
+    # relative errors
     data_error = outcome.pressure_error + field_error + min(outcome.slip_error, 1.0)
     amplification = 1.0 / (0.5 - stick.theta)
     width_error = amplification * data_error if data_error < 1.0 else inf
@@ -285,7 +291,11 @@ def _with_fields_of_stick(
             Zone.from_radii("stick", rim, EDGE),
         ),
         pressure=ZonalField(
-            (*disk_pressure, ZonePiece(rim, slip_pressure), ZonePiece(EDGE, edge_pressure))
+            (
+                outcome.pressure.pieces[0],
+                ZonePiece(rim, slip_pressure),
+                ZonePiece(EDGE, edge_pressure),
+            )
         ),
         traction=ZonalField(
             (
@@ -295,35 +305,35 @@ def _with_fields_of_stick(
             )
         ),
         slip=ZonalField((outcome.slip.pieces[0], ZonePiece(rim, slip), ZonePiece(EDGE, None))),
-        approach_error=outcome.approach_error + stick.error,
-        shear_error=outcome.shear_error + stick.error,
+        approach_error=outcome.approach_error + stick.outer_error,
+        shear_error=outcome.shear_error + stick.outer_error,
         pressure_error=outcome.pressure_error + field_error,
         traction_error=outcome.traction_error + field_error,
-        radius_error=outcome.radius_error + stick.error,
+        radius_error=outcome.radius_error + stick.outer_error,
         zones_error=max(outcome.zones_error, width_error),
         slip_error=slip_error,
-        violation=max(outcome.violation, wrong),
-        consistent=outcome.consistent and wrong <= max(slip_error, SLIP_ROUNDING),
+        violation=max(outcome.violation, wrong_slip),
+        consistent=outcome.consistent and wrong_slip <= max(slip_error, SLIP_ROUNDING),
         layout=None,
     )
 
 
 def sampled(function: Callable[[Array], Array], depth: float, *, power: float = 0.0) -> LogSeries:
-    """Return a series that interpolates ``function(d)``, times ``d**power``.
+    """Return the series ``d**power`` times an interpolant of a function.
 
     Parameters
     ----------
     function : callable
-        Of the distance d from a boundary.
+        A function of the distance d from a boundary, without the factor ``d**power``.
     depth : float
         The panels reach down to ``d = exp(-depth)``.
     power : float
-        Of the factor that is not sampled.
+        The exponent of the factor.
     """
     panels = ceil(depth / PANEL_WIDTH)
-    nodes, _ = gauss_rule(EDGE_SAMPLING_DEGREE + 1)
+    nodes, _ = gauss_rule(PANEL_SAMPLES)
     x = PANEL_WIDTH * (np.arange(panels)[:, None] + (1.0 + nodes) / 2.0)
     values = function(np.exp(-x.ravel())).reshape(x.shape)
-    expansion = legendre_expansion_matrix(EDGE_SAMPLING_DEGREE + 1, EDGE_SAMPLING_DEGREE)
+    expansion = legendre_expansion_matrix(PANEL_SAMPLES, PANEL_SAMPLES - 1)
     coefficients = values @ expansion.T
     return LogSeries(coefficients, np.array([coefficients[-1].sum()]), PANEL_WIDTH, power)

@@ -41,10 +41,8 @@ from spectral_contact.contact.resolution import (
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
-    INTEGRAL_ROUNDING,
-    JACOBIAN_CURVATURE,
-    MIN_CONTRACTION,
-    RIGID_TRACTION_ROUNDING,
+    JACOBIAN_RANGE,
+    NEGLIGIBLE_FRACTION,
     ROOT_EDGE_SAFETY,
     ROUNDING,
     TRACTION_ROUNDING,
@@ -55,11 +53,10 @@ from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import OffsetRadii, gap
 from spectral_contact.spectral.transforms import series_of
-from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.spectral.factored import Symmetric
+    from spectral_contact.spectral.factored import CholeskyFactoredSystem
 
 
 class FieldErrors(NamedTuple):
@@ -265,7 +262,7 @@ class ZoneEstimate:
         Estimate of the relative error that corrections left of the fields.
     noise : float
         Error of integral quantities by rounding, and by `remaining`, of which they take the factor
-        MIN_CONTRACTION.
+        NEGLIGIBLE_FRACTION.
 
     Raises
     ------
@@ -286,10 +283,10 @@ class ZoneEstimate:
         self.values = solution.values * solution.approach
         self.changes = [solution.approach * effect.change for effect in self.effects]
         self.field_errors = _field_errors(spaces, self.system, self.values, self.changes[0])
-        rounding = 2.0 * ROUNDING
-        if self.system.radii:
-            rounding = INTEGRAL_ROUNDING if self.system.pressure_known else 2.0 * FIELD_ROUNDING
-        self.noise = rounding + MIN_CONTRACTION * self.remaining
+        rounding = FIELD_ROUNDING if self.system.radii else ROUNDING
+        if not (self.system.radii and self.system.pressure_known):
+            rounding *= 2.0
+        self.noise = rounding + NEGLIGIBLE_FRACTION * self.remaining
 
     @cached_property
     def end_perturbation(self) -> Perturbation:
@@ -330,7 +327,7 @@ class ZoneEstimate:
         changes cancel.
         """
         error = float(self.field_errors.indicators.max()) + self.remaining
-        error += self.boundary_error + TRACTION_ROUNDING
+        error += TRACTION_ROUNDING
         return error * error  # a power would overflow where the traction nearly vanishes
 
     @cached_property
@@ -345,7 +342,8 @@ class ZoneEstimate:
     def logit_errors(self) -> Array:
         """Estimates of the errors of the logits, ``|J^-1| r`` and a term of second order.
 
-        The Jacobian varies over the width of the narrower zone at a boundary.
+        The Jacobian changes by its own size over JACOBIAN_RANGE of the width of the narrower zone
+        at a boundary.
         """
         logits = self.iterate.logits
         if not len(logits):
@@ -353,7 +351,7 @@ class ZoneEstimate:
         errors = self.inverse @ self.residual_bound + float(np.finfo(float).eps) * np.abs(logits)
         widths = np.concatenate([[inf], np.diff(logits), [inf]])
         narrower = np.minimum(widths[1:], widths[:-1])
-        return np.asarray(errors * (1.0 + JACOBIAN_CURVATURE * errors / narrower))
+        return np.asarray(errors * (1.0 + errors / (JACOBIAN_RANGE * narrower)))
 
     def attempt(self) -> SpaceSolution[ZoneSolution]:
         """Return the solution with its errors."""
@@ -364,7 +362,7 @@ class ZoneEstimate:
             integral_floor += self.boundary_error
         field_floor = self.remaining + self.boundary_error
         pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
-        traction_error = max(fields.traction, self._traction_rounding) + field_floor
+        traction_error = max(fields.traction, TRACTION_ROUNDING) + field_floor
         boundary_errors = tuple(
             radius_errors(float(error), radius)
             for error, radius in zip(self.logit_errors, system.radii, strict=True)
@@ -397,21 +395,6 @@ class ZoneEstimate:
         if system.symmetric and not system.pressure_known:
             return self._with_energies(solution)
         return solution
-
-    @property
-    def _traction_rounding(self) -> float:
-        """The rounding of q/s at the centre, where it is largest.
-
-        It is larger where a small compliance hardly regularises the traction of a disk: in full
-        stick, or under a known pressure on the one stick disk.
-        """
-        radii = self.system.radii
-        compliance = self.system.parameters.beta
-        if radii:
-            compliance /= radii[0].value
-        disk = len(radii) <= (1 if self.system.pressure_known else 0)
-        rigid = disk and compliance < UNCORRECTED_COMPLIANCE
-        return RIGID_TRACTION_ROUNDING if rigid else TRACTION_ROUNDING
 
     @property
     def _shear_cancellation(self) -> float:
@@ -454,7 +437,7 @@ class ZoneEstimate:
         """
         system = self.system
         fields = self.solution
-        factors = cast("Symmetric", fields.factors)
+        factors = cast("CholeskyFactoredSystem", fields.factors)
         energies = factors.energies(fields.values)
         dual_energies = factors.energies(factors.step(system.shear_row))
         # by panels, the tail last

@@ -27,17 +27,15 @@ from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
     MAX_CONTRACTION,
-    MAX_LOGIT_STEP,
-    MAX_STALLED_STEPS,
     MAX_STEPS,
-    MIN_CONTRACTION,
     MIN_STEP_ANGLE,
     NEGLIGIBLE_FRACTION,
+    PANEL_WIDTH,
     RESIDUAL_NOISE,
     ROUNDING,
 )
 from spectral_contact.fields.series import Array
-from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.factored import FactoredSystem, factored
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -72,7 +70,7 @@ class FieldSolution:
     Attributes
     ----------
     system : ContactSystem
-    factors : Factored
+    factors : FactoredSystem
         Factors of the matrix of this system, or of one with slightly different boundaries.
     values : ndarray, shape (unknowns,)
         The vector of the system.
@@ -82,12 +80,12 @@ class FieldSolution:
     """
 
     system: ContactSystem
-    factors: Factored
+    factors: FactoredSystem
     values: Array
     defects: Array
 
     @classmethod
-    def first(cls, factors: Factored, system: ContactSystem | None = None) -> FieldSolution:
+    def first(cls, factors: FactoredSystem, system: ContactSystem | None = None) -> FieldSolution:
         """Return the direct solution with the factors, as a start in their system or another."""
         system = system or factors.system
         no_defects = np.zeros(len(system.radii))
@@ -209,7 +207,7 @@ def corrected(
             # stands for that, with which an error above the coarse tolerance asks for new factors
             contraction = 0.0 if exact_factors else 1.0
         fields = next_fields
-        remaining = length * min(max(contraction, MIN_CONTRACTION), 1.0)
+        remaining = length * min(max(contraction, NEGLIGIBLE_FRACTION), 1.0)
         if remaining < tolerance:
             break
         length_before = length
@@ -321,7 +319,7 @@ class FreeBoundary:
                 least_residual = size
             if length < boundary_tol:
                 return self._corrected_to(iterate, field_tol, converged=True)
-            if stalled > MAX_STALLED_STEPS or (stalled > 1 and least_residual < RESIDUAL_NOISE):
+            if stalled > 1 and least_residual < RESIDUAL_NOISE:
                 break
             step *= _feasible_fraction(iterate.logits, step)
             moved = self._moved(iterate, step)
@@ -386,9 +384,10 @@ def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:
 def _feasible_fraction(logits: Array, step: Array) -> float:
     """Return the fraction of a step that can be taken.
 
-    No boundary moves by more than MAX_LOGIT_STEP, and no zone becomes narrower than half its width.
+    No boundary moves by more than the width of a panel, and no zone becomes narrower than half of
+    its own.
     """
-    fraction = min(1.0, MAX_LOGIT_STEP / max(float(np.abs(step).max()), TINY))
+    fraction = min(1.0, PANEL_WIDTH / max(float(np.abs(step).max()), TINY))
     for width, change in zip(np.diff(logits), np.diff(step), strict=True):
         if change < 0.0:
             fraction = min(fraction, 0.5 * width / -change)

@@ -1,10 +1,9 @@
 """The friction law, verified on samples: ``|q| <= f p`` in stick, and slip against the traction.
 
-p and q are pressure and traction, f is friction; ``y = 1 - s**2`` at the radius s, which is `rest`
-of a `Radius`, and `gap` is a difference of y. An `Annulus` has a half at each boundary, with panels
-graded toward it, whose sampling points are at `y`. Slip is sampled
-as the radial displacement times the sign of the traction, so that it is negative where the law
-holds and positive where it has the wrong sense.
+p, q and f are pressure, traction and friction. s is the radius over that of the contact, and ``y =
+1 - s**2``, the attribute `rest` of a `Radius`. Slip is sampled as the radial displacement times the
+sign of the traction: it is negative where the law holds, and positive, or of the wrong sense, where
+the displacement has the direction of the traction. It is sampled at the points `y` of an `Annulus`.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
-from spectral_contact.contact.tuning import BOUNDARY_SLIP_FACTOR, SLIP_ROUNDING
+from spectral_contact.contact.tuning import SAMPLES, SLIP_ROUNDING, TRACTION_ROUNDING
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parts import gap
 
@@ -25,34 +24,41 @@ if TYPE_CHECKING:
 
 Interval: TypeAlias = tuple[float, float]
 
-#: Distance from a boundary, over the width of the zone, at which slip is as small as its rounding:
-#: it grows like the distance to the power 3/2.
+#: Distance from a boundary, over the width of the zone, at which slip is as small as its rounding,
+#: because it grows like the distance to the power 3/2.
 _BOUNDARY_DISTANCE = float(np.cbrt(SLIP_ROUNDING)) ** 2
-#: Distances from the boundaries of a zone, over its extent, at which stick is verified.
-DISTANCES = np.exp(-sample_depths(EPSILON_DEPTH, 400))
+#: A violation of the friction law by less is none, and slip that is about to start is known to this
+#: part of the radius at best: an annulus opens like the root of ``1 - f/f_crit``, which has the
+#: rounding of the traction.
+UNRESOLVED_SLIP = sqrt(TRACTION_ROUNDING)
+#: Distances in y from the boundary of a part, over the extent of the part, at which stick is
+#: verified.
+DISTANCES = np.exp(-sample_depths(EPSILON_DEPTH, 3 * SAMPLES))
 
 
 def missing_stick(
     annulus: Annulus, sample: Array, largest: float, at_edge: float = 0.0, excused: float = 0.0
 ) -> tuple[Interval, ...]:
-    """Return where a slip zone moves with its traction, so that stick is missing there.
+    """Return where slip has the wrong sense, so that stick is missing there.
 
-    Left out is slip in the wrong sense that is adjacent to a boundary with a stick zone, which is
-    an error of that boundary, and slip that is nowhere larger than its error. Next to the edge,
-    where slip does not go to zero, neither is an excuse.
+    Left out are intervals that are adjacent to a boundary with a stick zone, because there the
+    error of the boundary may explain them, and intervals on which slip is nowhere larger than its
+    error. The edge is no such boundary, and slip does not vanish there. So an interval that reaches
+    the edge is kept however small slip is, unless it begins at the inner boundary: then the whole
+    zone has the wrong sense, and is itself wrong.
 
     Parameters
     ----------
     annulus : Annulus
         The slip zone.
     sample : ndarray
-        The displacement times the sign of the traction, at the sampling points of the annulus.
+        The slip at the sampling points of the annulus.
     largest : float
-        The largest displacement of all zones; 1e-10 of it is rounding.
+        The largest modulus of the slip in all zones; SLIP_ROUNDING of it is rounding.
     at_edge : float
-        The same as the sample, at the edge, which is beyond all sampling points.
+        The slip at the edge, which is beyond all sampling points.
     excused : float
-        Error of the displacement, relative to the largest.
+        Error of the slip, relative to the largest.
 
     Returns
     -------
@@ -64,8 +70,6 @@ def missing_stick(
     if reaches_edge:
         y = np.append(y, 0.0)
         sample = np.append(sample, at_edge)
-    if not (sample > SLIP_ROUNDING * largest).any():
-        return ()
     outward = np.argsort(-y)
     y = y[outward]
     sample = sample[outward]
@@ -84,9 +88,9 @@ def missing_stick(
         exceeds_error = sample[start : end + 1].max() > excused * largest
         if adjacent_inside or adjacent_outside or not (at_the_edge or exceeds_error):
             continue
-        # an interval that is the edge alone begins at the last sampling point
-        inner_y = float(y[start]) or float(y[start - 1])
-        intervals.append((inner_y, float(y[end])))
+        # an interval of the edge alone is extended to the last sampling point
+        first = start if y[start] > 0.0 else start - 1
+        intervals.append((float(y[first]), float(y[end])))
     return tuple(intervals)
 
 
@@ -100,7 +104,7 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
     error : float
         The larger of the relative errors of q and p.
     wrong : float
-        The largest slip in the wrong sense, relative to the largest slip; rounding is excused.
+        The largest slip of the wrong sense, relative to the largest slip.
     slip_error : float
         Error of the slip, relative to the largest.
     """
@@ -108,9 +112,9 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
 
 
 def excused_excess(error: float) -> float:
-    """Return the largest ``|q|/(f p) - 1`` in stick that errors explain: the sum of those of q, p.
+    """Return the largest ``|q|/(f p) - 1`` in stick that the errors of q and p explain together.
 
-    On none of 58 solutions it comes to more than 0.07 of the larger.
+    The excess of none of 58 solutions is more than 0.07 of the larger error.
 
     Parameters
     ----------
@@ -123,13 +127,14 @@ def excused_excess(error: float) -> float:
 def edge_sense_unknown(slip_at_edge: float, excused: float) -> float:
     """Return 1 if stick at the edge may be missing because slip there is below its error, else 0.
 
-    That is so next to the second threshold of friction. The error counts as a half at most: slip
-    with hardly a digit belongs to a narrow zone, which is uncertain as a whole already.
+    It is taken as a relative error of the zones; 1 is no digit. Next to the second threshold of
+    friction the slip at the edge is that small. The error counts as 1/2 at most: slip with hardly a
+    digit belongs to a narrow zone, all of which is uncertain for another reason.
 
     Parameters
     ----------
     slip_at_edge : float
-        Relative to the largest slip.
+        The slip at the edge, relative to the largest.
     excused : float
         Error of the slip, relative to the largest.
     """
@@ -137,21 +142,22 @@ def edge_sense_unknown(slip_at_edge: float, excused: float) -> float:
 
 
 def inf_if_unresolved(error: float) -> float:
-    """Return the relative error of a displacement, infinite if no digit of it is known."""
+    """Return a relative error, or infinity if it is above 1, so that no digit is known."""
     return error if error <= 1.0 else inf
 
 
 def slip_error_from_boundaries(shift: float) -> float:
-    """Return the error of slip, relative to the largest, if boundaries of its zone are off.
+    """Return the error of slip, relative to the largest, by an error of its zone's boundaries.
 
-    Slip goes like the distance from a boundary to the power 3/2.
+    Slip over a narrow annulus is like ``(x (1 - x))**(3/2)``, with the distance x from a boundary
+    over the width; that is ``2**3 x**(3/2)`` of its largest value next to the boundary.
 
     Parameters
     ----------
     shift : float
         The error of the boundaries over the width of the zone.
     """
-    return BOUNDARY_SLIP_FACTOR * shift * sqrt(shift)
+    return 2.0**3 * shift * sqrt(shift)
 
 
 def stick_violation(friction: float, fields_in_stick: Iterable[tuple[Array, Array]]) -> float:
@@ -161,8 +167,9 @@ def stick_violation(friction: float, fields_in_stick: Iterable[tuple[Array, Arra
     ----------
     friction : float
     fields_in_stick : iterable of (ndarray, ndarray)
-        q and p at the same radii. Next to a boundary the two differ by the square root of the
-        distance from it, so that these distances have to be exact.
+        q and p at the same radii. Next to a boundary the difference of ``|q|`` and f p goes like
+        the square root of the distance from it, so that both have to be evaluated at the same
+        distance to the last digit.
     """
     violation = 0.0
     for q, p in fields_in_stick:

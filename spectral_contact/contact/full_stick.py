@@ -27,7 +27,7 @@ from spectral_contact.contact.resolution import (
     relative_panel_changes,
     sample_depths,
 )
-from spectral_contact.contact.tuning import CLOSED_FORM_ROUNDING
+from spectral_contact.contact.tuning import FIELD_ROUNDING
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of
@@ -85,12 +85,12 @@ def smooth_full_stick(contact: NormalContact) -> FullStick:
         approach=contact.approach,
         total_shear=2.0 * log(2.0),
         approach_error=contact.approach_error,
-        shear_error=CLOSED_FORM_ROUNDING,
+        shear_error=FIELD_ROUNDING,
         pressure=contact.pressure,
         traction=DiskSeries(EDGE, None, EdgeWeight(1.0 / pi**2, 0.0, logarithmic=True)),
         edge_ratio=inf,
         pressure_error=contact.pressure_error,
-        traction_error=CLOSED_FORM_ROUNDING,
+        traction_error=FIELD_ROUNDING,
     )
 
 
@@ -116,7 +116,7 @@ def _with_unknown_pressure(totals: FullStick, zones: ZoneSolution) -> FullStick:
     # column 0 holds the coefficients of the solution, column 1 what the top two degrees contribute
     field_changes = relative_changes(system, zones.solution[:, 0], zones.solution[:, 1])
     changes = [(panels, change) for change in field_changes]
-    return result.with_ratios(panels.panels * panels.width, changes, _edge_change(zones))
+    return result.with_ratios(panels.count * panels.width, changes, _edge_change(zones))
 
 
 def _with_known_pressure(
@@ -147,7 +147,7 @@ def _with_known_pressure(
         pressure_changes = relative_panel_changes(contact.panels, top, contact.pressure.at_ends())
         changes.append((contact.panels, pressure_changes))
         edge_change += abs(series_of(contact.panels, top).limit / contact.pressure.value(0.0))
-    return result.with_ratios(panels.panels * panels.width, changes, edge_change)
+    return result.with_ratios(panels.count * panels.width, changes, edge_change)
 
 
 def _edge_change(zones: ZoneSolution) -> float:

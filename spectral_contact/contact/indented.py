@@ -1,13 +1,16 @@
-r"""Normal contact under a profile, of a given radius ``a``: `normal`'s equation with one more load.
+r"""Normal contact under a profile, of a given radius ``a``.
 
-On the unit disk ``(alpha/a) p + N p = (delta - h(a s))/a``, whose half-integral's target is
-``[H(1) - H(t)] + 2 eps``: the bracket is known exactly, and the pressure is that of the bracket
-plus ``eps`` times that of a flat punch, which the same factors give. ``eps`` is what makes the
-pressure vanish at the edge (docs/theory, profiles).
+h(r) is the height of the punch, delta the approach, alpha the normal compliance and N the normal
+operator of docs/theory; ``s = r/a``, and lengths are in units of a. On the unit disk the pressure p
+obeys ``(alpha/a) p + N p = (delta - h(a s))/a``. With ``H(t) = 2 t int_0^t h'(r) dr / sqrt(t**2 -
+r**2)`` its half-integral on a smooth surface, the *target*, is ``[H(1) - H(t)] + 2 eps``
+(docs/profiles). The bracket is evaluated without cancellation. So the pressure is that of the
+bracket plus ``eps`` times that of a flat punch, both by the same factors. The number ``eps``, the
+*shift*, follows from the pressure at the edge, which is zero.
 
-With adhesion it is what makes the pressure at the edge ``-sqrt(2 w / alpha)``, at which the energy
-release rate ``alpha p**2 / 2`` is the work of adhesion w; on a smooth surface the pressure is
-infinite there, and its intensity is given (docs/theory, adhesion).
+With adhesion the pressure at the edge is ``-sqrt(2 w / alpha)``, the *suction*, at which the energy
+release rate ``alpha p**2 / 2`` is the work of adhesion w. This lowers eps by the *pull*. On a
+smooth surface the pressure is infinite there, and its intensity is given (docs/theory, adhesion).
 """
 
 from __future__ import annotations
@@ -22,8 +25,8 @@ from spectral_contact.contact.on_parts import (
     Indentation,
     PartedProblem,
     edge_value,
+    feature_depths,
     field_of,
-    layer_depth,
     pointwise_errors,
     profile_parts,
     series_on_parts,
@@ -34,55 +37,59 @@ from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import EdgeWeight, LogSeries
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
-from spectral_contact.spectral.regularised import Regularised
+from spectral_contact.spectral.regularised import RegularisedProblem
 from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
 
-#: Places next to the edge, in units of the layer, where the pressure's slope is taken.
-_SLOPE = 1e-4
-#: Error of ``eps`` over what the tail at the edge changes.
-_EDGE = 1.0
-#: What integrals of a smooth space lack, as the worst of three times 300 random profiles need it.
-_INTEGRATED = 2.0
-#: Roundings of the shift, and of what follows from it, measured over random profiles and against
-#: the gold tables: the work under a rounded flat takes 3.05.
+#: Distance y from the edge, over the width of the edge layer or the distance to the pole of
+#: the half-integral, at which the slope of the pressure is taken.
+_SLOPE_DISTANCE = 1e-4
+#: Error of ``eps``, in changes of the pressure at the edge by the top degrees of the tail there.
+_EDGE_FACTOR = 1.0
+#: Error of an integral over the energy of the change by the top degrees: the worst of three times
+#: 300 random profiles needs this factor.
+_ENERGY_FACTOR = 2.0
+#: Roundings of the shift, and of the results that follow from it, measured over random profiles and
+#: against the gold tables: the work under a rounded flat takes 3.05.
 _ROUNDINGS = 3.5
-#: The place of a break is rounded, which counts relative to its distance from the edge: so many of
-#: our roundings for integrals and for the pressure, measured as close as 1e-4 of the radius.
-_PLACE, _PLACE_POINTWISE = 0.2, 0.7
-#: Rounding of the pressure deep in a thin layer, where it is what the layer's equation leaves.
+#: The radius of a break is rounded, relative to its distance from the edge. Errors of integrals and
+#: of the pressure are these multiples of ROUNDING over that distance, measured down to 1e-4 of the
+#: radius.
+_BREAK_ROUNDINGS, _BREAK_FIELD_ROUNDINGS = 0.2, 0.7
+#: Rounding of the pressure deep in a thin layer, where alpha p is a small difference.
 _LAYER_ROUNDING = 1e-16
 
 
 @dataclass(frozen=True, slots=True)
 class _TwoPressures:
-    """The two solutions in a space, and how they combine.
+    """The pressures under a flat punch and under the profile, in one space.
 
     Attributes
     ----------
-    factored : Regularised
-    flat, whole : ndarray
-        Coefficients of the pressure of a flat punch for unit approach, and of the pressure.
-    flat_half, whole_half : ndarray
+    factored : RegularisedProblem
+    flat, pressure : ndarray
+        Coefficients of the pressure of a flat punch for unit approach, and of the pressure p under
+        the profile.
+    flat_half, pressure_half : ndarray
         Their half-integrals at the nodes.
     target : ndarray
-        What the half-integral of the pressure should be.
+        The target of the half-integral of p.
     shift : float
         ``eps``.
     pull : float
-        By how much adhesion lowers ``eps``.
+        The part that adhesion takes from ``eps``.
     pull_error : float
-        Relative error of that in the coarser space.
+        Relative error of the pull in the coarser space.
     flat_edge : float
         Pressure of the flat punch at the edge.
     """
 
-    factored: Regularised
+    factored: RegularisedProblem
     flat: Array
-    whole: Array
+    pressure: Array
     flat_half: Array
-    whole_half: Array
+    pressure_half: Array
     target: Array
     shift: float
     pull: float
@@ -91,7 +98,7 @@ class _TwoPressures:
 
 
 class _IndentationProblem(PartedProblem):
-    """Spaces for a contact under a profile."""
+    """The problem of a contact of given radius under a profile, for `refine`."""
 
     def __init__(
         self,
@@ -103,42 +110,54 @@ class _IndentationProblem(PartedProblem):
         pointwise: bool,
         adhesion: float = 0.0,
     ) -> None:
-        self.profile, self.radius = profile, radius
-        #: suction at the edge
+        self.profile = profile
+        self.radius = radius
         self.suction = sqrt(2.0 * adhesion / compliance)
         #: in units of the contact radius
         self.compliance = compliance / radius
-        parts, thin = profile_parts(profile, radius), min(self.compliance, 1.0)
-        depths = [layer_depth(thin, boundary, extent) for boundary, _, extent in parts.ends]
+        parts = profile_parts(profile, radius)
+        width = min(self.compliance, 1.0)
+        depths = feature_depths(parts, width, profile._to_pole(radius))
         super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
-        """Solve in a space."""
+        """Return the solution in a space, with its error estimates."""
         used = self.part_spaces(resolution)
         space = disk_space(self.parts, used)
-        return self._judged(space, used, self._solve(space, used[-1][0]))
+        return self._with_errors(space, used, self._solve(space, used[-1].panels))
 
     def _solve(self, space: Space, edge: LogPanels) -> _TwoPressures:
-        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past)
+        """Return both pressures; `edge` are the panels next to the edge."""
+        bracket = self.profile._bracket(self.radius, space.t, space.y, space.past_break)
         factored = space.factor(self.compliance)
-        own = factored.solve(bracket)
+        by_bracket = factored.solve(bracket)
         flat = factored.solve(2.0)
-        at_edge = edge_value(edge, flat)
-        half = space.half_integral
-        flat_half = half(flat)
+        flat_edge = edge_value(edge, flat)
+        flat_half = space.half_integral(flat)
         pull, pull_error = self._pull(factored, flat, float(space.weights @ flat_half))
-        shift = -edge_value(edge, own) / at_edge - pull
-        whole = own + shift * flat
-        target = bracket + 2.0 * shift
-        halves = flat_half, half(whole)
-        pulled = pull, pull_error
-        return _TwoPressures(factored, flat, whole, *halves, target, shift, *pulled, at_edge)
+        shift = -edge_value(edge, by_bracket) / flat_edge - pull
+        pressure = by_bracket + shift * flat
+        return _TwoPressures(
+            factored,
+            flat,
+            pressure,
+            flat_half,
+            space.half_integral(pressure),
+            bracket + 2.0 * shift,
+            shift,
+            pull,
+            pull_error,
+            flat_edge,
+        )
 
-    def _pull(self, factored: Regularised, flat: Array, flat_moment: float) -> tuple[float, float]:
-        """Return by how much adhesion lowers ``eps``, and the relative error in a coarser space.
+    def _pull(
+        self, factored: RegularisedProblem, flat: Array, flat_moment: float
+    ) -> tuple[float, float]:
+        """Return the pull, and its relative error in the coarser space.
 
-        The pressure of the flat punch at the edge, which the suction is divided by, follows from
-        integrals, which superconverge (docs/theory, exact identities).
+        It is the suction over the pressure of the flat punch at the edge. That follows from
+        integrals, which superconverge, by the exact identity in docs/theory (adhesion).
+        `flat_moment` is ``int F dt`` of the flat punch.
         """
         if self.suction == 0.0:
             return 0.0, 0.0
@@ -150,108 +169,129 @@ class _IndentationProblem(PartedProblem):
         square = moment + float(flat[index] @ (space.mass @ flat[index]))
         return self.suction / sqrt(square), abs(float(change[index] @ image)) / (2.0 * square)
 
-    def glance(self, max_unknowns: int) -> Indentation:
-        """Return the contact in the first space, whatever its errors are: they are 0."""
+    def values_only(self, max_unknowns: int) -> Indentation:
+        """Return the contact in the first space, with 0 in place of all error estimates."""
         used = self.part_spaces(within_budget(self.start(), max_unknowns))
         space = disk_space(self.parts, used)
-        return self._contact(space, used, self._solve(space, used[-1][0]))
+        return self._contact(space, used, self._solve(space, used[-1].panels))
 
     def _contact(
         self, space: Space, used: tuple[DiscreteSpace, ...], solved: _TwoPressures
     ) -> Indentation:
-        """Return the contact without its errors."""
-        a, weights = self.radius, space.weights
-        series, flat = (series_on_parts(used, one) for one in (solved.whole, solved.flat))
-        unpulled = series[-1]
+        """Return the contact without error estimates."""
+        a = self.radius
+        weights = space.weights
+        series = series_on_parts(used, solved.pressure)
+        flat = series_on_parts(used, solved.flat)
+        edge_series = series[-1]
         if solved.pull > 0.0:
-            unpulled = series_on_parts(used, solved.whole + solved.pull * solved.flat)[-1]
+            # the pressure without adhesion
+            edge_series = series_on_parts(used, solved.pressure + solved.pull * solved.flat)[-1]
         return Indentation(
             a,
-            a * (self._whole_height + solved.shift),
-            4 * a**2 * float(weights @ solved.whole_half),
-            a**3 * float(weights @ (solved.whole_half * solved.target)),
+            a * (self._smooth_approach + solved.shift),
+            4 * a**2 * float(weights @ solved.pressure_half),
+            a**3 * float(weights @ (solved.pressure_half * solved.target)),
             4 * a * float(weights @ solved.flat_half),
-            self._growth(unpulled, self.parts.ends[-1][2], solved.flat_edge),
+            self._growth(edge_series, self.parts.ends[-1][2], solved.flat_edge),
             field_of(self.parts, series) if self.pointwise else None,
             field_of(self.parts, flat) if self.pointwise else None,
             pull=a * solved.pull,
         )
 
     @property
-    def _whole_height(self) -> float:
-        """The approach on a smooth surface, in units of the radius."""
+    def _smooth_approach(self) -> float:
+        """The approach on a smooth surface, ``H(a)/2``, in units of the radius."""
         return float(self.profile._transform(np.asarray(self.radius))) / (2.0 * self.radius)
 
-    def _judged(
+    def _with_errors(
         self, space: Space, used: tuple[DiscreteSpace, ...], solved: _TwoPressures
     ) -> SpaceSolution[Indentation]:
-        """Return the contact with its errors."""
-        a, found = self.radius, self._contact(space, used, solved)
-        moment, flat_moment = found.load_size / (4 * a**2), found.stiffness / (4 * a)
-        energy, whole_height = found.work / a**3, self._whole_height
-        approach = found.approach_size / a
-        change, mean = solved.factored.change(solved.whole), 4 / pi * moment
-        indicators = pointwise_errors(self.parts, used, solved.whole, change, mean)
-        own = change.energies
+        """Return the contact with its error estimates."""
+        a = self.radius
+        contact = self._contact(space, used, solved)
+        # in units of the radius: int F dt of the pressure and of the flat punch, the work, the
+        # approach on a smooth surface and the approach
+        moment = contact.load_size / (4 * a**2)
+        flat_moment = contact.stiffness / (4 * a)
+        energy = contact.work / a**3
+        smooth_approach = self._smooth_approach
+        approach = contact.approach_size / a
+        change = solved.factored.change(solved.pressure)
+        mean = 4 / pi * moment
+        indicators = pointwise_errors(self.parts, used, solved.pressure, change, mean)
+        energies = change.energies
         flat_change = solved.factored.change(solved.flat)
-        flat = _INTEGRATED * flat_change.energies
-        load_lost = pi / 2.0 * float(np.sqrt(_INTEGRATED * own * flat).sum())
-        work_lost = _INTEGRATED * pi * float(own.sum())
-        # of what has no suction at the edge
+        flat_energies = _ENERGY_FACTOR * flat_change.energies
+        # errors of the integrals at a given shift
+        load_error = pi / 2.0 * float(np.sqrt(_ENERGY_FACTOR * energies * flat_energies).sum())
+        work_error = _ENERGY_FACTOR * pi * float(energies.sum())
+        # the change of the pressure without adhesion, in the tail at the edge
         regular = change.coefficients + solved.pull * flat_change.coefficients
-        lost = float(np.abs(regular[-used[-1].panels.tail_terms :]).sum())
-        noise = _ROUNDINGS * ROUNDING * max(whole_height, abs(solved.shift))
-        shifted = _EDGE * lost / solved.flat_edge + noise
+        edge_change = float(np.abs(regular[-used[-1].panels.tail_terms :]).sum())
+        noise = _ROUNDINGS * ROUNDING * max(smooth_approach, abs(solved.shift))
+        shift_error = _EDGE_FACTOR * edge_change / solved.flat_edge + noise
         pressure_error = float(indicators.max()) + _ROUNDINGS * FIELD_ROUNDING
-        place = ROUNDING * max((a / (a - b) for b in self.profile.breaks if b < a), default=0.0)
-        shifted += _PLACE * place * approach
+        breaks = [b for b in self.profile.breaks if b < a]
+        break_rounding = ROUNDING * max((a / (a - b) for b in breaks), default=0.0)
+        shift_error += _BREAK_ROUNDINGS * break_rounding * approach
         if solved.pull > 0.0:
-            from_moment = pi / 2.0 * float(flat.sum()) / flat_moment
-            shifted += solved.pull * (solved.pull_error + from_moment + ROUNDING)
-        pressure_error += _PLACE_POINTWISE * place
+            from_moment = pi / 2.0 * float(flat_energies.sum()) / flat_moment
+            shift_error += solved.pull * (solved.pull_error + from_moment + ROUNDING)
+        pressure_error += _BREAK_FIELD_ROUNDINGS * break_rounding
         if len(used) > 1:
-            pressure_error += _LAYER_ROUNDING * whole_height / (self.compliance * mean)
+            pressure_error += _LAYER_ROUNDING * smooth_approach / (self.compliance * mean)
+        stiffness_error = pi / 2.0 * float(flat_energies.sum()) / flat_moment + 2.0 * ROUNDING
         indentation = replace(
-            found,
-            approach_error=shifted / approach + ROUNDING,
-            load_error=(shifted * flat_moment + load_lost) / moment + ROUNDING,
-            work_error=(4 * shifted * moment + work_lost) / energy + ROUNDING,
-            stiffness_error=pi / 2.0 * float(flat.sum()) / flat_moment + 2.0 * ROUNDING,
+            contact,
+            approach_error=shift_error / approach + ROUNDING,
+            load_error=(shift_error * flat_moment + load_error) / moment + ROUNDING,
+            work_error=(4 * shift_error * moment + work_error) / energy + ROUNDING,
+            stiffness_error=stiffness_error,
             pressure_error=pressure_error,
         )
         error = max(indentation.approach_error, indentation.load_error)
         if self.pointwise:
             error = max(error, pressure_error)
         else:
+            # errors of integrals are squares of those of the pressure
             indicators = indicators**2
         return SpaceSolution(indentation, error, indicators, space.unknowns)
 
-    def _growth(self, edge: LogSeries, reach: float, flat_edge: float) -> float:
-        """Return ``ddelta/da``, from how the pressure falls to the edge."""
-        y = min(_SLOPE * min(self.compliance, 1.0), 0.5 * reach)
-        return 2.0 * edge.value(y / reach) / y / flat_edge
+    def _growth(self, edge: LogSeries, extent: float, flat_edge: float) -> float:
+        """Return ``ddelta/da``, from the slope of the pressure next to the edge.
+
+        As a grows by da, the pressure at the old edge grows from 0 by its slope there; it grows
+        with delta like that of the flat punch. `edge` is the pressure on the last part, without
+        adhesion, and `extent` the extent of the part.
+        """
+        to_pole = self.profile._to_pole(self.radius)
+        y = min(_SLOPE_DISTANCE * min(self.compliance, to_pole, 1.0), 0.5 * extent)
+        return 2.0 * edge.value(y / extent) / y / flat_edge
 
 
 def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float) -> Indentation:
-    """Return the contact on a smooth surface, where the half-integral is known.
+    """Return the contact on a smooth surface, where the half-integral F is known.
 
-    With adhesion that of a flat punch is taken away, by Johnson, Kendall and Roberts (1971).
+    With adhesion a constant is taken from F, the half-integral of a flat punch (Johnson, Kendall
+    and Roberts, 1971).
     """
-    parts, a = profile_parts(profile, radius), radius
-    found = smooth_contact(profile, a, parts, pointwise=pointwise)
-    pressure = found.pressure
+    parts = profile_parts(profile, radius)
+    a = radius
+    contact = smooth_contact(profile, a, parts, pointwise=pointwise)
+    pressure = contact.pressure
     pull = sqrt(pi * a * adhesion / 2.0)
-    less = 2.0 * pull / a
-    weight = EdgeWeight(-2.0 / pi * less, 0.0) if adhesion else None
-    last = max((b for b in profile.breaks if b < a), default=0.0)
-    past = (a - last) * (a + last) if last else 0.0
+    flat_half = 2.0 * pull / a
+    weight = EdgeWeight(-2.0 / pi * flat_half, 0.0) if adhesion else None
+    last_break = max((b for b in profile.breaks if b < a), default=0.0)
+    past_break = (a - last_break) * (a + last_break) if last_break else 0.0
     return Indentation(
         a,
         float(profile._transform(np.asarray(a))) / 2.0 - pull,
-        4 * a**2 * (found.moment - less),
-        a**3 * (found.energy - less * (2.0 * found.moment - less)),
+        4 * a**2 * (contact.moment - flat_half),
+        a**3 * (contact.energy - flat_half * (2.0 * contact.moment - flat_half)),
         8 * a,
-        float(profile._rate(np.array([a]), np.array([past]))[0]) / 2.0,
+        float(profile._rate(np.array([a]), np.array([past_break]))[0]) / 2.0,
         None if pressure is None else field_of(parts, pressure.series, weight),
         None,
         ROUNDING,
@@ -279,10 +319,10 @@ def solve_indentation(
     ----------
     profile : Profile
     radius : float
-        Larger than the flat part of the profile, smaller than its reach; with adhesion it may be
-        that of the flat part.
+        The contact radius a, larger than that of the flat part of the profile and smaller than the
+        reach of the profile; with adhesion it may be that of the flat part.
     compliance : float
-        ``alpha*`` in the profile's unit of length.
+        alpha, in the profile's unit of length.
     tolerance : float
         Bound on the relative error of approach and load, and of the pressure if that is wanted.
     max_unknowns : int
@@ -295,7 +335,8 @@ def solve_indentation(
     Returns
     -------
     Indentation or Refinement
-        On a smooth surface the half-integral is known, and there is nothing to refine.
+        An `Indentation` on a smooth surface, where the half-integral is known and there is nothing
+        to refine. Else a `Refinement`.
     """
     if compliance == 0.0:
         return _smooth(profile, radius, pointwise=pointwise, adhesion=adhesion)
@@ -305,7 +346,7 @@ def solve_indentation(
     return refine(problem, tolerance, max_unknowns)
 
 
-def glance(
+def values_only(
     profile: Profile,
     radius: float,
     compliance: float,
@@ -314,10 +355,13 @@ def glance(
     *,
     adhesion: float = 0.0,
 ) -> Indentation:
-    """Return the integrals of such a contact in the first space, without estimates."""
+    """Return the contact in the first space, without pressure and error estimates.
+
+    Parameters are those of `solve_indentation`.
+    """
     if compliance == 0.0:
         return _smooth(profile, radius, pointwise=False, adhesion=adhesion)
     problem = _IndentationProblem(
         profile, radius, compliance, tolerance, pointwise=False, adhesion=adhesion
     )
-    return problem.glance(max_unknowns)
+    return problem.values_only(max_unknowns)

@@ -1,10 +1,10 @@
-r"""Normal contact through a nonlinear layer: ``w + N F(w) = delta - h`` with ``p = F(w)``.
+r"""Normal contact through a nonlinear layer, with its error estimates.
 
-The unknown is the overclosure ``w`` beyond the start of the law, in which it is regular also where
-the pressure begins. On the unit disk, in units of the radius ``a``, Galerkin's equations are
-``M w + K p = moments of [H(1) - H(t)] + 2 eps``, as `indented` has them, with p the function
-through the law's values; Newton's matrix is ``M + K F'``. Under a law with an edge ``eps`` is what
-makes w vanish there; else it is the approach.
+The equation is ``w + N F(w) = delta - h`` with ``p = F(w)``: w is the overclosure, F the law of the
+layer, N the normal operator, delta the approach and h the height of the punch. The unknown is w
+beyond the start of the law, which is regular also where the pressure begins. `layered_newton`
+solves for it in a space. Under a law with an edge the shift ``eps`` follows from w = 0 there; under
+other laws it follows from the approach.
 """
 
 from __future__ import annotations
@@ -30,16 +30,17 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Of errors of integrals, as in `indented`; and of what the stiffness of two spaces differs by.
-_INTEGRATED, _STIFFNESS = 2.0, 16.0
-#: Roundings of what follows from the data, and of the pressure.
-_ROUNDINGS, _POINTWISE_ROUNDINGS = 3.0, 60.0
-#: Where growth of the pressure with the load is looked for.
-_PLACES = np.linspace(0.0, 1.0, 257)
+#: Error of an integral over the energy of the change by the top degrees, as in `indented`; and
+#: error of the stiffness over its difference between two spaces.
+_ENERGY_FACTOR, _STIFFNESS_FACTOR = 2.0, 16.0
+#: Roundings of lengths, relative to the largest of the data, and of the pressure.
+_ROUNDINGS, _FIELD_ROUNDINGS = 3.0, 60.0
+#: Radii at which the growth of the pressure with the load is sampled.
+_RADII = np.linspace(0.0, 1.0, 257)
 
 
 class Layered(ABC):
-    """What is solved in any space.
+    """The problem of contact through a nonlinear layer, for `refine`; subclasses have the spaces.
 
     Parameters
     ----------
@@ -49,8 +50,9 @@ class Layered(ABC):
     """
 
     def __init__(self, setting: LayeredSetting, *, pointwise: bool) -> None:
-        self.setting, self.pointwise = setting, pointwise
-        #: the space before, and the solution there
+        self.setting = setting
+        self.pointwise = pointwise
+        #: the last space, and the solution in it
         self.last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
@@ -58,104 +60,115 @@ class Layered(ABC):
         """Return the space."""
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
-        """Solve in a space."""
-        return self._judged(*self._solved(resolution))
+        """Return the solution in a space, with its error estimates."""
+        return self._with_errors(*self._solve(resolution))
 
-    def _solved(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
-        """Return the solution in a space, after the last one there was."""
+    def _solve(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
+        """Return the solution in a space, from the last one if there is one."""
         form = self._form(resolution)
         solver = LayeredNewton(self.setting, form)
         fields = None
         if self.last is not None:
-            old, last = self.last
-            fields = solver.solved(form.carried(last.overclosure, old), last.shift)
-        if fields is None or fields.left == inf:
-            fields = solver.solved(*solver.local())
+            last_form, last = self.last
+            fields = solver.solve(form.converted(last.overclosure, last_form), last.shift)
+        if fields is None or fields.iteration_error == inf:
+            fields = solver.solve(*solver.first_guess())
         self.last = form, fields
         return solver, fields
 
     def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
-        """Return what bends of the law make at which no part ends: nothing if there are none."""
+        """Return bounds of the errors by bends of the law at which no part ends."""
         return NO_MISPLACEMENT
 
-    def _judged(self, solver: LayeredNewton, fields: LayeredFields) -> SpaceSolution[Indentation]:
-        """Return the contact with its errors."""
-        setting, form, a = self.setting, solver.form, self.setting.radius
-        whole, coarse = solver.integrals(fields), solver.coarser(fields)
-        less = solver.integrals(coarse)
+    def _with_errors(
+        self, solver: LayeredNewton, fields: LayeredFields
+    ) -> SpaceSolution[Indentation]:
+        """Return the contact with its error estimates."""
+        setting = self.setting
+        form = solver.form
+        a = setting.radius
+        totals = solver.integrals(fields)
+        coarse = solver.coarser(fields)
+        coarse_totals = solver.integrals(coarse)
         change = solver.change(
             fields.pressure, coarse.pressure, fields.overclosure, coarse.overclosure
         )
         flat_change = solver.change(fields.flat, coarse.flat, fields.rate, coarse.rate)
-        mean = whole.load / (pi * a**2)
+        mean = totals.load / (pi * a**2)
         indicators = form.errors(fields.pressure, change, mean)
 
-        half = float(setting.profile._transform(np.asarray(a))) / 2.0
-        approach = setting.origin + half + a * whole.shift
-        deepest = solver.deepest(fields)
-        size = max(abs(approach), approach - deepest)
+        smooth_approach = float(setting.profile._transform(np.asarray(a))) / 2.0
+        approach = setting.origin + smooth_approach + a * totals.shift
+        max_overclosure = solver.max_overclosure(fields)
+        size = max(abs(approach), approach - max_overclosure)
+        # errors of load, stiffness and work at a given shift
         energies = np.sqrt(change.energies * flat_change.energies)
-        own = _INTEGRATED * 2.0 * pi * float(energies.sum())
-        flat = _INTEGRATED * 2.0 * pi * float(flat_change.energies.sum())
-        both = _INTEGRATED * 2.0 * pi * float(change.energies.sum())
+        load_part = _ENERGY_FACTOR * 2.0 * pi * float(energies.sum())
+        stiffness_part = _ENERGY_FACTOR * 2.0 * pi * float(flat_change.energies.sum())
+        work_part = _ENERGY_FACTOR * 2.0 * pi * float(change.energies.sum())
 
         misplaced = self._misplacement(form, fields)
-        shifted, data = 0.0, size - min(setting.origin, 0.0)
+        shift_error = 0.0
+        largest_length = size - min(setting.origin, 0.0)
         if setting.approach is None:
-            lost = form.lost_at_edge(fields.overclosure - coarse.overclosure)
-            shifted = lost / form.at_edge(fields.rate)
-            shifted = a * (shifted + abs(whole.shift - less.shift))
-            shifted += misplaced.load / whole.stiffness
-        shifted += _ROUNDINGS * ROUNDING * data
-        moved = whole.stiffness * shifted
+            edge_error = form.edge_bound(fields.overclosure - coarse.overclosure)
+            shift_error = edge_error / form.at_edge(fields.rate)
+            shift_error = a * (shift_error + abs(totals.shift - coarse_totals.shift))
+            shift_error += misplaced.load / totals.stiffness
+        shift_error += _ROUNDINGS * ROUNDING * largest_length
+        load_by_shift = totals.stiffness * shift_error
         load_error = (
-            (moved + a**2 * own + abs(whole.load - less.load)) / whole.load
-            + misplaced.load / whole.load
-            + fields.left
+            (load_by_shift + a**2 * load_part + abs(totals.load - coarse_totals.load)) / totals.load
+            + misplaced.load / totals.load
+            + fields.iteration_error
             + ROUNDING
         )
+        work_change = abs(totals.work - coarse_totals.work)
         work_error = (
-            (whole.load * shifted + a**3 * both + abs(whole.work - less.work)) / whole.work
-            + misplaced.load / whole.load
-            + fields.left
+            (totals.load * shift_error + a**3 * work_part + work_change) / totals.work
+            + misplaced.load / totals.load
+            + fields.iteration_error
             + ROUNDING
         )
-        stiff_error = (
-            (2.0 * a * flat + _STIFFNESS * abs(whole.stiffness - less.stiffness)) / whole.stiffness
-            + (solver.missed(fields) + misplaced.stiffness) / whole.stiffness
-            + fields.left
+        stiffness_change = abs(totals.stiffness - coarse_totals.stiffness)
+        stiffness_error = (
+            (2.0 * a * stiffness_part + _STIFFNESS_FACTOR * stiffness_change) / totals.stiffness
+            + (solver.edge_stiffness_error(fields) + misplaced.stiffness) / totals.stiffness
+            + fields.iteration_error
             + 2.0 * ROUNDING
         )
-        rounding = solver.sharpest(fields, mean) * ROUNDING * data
-        pressure_error = float(indicators.max()) + fields.left
-        pressure_error += _POINTWISE_ROUNDINGS * ROUNDING + rounding + misplaced.pressure / mean
+        rounding = solver.condition(fields, mean) * ROUNDING * largest_length
+        pressure_error = float(indicators.max()) + fields.iteration_error
+        pressure_error += _FIELD_ROUNDINGS * ROUNDING + rounding + misplaced.pressure / mean
         normal = None
         if setting.drives:
-            normal = form.driving(fields.pressure, change, solver.thinnest(fields))
+            normal = form.known_pressure(fields.pressure, change, solver.min_compliance(fields))
         indentation = Indentation(
             a,
             approach,
-            whole.load,
-            whole.work,
-            whole.stiffness,
+            totals.load,
+            totals.work,
+            totals.stiffness,
             solver.growth(fields),
             form.field(fields.pressure),
             form.field(fields.flat) if self.pointwise else None,
-            shifted / size + ROUNDING,
+            shift_error / size + ROUNDING,
             load_error,
             work_error,
-            stiff_error,
+            stiffness_error,
             pressure_error,
-            deepest,
+            max_overclosure,
             normal,
             setting.bends,
         )
         if setting.load is not None:
-            indentation = _under(indentation, setting.load)
+            indentation = _at_load(indentation, setting.load)
         if setting.centre is not None:
-            lost = float(indicators[: form.central].max()) + fields.left
+            central_error = float(indicators[: form.central].max()) + fields.iteration_error
             pressure, rate = at_centre(indentation)
-            indentation = _moved(indentation, lost * max(pressure, mean) / rate)
+            indentation = _with_approach_error(
+                indentation, central_error * max(pressure, mean) / rate
+            )
         error = max(
             indentation.approach_error,
             indentation.load_error,
@@ -165,46 +178,49 @@ class Layered(ABC):
         if self.pointwise:
             error = max(error, indentation.pressure_error)
         else:
-            shares = _STIFFNESS * np.abs(solver.carried(flat_change.coefficients))
-            indicators = np.maximum(indicators**2, shares / whole.stiffness)
+            by_panels = solver.stiffness_by_panels(flat_change.coefficients)
+            stiffness_indicators = _STIFFNESS_FACTOR * np.abs(by_panels) / totals.stiffness
+            indicators = np.maximum(indicators**2, stiffness_indicators)
         if setting.centre is not None or not self.pointwise or setting.layer.knots:
-            # what of the error they do not show is where they are worst
+            # a part of the error that no indicator contains is attributed to the largest ones
             indicators = indicators * max(1.0, error / float(indicators.max()))
         return SpaceSolution(indentation, error, indicators, form.space.unknowns)
 
 
-def at_centre(one: Indentation) -> tuple[float, float]:
-    """Return the pressure at the centre, and its rate over the approach."""
-    assert one.pressure is not None
-    assert one.flat is not None
-    return central_value(one.pressure), central_value(one.flat) / one.radius
+def at_centre(contact: Indentation) -> tuple[float, float]:
+    """Return the pressure at the centre, and its derivative by the approach."""
+    assert contact.pressure is not None
+    assert contact.flat is not None
+    return central_value(contact.pressure), central_value(contact.flat) / contact.radius
 
 
-def _under(one: Indentation, load: float) -> Indentation:
-    """Return the contact under just this load, whose error is that of the approach."""
-    off = one.load_error + 2.0 * abs(one.load / load - 1.0)
-    return replace(_moved(one, off * one.load / one.stiffness), load=load, load_error=0.0)
+def _at_load(contact: Indentation, load: float) -> Indentation:
+    """Return the contact with just this load, whose error becomes one of the approach."""
+    error = contact.load_error + 2.0 * abs(contact.load / load - 1.0)
+    result = _with_approach_error(contact, error * contact.load / contact.stiffness)
+    return replace(result, load=load, load_error=0.0)
 
 
-def _moved(one: Indentation, moved: float) -> Indentation:
-    """Return the contact where the approach may be off by as much."""
-    off = moved * one.stiffness / one.load
+def _with_approach_error(contact: Indentation, change: float) -> Indentation:
+    """Add to all errors those by a change of the approach."""
+    load_change = change * contact.stiffness / contact.load
     return replace(
-        one,
-        load_error=one.load_error + off,
-        approach_error=one.approach_error + moved / one.approach_size,
-        work_error=one.work_error + one.load * moved / one.work,
-        # as fast as the pressure itself at most
-        stiffness_error=one.stiffness_error + off,
-        pressure_error=one.pressure_error + off * _sharper(one),
+        contact,
+        load_error=contact.load_error + load_change,
+        approach_error=contact.approach_error + change / contact.approach_size,
+        work_error=contact.work_error + contact.load * change / contact.work,
+        # the stiffness changes as fast as the load at most, both relative
+        stiffness_error=contact.stiffness_error + load_change,
+        pressure_error=contact.pressure_error + load_change * _pressure_by_load(contact),
     )
 
 
-def _sharper(one: Indentation) -> float:
-    """Return by how much the pressure, or its mean, grows with the load, both relative."""
-    if one.pressure is None or one.flat is None:
+def _pressure_by_load(contact: Indentation) -> float:
+    """Return the largest ``dln p/dln P``, with the mean of the pressure where p is less."""
+    if contact.pressure is None or contact.flat is None:
         return inf
-    p, flat = one.pressure(_PLACES, 1.0 - _PLACES), one.flat(_PLACES, 1.0 - _PLACES)
-    mean = one.load / (pi * one.radius**2)
-    moved = flat / one.radius * one.load / one.stiffness
-    return float((moved / np.maximum(p, mean)).max())
+    p = contact.pressure(_RADII, 1.0 - _RADII)
+    flat = contact.flat(_RADII, 1.0 - _RADII)
+    mean = contact.load / (pi * contact.radius**2)
+    rate = flat / contact.radius * contact.load / contact.stiffness
+    return float((rate / np.maximum(p, mean)).max())

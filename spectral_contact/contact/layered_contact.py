@@ -1,9 +1,9 @@
-"""Contact through a nonlinear layer, of an approach, under a load, or of a separation.
+"""Contact through a nonlinear layer under a given approach, load or separation.
 
-Where the contact has no radius of its own, which is under a flat punch or a law with pressure at
-every gap, the load is a function of the approach, with the stiffness as derivative: its logarithm
-bends down and itself up, so that Newton's method comes from either side without overshooting.
-The first spaces are panels to edges and tips, or cells.
+Under a flat punch, or a law with pressure at every gap, no contact radius has to be found. The load
+P is a function of the approach, with the stiffness as derivative. P is convex in it and ln P
+concave, so that Newton's method does not overshoot if it is applied to ln P from below and to P
+from above. The first spaces have panels graded to edges and tips, or cells.
 """
 
 from __future__ import annotations
@@ -36,26 +36,29 @@ from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 Contact = Refinement[Indentation]
 LayeredSolution = tuple[Form, LayeredFields]
 
-#: Steps in all.
-_STEPS = 100
-#: Tolerance of the first solutions under a load, and what is near in its logarithm; by how much the
-#: disk may be too small.
-_ROUGH, _NEAR, _WITHIN = 1e-3, 0.01, 0.01
-#: Mean displacement of an even pressure over that at its centre; largest radius that is looked at,
-#: and how well one is found, in logarithms.
-_BENT, _FAR, _FOUND = 0.85, 1e12, 0.3
-#: Distance in ``s**2`` by which bends may still move on, about their rounding; how often other
-#: knots are tried.
-_STILL, _CHANGES = 1e-14, 8
-#: First degree on a cell for a digit (base e).
-_DEGREES = 0.55
-#: What the stiffness may lack in the tail at the edge, over the distance at which that begins: at
+#: Largest number of steps.
+_MAX_STEPS = 100
+#: Tolerance of the first solutions under a load, and the error of its logarithm at which they end.
+_ROUGH_TOLERANCE, _ROUGH_ERROR = 1e-3, 0.01
+#: Relative amount by which the disk of a solution may be smaller than that of its approach.
+_DISK_MARGIN = 0.01
+#: Mean displacement under an even pressure over that at its centre.
+_EVEN_MEAN = 0.85
+#: Largest radius of an even pressure, and the accuracy of the logarithm of its radius.
+_MAX_RADIUS, _RADIUS_TOLERANCE = 1e12, 0.3
+#: Change of bends in ``s**2`` that is about their rounding.
+_BEND_ROUNDING = 1e-14
+#: Largest number of solutions after which the knots in the contact are other ones.
+_MAX_CHANGES = 8
+#: Degrees of the first space on a cell for each digit (base e) of the tolerance.
+_DEGREES_PER_DIGIT = 0.55
+#: Error of the stiffness by the tail at the edge, over the distance at which the tail begins: at
 #: most 8e-4 at the exponent 1.1 of a power law, less at others.
-_MISSED = 1e-3
+_TAIL_ERROR = 1e-3
 
 
 class LayeredProblem(Layered, PartedProblem):
-    """Log panels for a contact through a nonlinear layer.
+    """The problem of contact through a nonlinear layer, on panels.
 
     Parameters
     ----------
@@ -74,11 +77,11 @@ class LayeredProblem(Layered, PartedProblem):
         if not self.setting.smooth[part]:
             if self.pointwise or self.parts.ends[part][0] is not EDGE:
                 return space
-            depth += log(_MISSED) - 2.0 * log(self.tolerance)
+            depth += log(_TAIL_ERROR) - 2.0 * log(self.tolerance)
             more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)
             return DiscreteSpace(space.panels, space.degrees + (space.degrees[-1],) * more)
-        # the estimate sees the square of the distance at which the tail begins; integrals are
-        # refined by degrees, which do not lower it
+        # The errors of integrals have the square of the distance at which the tail begins. Higher
+        # degrees do not lower this, so that there are spare panels.
         spare = 2.0 if self.pointwise else 4.0
         depth += -log(self.tolerance) / 2.0 + spare
         count = min(int(depth / space.panels.width) + 1, len(space.degrees))
@@ -89,21 +92,24 @@ class LayeredProblem(Layered, PartedProblem):
 
 
 class BentProblem(LayeredProblem):
-    """Log panels to the bends of a law, too, whose radii are found with the solution.
+    """The problem on panels that are also graded to the bends of the law.
+
+    The radii of the bends are those of the solution.
 
     Parameters
     ----------
     setting, tolerance, pointwise
-        As of `LayeredProblem`.
+        As in `LayeredProblem`.
     last : tuple of (Form, LayeredFields) or None
         A solution to begin with.
     final : bool
-        Whether bends of other knots than those of the setting are left to the estimate.
+        Whether a solution that meets other knots than those of the setting is accepted: the
+        estimate then has the errors by this.
 
     Raises
     ------
     BendsChangedError
-        By `attempt`, if a solution meets other knots and that is not final.
+        By `attempt`, if a solution meets other knots and `final` is false.
     """
 
     def __init__(
@@ -116,56 +122,62 @@ class BentProblem(LayeredProblem):
         final: bool = False,
     ) -> None:
         super().__init__(setting, tolerance, pointwise=pointwise)
-        self.last, self._final = last, final
+        self.last = last
+        self._final = final
 
-    def _solved(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
-        """Return the solution with parts that end at its bends, and leave these in the setting.
+    def _solve(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
+        """Return the solution on parts that end at its bends, and store these in the setting.
 
-        A kink that is misplaced by d is an error of the overclosure of about d**2, so that bends
-        of one solution after the other converge quadratically.
+        If a part ends at a distance d from a bend, the error of the overclosure is about d**2. So
+        the bends taken from one solution after another converge quadratically.
         """
-        before = inf
+        last_move = inf
         while True:
-            solver, fields = super()._solved(resolution)
+            solver, fields = super()._solve(resolution)
             form = solver.form
             assert isinstance(form, PanelForm)
-            uncertain = form.sampling.bounds(solver.last_degrees(fields.overclosure))
-            bends = bends_of(self.setting, form, fields.overclosure, uncertain)
+            errors = form.sampling.bounds(solver.top_degrees(fields.overclosure))
+            bends = bends_of(self.setting, form, fields.overclosure, errors)
             if not same_knots(bends, self.setting.bends):
                 if not self._final:
                     raise BendsChangedError(bends, (form, fields))
                 return solver, fields
-            moved = max(
+            move = max(
                 (
                     abs(new.radius.rest - old.radius.rest)
                     for new, old in zip(bends, self.setting.bends, strict=True)
                 ),
                 default=0.0,
             )
-            if moved <= _STILL or moved > 0.5 * before:
+            if move <= _BEND_ROUNDING or move > 0.5 * last_move:
                 return solver, fields
-            before = moved
+            last_move = move
             self.setting = with_bends(self.setting, bends)
             self.parts = self.setting.parts
 
     def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
-        """Return what is left where parts do not end at the bends of the solution."""
+        """Return bounds of the errors by parts that do not end at the bends of the solution."""
         assert isinstance(form, PanelForm)
         return misplacement(self.setting, form, fields)
 
 
 class CellProblem(Layered):
-    """Cells for a contact through a nonlinear layer; parameters as of `LayeredProblem`."""
+    """The problem of contact through a nonlinear layer, on cells.
+
+    Parameters are those of `LayeredProblem`.
+    """
 
     def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
         super().__init__(setting, pointwise=pointwise)
-        self._degree = ceil(_DEGREES * -log(tolerance if pointwise else sqrt(tolerance))) + 2
+        self._degree = (
+            ceil(_DEGREES_PER_DIGIT * -log(tolerance if pointwise else sqrt(tolerance))) + 2
+        )
 
     def start(self) -> DiscreteSpace:
         """Return the first space to try."""
         assert self.setting.cells is not None
         count = len(self.setting.cells.lengths)
-        # the refinement counts degrees on panels, which cells have none of
+        # cells stand for panels in the refinement, which counts degrees on panels
         return DiscreteSpace(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
 
     def _form(self, resolution: DiscreteSpace) -> Form:
@@ -202,7 +214,7 @@ def solve_layered_from(
     pointwise : bool
         Whether the pressure is wanted.
     """
-    # what is given at the centre is known as well as the pressure there
+    # the error of a given overclosure at the centre follows from that of the pressure there
     pointwise = pointwise or setting.centre is not None
     if setting.layer.knots:
         return _solve_bent(last, setting, tolerance, max_unknowns, pointwise=pointwise)
@@ -223,15 +235,16 @@ def _solve_bent(
     *,
     pointwise: bool,
 ) -> tuple[Contact, LayeredSolution | None]:
-    """Solve with a law that bends, on parts that end where it does.
+    """Solve with a law that bends, on parts that end at its bends.
 
-    What knots the contact meets is known from solutions to a few digits, or from a contact like
-    it. Where other knots come and go the last parts stay, and the rest is left to the estimate.
+    The first bends are those of the setting, if it has them from a similar contact, or of solutions
+    to a few digits. If the knots in the contact keep changing, the last parts stay, and the
+    estimate has the errors by this.
     """
     if not setting.bends:
         setting, last = _roughly_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
-    for change in range(_CHANGES):
-        final = change == _CHANGES - 1
+    for change in range(_MAX_CHANGES):
+        final = change == _MAX_CHANGES - 1
         problem = BentProblem(setting, tolerance, pointwise=pointwise, last=last, final=final)
         try:
             return refine(problem, tolerance, max_unknowns), problem.last
@@ -243,10 +256,12 @@ def _solve_bent(
 def _roughly_bent(
     setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
 ) -> tuple[LayeredSetting, tuple[Form, LayeredFields] | None]:
-    """Return the setting with the bends of a solution to a few digits, and the solution."""
+    """Return the setting with the bends of a solution to a few digits, and that solution."""
     last: tuple[Form, LayeredFields] | None = None
-    for _ in range(_CHANGES):
-        problem = BentProblem(setting, max(tolerance, _ROUGH), pointwise=pointwise, last=last)
+    for _ in range(_MAX_CHANGES):
+        problem = BentProblem(
+            setting, max(tolerance, _ROUGH_TOLERANCE), pointwise=pointwise, last=last
+        )
         try:
             problem.attempt(within_budget(problem.start(), max_unknowns))
         except BendsChangedError as changed:
@@ -268,18 +283,19 @@ def layered_contact(
     pointwise: bool,
     drives: bool = False,
 ) -> Contact:
-    """Return the contact of what is given, where it has no radius of its own.
+    """Return the contact under a given load, approach or separation, if it has no contact radius.
 
     Parameters
     ----------
     profile : Profile
     layer : Layer
     tolerance, max_unknowns, pointwise
-        As of `solve_layered`.
+        As in `solve_layered`.
     load, approach, separation : float or None
-        One of them; the separation is that at the centre, of which the law is a function.
+        The given one of them; the others are None. The separation is that at the centre, of which
+        the law is a function.
     drives : bool
-        Whether the pressure, under a flat punch, has to drive a traction.
+        Whether the pressure, under a flat punch, is needed as the known pressure of a traction.
 
     Raises
     ------
@@ -288,82 +304,87 @@ def layered_contact(
     """
     if approach is not None:
         setting = replace(setting_at_approach(profile, layer, approach), drives=drives)
-        found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
-        return _exactly(found, approach)
+        solved = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+        return _at_approach(solved, approach)
 
     def roughly(approach: float) -> Contact:
         setting = setting_at_approach(profile, layer, approach)
-        return solve_layered(setting, _ROUGH, max_unknowns, pointwise=load is None)
+        return solve_layered(setting, _ROUGH_TOLERANCE, max_unknowns, pointwise=load is None)
 
     centre = None if separation is None else -separation
     name, value = ("load", load) if centre is None else ("separation", separation)
     try:
         if load is not None:
-            begin = _begin(profile, layer, load)
-            near = _searched(roughly, begin, load, lambda one: (one.load, one.stiffness))
+            start = _first_approach(profile, layer, load)
+            guess = _rough_approach(
+                roughly, start, load, lambda contact: (contact.load, contact.stiffness)
+            )
         else:
-            assert centre is not None  # the approach is larger than it, at least
-            known = float(layer._pressure(np.array(centre)))
-            near = _searched(roughly, centre, known, at_centre)
-        for _ in range(_STEPS):
-            setting = setting_at_approach(profile, layer, near)
+            # the approach is larger than the overclosure at the centre
+            assert centre is not None
+            pressure = float(layer._pressure(np.array(centre)))
+            guess = _rough_approach(roughly, centre, pressure, at_centre)
+        for _ in range(_MAX_STEPS):
+            setting = setting_at_approach(profile, layer, guess)
             setting = replace(setting, load=load, centre=centre, drives=drives)
-            found = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
-            near = found.best.value.approach
-            domain = setting_at_approach(profile, layer, near).radius
-            if domain <= (1.0 + _WITHIN) * setting.radius:
+            solved = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
+            guess = solved.best.value.approach
+            radius = setting_at_approach(profile, layer, guess).radius
+            if radius <= (1.0 + _DISK_MARGIN) * setting.radius:
                 break
     except SceneError as error:
-        told = f"what the profile carries before it ends: {error.allowed}"
-        raise SceneError(name, value, told) from error
-    return found
+        allowed = f"what the profile carries before it ends: {error.allowed}"
+        raise SceneError(name, value, allowed) from error
+    return solved
 
 
-def _begin(profile: Profile, layer: Layer, load: float) -> float:
-    """Return an approach to begin with: that of an even pressure on the disk where it is least."""
+def _first_approach(profile: Profile, layer: Layer, load: float) -> float:
+    """Return a first approach: that of an even pressure, on the disk on which it is least."""
     if layer.limit < inf:
         return layer.start + layer._size
 
-    def of_radius(radius: float) -> float:
+    def approach(radius: float) -> float:
         height = 0.0 if flat else float(profile._height(np.array(radius * sqrt(0.5))))
-        bent = _BENT * load / (2.0 * pi * radius)
-        return bent + height + layer._overclosure(load / (pi * radius**2))
+        displacement = _EVEN_MEAN * load / (2.0 * pi * radius)
+        return displacement + height + layer._overclosure(load / (pi * radius**2))
 
     flat = isinstance(profile, Flat)
     if flat:
-        return of_radius(profile.reach)
-    # golden sections in the logarithm
-    high = log(min(profile.reach, _FAR))
-    low, step = high - 2.0 * log(_FAR), (sqrt(5.0) - 1.0) / 2.0
+        return approach(profile.reach)
+    # golden section search in the logarithm of the radius
+    high = log(min(profile.reach, _MAX_RADIUS))
+    low = high - 2.0 * log(_MAX_RADIUS)
+    ratio = (sqrt(5.0) - 1.0) / 2.0
     with np.errstate(over="ignore"):
-        while high - low > _FOUND:
-            one, two = high - step * (high - low), low + step * (high - low)
-            low, high = (low, two) if of_radius(exp(one)) < of_radius(exp(two)) else (one, high)
-        return of_radius(exp(0.5 * (low + high)))
+        while high - low > _RADIUS_TOLERANCE:
+            left = high - ratio * (high - low)
+            right = low + ratio * (high - low)
+            low, high = (low, right) if approach(exp(left)) < approach(exp(right)) else (left, high)
+        return approach(exp(0.5 * (low + high)))
 
 
-def _searched(
+def _rough_approach(
     solve: Callable[[float], Contact],
     approach: float,
-    asked: float,
-    measured: Callable[[Indentation], tuple[float, float]],
+    given: float,
+    value_and_rate: Callable[[Indentation], tuple[float, float]],
 ) -> float:
-    """Step until a value, load or pressure, is near to what is asked, and return the approach.
+    """Return an approach at which a value, load or pressure, is roughly the given one.
 
-    Its logarithm bends down over the approach. It is measured with its rate.
+    It is found by Newton's method from an approach, with the derivative of the value by it.
     """
-    for _ in range(_STEPS):
-        one = solve(approach).best.value
-        value, rate = measured(one)
-        off = log(value / asked)
-        missing = (asked - value) if off > 0.0 else -off * value
-        approach = one.approach + missing / rate
-        if abs(off) <= _NEAR:
+    for _ in range(_MAX_STEPS):
+        contact = solve(approach).best.value
+        value, rate = value_and_rate(contact)
+        residual = log(value / given)
+        missing = (given - value) if residual > 0.0 else -residual * value
+        approach = contact.approach + missing / rate
+        if abs(residual) <= _ROUGH_ERROR:
             break
     return approach
 
 
-def _exactly(found: Contact, approach: float) -> Contact:
-    """Return the contact of just this approach."""
-    one = replace(found.best.value, approach=approach, approach_error=0.0)
-    return replace(found, best=replace(found.best, value=one))
+def _at_approach(solved: Contact, approach: float) -> Contact:
+    """Return the contact with just this approach."""
+    contact = replace(solved.best.value, approach=approach, approach_error=0.0)
+    return replace(solved, best=replace(solved.best, value=contact))

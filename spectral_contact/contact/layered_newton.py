@@ -1,4 +1,13 @@
-r"""Newton's method for contact through a nonlinear layer, in a given space."""
+r"""Newton's method for contact through a nonlinear layer, in a given space.
+
+The law of the layer is ``p = F(w)``, with the pressure p and the overclosure w. Lengths are in
+units of the radius a of the disk, and the unknown w is counted from the *origin*, the overclosure
+at which the law begins. With the mass M and the Gram matrix K of a space (`spectral.regularised`)
+the equations are ``M w + K p = moments of [H(1) - H(t)] + 2 eps`` (docs/theory, nonlinear layers).
+H and ``eps``, the *shift*, are those of `indented`. F is applied at the sampling points, from which
+p is expanded. The *rate* ``dw/ddelta``, and with it the pressure of a flat punch ``F'(w)
+dw/ddelta``, is the response to one more right-hand side.
+"""
 
 from __future__ import annotations
 
@@ -24,54 +33,66 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: ``N`` of the pressure 1 on the unit disk, at its centre.
-_OWN = 0.5
-#: Most corrections; by how much of the largest pressure the law may bend over one that is taken as
-#: it is; what ends the iteration: a correction, or what the next one would be after a small one.
-_STEPS, _BEND, _DONE, _NEXT, _LAGGING = 80, 0.1, 1e-14, 1e-15, 1e-13
-#: A correction that is smaller and does not fall any more is rounding.
-_ROUNDED = 1e-9
-#: Steps of the pointwise equation, and its tolerance.
-_POINTWISE_STEPS, _POINTWISE = 200, 1e-10
-#: Stiffness times `_OWN` beyond which a spring eases the beginning, by what it becomes stiffer,
-#: corrections with each, and what is near enough.
-_SOFT, _STIFFER, _EASED, _NEAR = 10.0, 0.2, 12, 0.02
-#: Degrees in which that is done.
-_LOW = 5
-#: Where next to the edge the slope is taken, in units of the layer.
-_SLOPE = 1e-4
-#: A rule that integrates any power there: its points, and how they crowd to the edge.
-_EDGE_POINTS, _EDGE_GRADE = 24, 8
+#: Displacement by the pressure 1 on the unit disk, at its centre.
+_SELF_COMPLIANCE = 0.5
+#: Largest number of corrections.
+_MAX_STEPS = 80
+#: A step is a full one if the pressure at its end differs from its linearisation by less than this
+#: fraction of the largest pressure.
+_MAX_NONLINEARITY = 0.1
+#: The iteration ends at a relative change of the pressure of the first number; or at one of the
+#: second if the next change, extrapolated from two, is less than the third.
+_LAST_CHANGE, _SMALL_CHANGE, _NEXT_CHANGE = 1e-14, 1e-13, 1e-15
+#: A relative change of the pressure below this that no longer falls is rounding.
+_ROUNDED_CHANGE = 1e-9
+#: Largest number of steps for the pointwise equation, and its tolerance.
+_POINTWISE_STEPS, _POINTWISE_TOLERANCE = 200, 1e-10
+#: If the slope of the law times the compliance of a spring is larger than this, the first steps are
+#: taken with the spring in series.
+_MAX_SLOPE = 10.0
+#: Ratio of the compliances of two springs; most corrections with each; and the relative change of
+#: the pressure at which they end.
+_SPRING_RATIO, _SPRING_STEPS, _SPRING_CHANGE = 0.2, 12, 0.02
+#: Highest degree in the steps with a spring.
+_SPRING_DEGREE = 5
+#: Distance y from the edge, over the width of the edge layer or the distance to the pole of
+#: the half-integral, at which the slope of w is taken.
+_SLOPE_DISTANCE = 1e-4
+#: A rule that integrates any power of the distance from the edge: number of points, and the power
+#: by which they are clustered there.
+_EDGE_POINTS, _EDGE_POWER = 24, 8
 
 
 @dataclass(frozen=True, slots=True)
 class LayeredSetting:
-    """What is to be solved, in lengths of the profile's unit.
+    """A problem: profile and law, the disk on which they meet, and its division.
+
+    Lengths are in the unit of the profile.
 
     Attributes
     ----------
     profile : Profile
     layer : Layer
     radius : float
-        Of the disk: the contact's, or that beyond which there is no pressure to rounding.
+        Radius a of the disk: that of the contact, or one beyond which the pressure is rounding.
     approach : float or None
-        None where the overclosure begins at the edge.
+        The approach; None if it follows from the overclosure at the edge, where the law begins.
     load : float or None
-        Where the approach is to be such that it is carried; else it is as given.
+        The load, if it is given: then `approach` is a first guess.
     centre : float or None
-        Where it is to be such that this is the overclosure at the centre.
+        The overclosure at the centre, if it is given: then, too, `approach` is a first guess.
     parts : DiskPartition
-        How panels cut the disk, if there are no cells.
+        The division of the disk into parts with panels, if there are no cells.
     drives : bool
-        Whether the pressure, under a flat punch, has to drive a traction.
+        Whether the pressure, under a flat punch, is needed as the known pressure of a traction.
     cells : DiskCells or None
-        Where the pressure is smooth throughout.
+        The division into cells; None if the pressure is not smooth everywhere.
     depths : tuple of float
-        ``x`` of the deepest feature at the end of every part.
+        ``x = -ln d`` of the deepest feature at the end of every part.
     smooth : tuple of bool
         Whether the pressure is smooth in ``s**2`` at the end of every part.
     bends : tuple of Bend
-        Where the law is taken to bend, from the centre outward: there parts end.
+        The radii at which the law is assumed to bend, from the centre outward; parts end there.
     """
 
     profile: Profile
@@ -89,7 +110,7 @@ class LayeredSetting:
 
     @property
     def origin(self) -> float:
-        """The overclosure from which the unknown is counted."""
+        """The overclosure from which the unknown is counted: where the law begins, or 0."""
         return self.layer.start if self.layer.start > -inf else 0.0
 
     def pressure(self, w: Array) -> Array:
@@ -97,27 +118,27 @@ class LayeredSetting:
         return self.layer._pressure(self.origin + self.radius * w)
 
     def slope(self, w: Array) -> Array:
-        """Return its derivative."""
+        """Return the derivative of the pressure by the overclosure."""
         return self.radius * self.layer._slope(self.origin + self.radius * w)
 
     def energy(self, w: Array) -> Array:
-        """Return its integral, in lengths of the profile's unit."""
+        """Return the integral of the pressure over the overclosure, not in units of the radius."""
         return self.layer._energy(self.origin + self.radius * w)
 
 
 @dataclass(frozen=True, slots=True)
 class LayeredFields:
-    """A solution, in coefficients.
+    """A solution: coefficients of fields at the sampling points' panels.
 
     Attributes
     ----------
     overclosure, pressure : ndarray
     rate, flat : ndarray
-        Their derivatives in the approach, both in units of the radius.
+        Derivatives of the two by the approach, in units of the radius.
     shift : float
         ``eps``.
-    left : float
-        What the last correction leaves, of the largest pressure.
+    iteration_error : float
+        Estimate of the change by the next correction, relative to the largest pressure.
     """
 
     overclosure: Array
@@ -125,12 +146,12 @@ class LayeredFields:
     rate: Array
     flat: Array
     shift: float
-    left: float
+    iteration_error: float
 
 
 @dataclass(frozen=True, slots=True)
 class Totals:
-    """Totals over a solution."""
+    """Load P, stiffness dP/ddelta and work of a solution, and its shift."""
 
     load: float
     stiffness: float
@@ -140,7 +161,7 @@ class Totals:
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """Corrections of the overclosure and of ``eps``, and ``dw/ddelta``."""
+    """Corrections of the overclosure and of the shift, and the rate ``dw/ddelta``."""
 
     overclosure: Array
     shift: float
@@ -158,273 +179,339 @@ class LayeredNewton:
     """
 
     def __init__(self, setting: LayeredSetting, form: Form) -> None:
-        self.setting, self.form, space = setting, form, form.space
+        self.setting = setting
+        self.form = form
+        space = form.space
         self.functions = space
         self.sampling = form.sampling
+        #: the Gram matrix, with columns for all coefficients
         self._rows = np.zeros((len(self.functions.index), self.sampling.size))
         self._rows[:, self.functions.index] = self.functions.gram
         self._scale = 1.0 / np.sqrt(self.functions.mass.diagonal())
-        #: of a pressure's load, in units of the radius
+        #: load as a row that acts on the coefficients of a pressure
         self._load = 4 * pi * setting.radius**2 * self.functions.constant_moments
-        self._bracket = setting.profile._bracket(setting.radius, space.t, space.y, space.past)
+        self._bracket = setting.profile._bracket(setting.radius, space.t, space.y, space.past_break)
         a = setting.radius
-        half = float(setting.profile._transform(np.asarray(a))) / 2.0
+        smooth_approach = float(setting.profile._transform(np.asarray(a))) / 2.0
         self._fixed = setting.approach is not None
-        given = setting.approach if setting.approach is not None else setting.origin + half
-        self._shift = (given - setting.origin - half) / a
+        approach = (
+            setting.origin + smooth_approach if setting.approach is None else setting.approach
+        )
+        self._shift = (approach - setting.origin - smooth_approach) / a
 
-    def local(self) -> tuple[Array, float]:
-        """Return what every point would do by itself: the first overclosure, and ``eps``."""
-        setting, a = self.setting, self.setting.radius
+    def first_guess(self) -> tuple[Array, float]:
+        """Return a first overclosure, and the shift.
+
+        At every radius by itself, the layer and a spring in series for the body fill the distance
+        between the undeformed surfaces, the *gap*.
+        """
+        setting = self.setting
+        a = setting.radius
         height = setting.profile._height(a * np.minimum(np.sqrt(self.form.z), 1.0)) / a
         if setting.approach is None:
-            top = float(setting.profile._height(np.array(a))) / a
-            room = 2.0 * (top - height)
+            edge_height = float(setting.profile._height(np.array(a))) / a
+            gap = 2.0 * (edge_height - height)
         else:
-            room = (setting.approach - setting.origin) / a - height
-        w = self.sampling.coefficients(balanced(setting, room, np.minimum(room, 0.0)))
-        return (self._eased(room, w) if self._fixed else w), self._shift
+            gap = (setting.approach - setting.origin) / a - height
+        w = self.sampling.coefficients(balanced(setting, gap, np.minimum(gap, 0.0)))
+        return (self._continued(gap, w) if self._fixed else w), self._shift
 
-    def _eased(self, room: Array, w: Array) -> Array:
-        """Return where to begin on a stiff layer: solutions with a spring that becomes stiffer.
+    def _continued(self, gap: Array, w: Array) -> Array:
+        """Return the first overclosure on a stiff layer, by continuation.
 
-        The unknown is the room of spring and layer together, in which the pressure never bends
-        faster than the spring has it.
+        A spring is in series with the layer, and becomes stiffer. The unknown is the overclosure of
+        both together, over which the slope of the pressure is at most that of the spring.
         """
-        setting, sampling, spring = self.setting, self.sampling, _OWN
-        stiff = float(setting.slope(sampling.values(w)).max())
-        if stiff * spring < _SOFT:
+        setting = self.setting
+        sampling = self.sampling
+        spring = _SELF_COMPLIANCE
+        max_slope = float(setting.slope(sampling.values(w)).max())
+        if max_slope * spring < _MAX_SLOPE:
             return w
-        chosen = np.flatnonzero(sampling.low(_LOW)[self.functions.index])
-        both, own = sampling.coefficients(room), np.minimum(room, 0.0)
+        chosen = np.flatnonzero(sampling.low(_SPRING_DEGREE)[self.functions.index])
+        total = sampling.coefficients(gap)
+        layer_w = np.minimum(gap, 0.0)
         while True:
-            for _ in range(_EASED):
-                at = sampling.values(both)
-                own = balanced(setting, at, own, spring)
-                pressure, slope = setting.pressure(own), setting.slope(own)
+            for _ in range(_SPRING_STEPS):
+                layer_w = balanced(setting, sampling.values(total), layer_w, spring)
+                pressure = setting.pressure(layer_w)
+                slope = setting.slope(layer_w)
                 slope = slope / (1.0 + spring * slope)
-                force = sampling.coefficients(pressure)
-                step = self._solved(both, force, slope, self._shift, chosen).overclosure
-                both = both + step
-                moved = np.abs(slope * sampling.values(step)).max()
-                if moved < _NEAR * pressure.max():
+                coefficients = sampling.coefficients(pressure)
+                step = self._linear_step(total, coefficients, slope, self._shift, chosen)
+                total = total + step.overclosure
+                change = np.abs(slope * sampling.values(step.overclosure)).max()
+                if change < _SPRING_CHANGE * pressure.max():
                     break
-            own = balanced(setting, sampling.values(both), own, spring)
-            pressure = setting.pressure(own)
-            if spring * float(setting.slope(own).max()) < 1.0:
-                return sampling.coefficients(own)
-            spring *= _STIFFER
-            both = sampling.coefficients(own + spring * pressure)
+            layer_w = balanced(setting, sampling.values(total), layer_w, spring)
+            pressure = setting.pressure(layer_w)
+            if spring * float(setting.slope(layer_w).max()) < 1.0:
+                return sampling.coefficients(layer_w)
+            spring *= _SPRING_RATIO
+            total = sampling.coefficients(layer_w + spring * pressure)
 
-    def solved(self, w: Array, shift: float) -> LayeredFields:
-        """Correct until rounding is left."""
-        setting, sampling = self.setting, self.sampling
-        begin, before, size, left = w, inf, inf, inf
+    def solve(self, w: Array, shift: float) -> LayeredFields:
+        """Return the solution, by corrections until these are rounding.
+
+        If a step is so long that the law is not nearly linear over it, the step is taken for the
+        overclosure of the layer and a spring in series, and w is what the layer has of it.
+        """
+        setting = self.setting
+        sampling = self.sampling
+        start = w
+        last_change = change = next_change = inf
         rate = np.zeros(sampling.size)
-        for _ in range(_STEPS):
-            at = sampling.values(w)
+        for _ in range(_MAX_STEPS):
+            values = sampling.values(w)
             with np.errstate(over="ignore", invalid="ignore"):
-                step = self._correction(w, at, shift)
+                step = self._correction(w, values, shift)
                 if not np.isfinite(step.overclosure).all():
-                    w, left = begin, inf
+                    w = start
+                    next_change = inf
                     break
                 rate = step.rate
-                here, slope, by = (
-                    setting.pressure(at),
-                    setting.slope(at),
-                    sampling.values(step.overclosure),
-                )
-                there = setting.pressure(at + by)
-                most = max(float(here.max()), float(there.max()))
-                bend = float(np.abs(there - here - slope * by).max()) / most
-                before, size = size, float(np.abs(there - here).max()) / most
-            if not bend <= _BEND:
-                room = at + by + _OWN * (here + slope * by)
-                w, size = sampling.coefficients(balanced(setting, room, at)), inf
+                pressure = setting.pressure(values)
+                slope = setting.slope(values)
+                steps = sampling.values(step.overclosure)
+                new_pressure = setting.pressure(values + steps)
+                largest = max(float(pressure.max()), float(new_pressure.max()))
+                difference = new_pressure - pressure
+                nonlinearity = float(np.abs(difference - slope * steps).max()) / largest
+                last_change = change
+                change = float(np.abs(difference).max()) / largest
+            if not nonlinearity <= _MAX_NONLINEARITY:
+                total = values + steps + _SELF_COMPLIANCE * (pressure + slope * steps)
+                w = sampling.coefficients(balanced(setting, total, values))
+                change = inf
             else:
                 w = w + step.overclosure
             shift += step.shift
-            left = size * min(size / before, 1.0) if before < inf else size
-            # the derivative is that of the solution before
-            if size < _DONE or (size < _LAGGING and left < _NEXT):
+            next_change = change
+            if last_change < inf:
+                next_change = change * min(change / last_change, 1.0)
+            # the rate belongs to the w before the step: so the change has to be small, too
+            if change < _LAST_CHANGE or (change < _SMALL_CHANGE and next_change < _NEXT_CHANGE):
                 break
-            if size < _ROUNDED and size > 0.5 * before:
+            if change < _ROUNDED_CHANGE and change > 0.5 * last_change:
                 break
-        at = sampling.values(w)
-        pressure = sampling.coefficients(setting.pressure(at))
-        flat = sampling.coefficients(setting.slope(at) * sampling.values(rate))
+        values = sampling.values(w)
+        flat = sampling.coefficients(setting.slope(values) * sampling.values(rate))
         return LayeredFields(
-            w, pressure, rate, flat, shift, left if left == inf else min(size, left)
+            w,
+            sampling.coefficients(setting.pressure(values)),
+            rate,
+            flat,
+            shift,
+            next_change if next_change == inf else min(change, next_change),
         )
 
-    def _correction(self, w: Array, at: Array, shift: float) -> _Step:
-        """Return a correction."""
-        pressure = self.sampling.coefficients(self.setting.pressure(at))
-        slope = self.setting.slope(at)
-        step = self._solved(w, pressure, slope, shift, np.arange(len(self.functions.index)))
+    def _correction(self, w: Array, values: Array, shift: float) -> _Step:
+        """Return the step of Newton's method at an overclosure with values at sampling points.
+
+        The correction of the shift is that for which load, overclosure at the centre, or at the
+        edge have the given value.
+        """
+        pressure = self.sampling.coefficients(self.setting.pressure(values))
+        slope = self.setting.slope(values)
+        step = self._linear_step(w, pressure, slope, shift, np.arange(len(self.functions.index)))
         if self.setting.load is not None:
-            missing = self.setting.load - float(self._load @ pressure[self.functions.index])
-            missing -= self._carried(slope, step.overclosure)
-            moved = missing / self._carried(slope, step.rate)
+            missing_load = self.setting.load - float(self._load @ pressure[self.functions.index])
+            missing_load -= self._load_change(slope, step.overclosure)
+            shift_step = missing_load / self._load_change(slope, step.rate)
         elif self.setting.centre is not None:
-            known = (self.setting.centre - self.setting.origin) / self.setting.radius
-            missing = known - central_value(self.form.field(w + step.overclosure))
-            moved = missing / central_value(self.form.field(step.rate))
+            given = (self.setting.centre - self.setting.origin) / self.setting.radius
+            missing = given - central_value(self.form.field(w + step.overclosure))
+            shift_step = missing / central_value(self.form.field(step.rate))
         elif self.setting.approach is not None:
             return step
         else:
-            moved = self._to_edge(w, step)
-        return _Step(step.overclosure + moved * step.rate, moved, step.rate)
+            shift_step = self._shift_to_edge(w, step)
+        return _Step(step.overclosure + shift_step * step.rate, shift_step, step.rate)
 
-    def _to_edge(self, w: Array, step: _Step) -> float:
-        """Return what ``eps`` has to change for the overclosure to vanish at the edge."""
-        at_edge = self.form.at_edge(w) + self.form.at_edge(step.overclosure)
-        return -at_edge / self.form.at_edge(step.rate)
+    def _shift_to_edge(self, w: Array, step: _Step) -> float:
+        """Return the change of the shift with which the overclosure vanishes at the edge."""
+        edge_w = self.form.at_edge(w) + self.form.at_edge(step.overclosure)
+        return -edge_w / self.form.at_edge(step.rate)
 
-    def _carried(self, slope: Array, by: Array) -> float:
-        """Return by how much the load changes with the overclosure."""
-        more = self.sampling.coefficients(slope * self.sampling.values(by))
-        return float(self._load @ more[self.functions.index])
+    def _load_change(self, slope: Array, step: Array) -> float:
+        """Return the change of the load by a step of the overclosure, to first order."""
+        change = self.sampling.coefficients(slope * self.sampling.values(step))
+        return float(self._load @ change[self.functions.index])
 
-    def _solved(
+    def _linear_step(
         self, w: Array, pressure: Array, slope: Array, shift: float, chosen: NDArray[np.int_]
     ) -> _Step:
-        """Return a correction by some of the functions that leaves ``eps`` as it is."""
-        own, scale = self.functions, self._scale[chosen]
-        misfit = self._bracket + 2.0 * shift - own.half_integral(pressure)
-        residual = own.moments(misfit) - own.mass @ w[own.index]
-        both = np.column_stack([residual, 2.0 * own.constant_moments])[chosen]
-        matrix = self.sampling.times(self._rows[chosen], slope)[:, own.index[chosen]]
-        # with the mass scaled to a diagonal of 1
-        matrix += own.mass[np.ix_(chosen, chosen)]
+        """Return a correction in the space of some functions, for a given shift."""
+        space = self.functions
+        scale = self._scale[chosen]
+        half_residual = self._bracket + 2.0 * shift - space.half_integral(pressure)
+        residual = space.moments(half_residual) - space.mass @ w[space.index]
+        right_sides = np.column_stack([residual, 2.0 * space.constant_moments])[chosen]
+        matrix = self.sampling.times(self._rows[chosen], slope)[:, space.index[chosen]]
+        matrix += space.mass[np.ix_(chosen, chosen)]
+        # scaled so that the mass has a unit diagonal
         matrix *= scale[:, None]
         matrix *= scale
         factors = lu_factor(matrix, overwrite_a=True, check_finite=False)
-        solved = lu_solve(factors, both * scale[:, None], check_finite=False) * scale[:, None]
+        solutions = lu_solve(factors, right_sides * scale[:, None], check_finite=False)
+        solutions *= scale[:, None]
         step, rate = np.zeros((2, self.sampling.size))
-        step[own.index[chosen]], rate[own.index[chosen]] = solved.T
+        step[space.index[chosen]] = solutions[:, 0]
+        rate[space.index[chosen]] = solutions[:, 1]
         return _Step(step, 0.0, rate)
 
     def coarser(self, fields: LayeredFields) -> LayeredFields:
         """Return the solution with two degrees less on every panel, by one correction.
 
-        Under a load it is that of the same approach.
+        Under a given load it is that of the same approach.
         """
-        setting, sampling, own = self.setting, self.sampling, self.functions
+        setting = self.setting
+        sampling = self.sampling
 
-        def cut(coefficients: Array) -> Array:
-            return coefficients - self.last_degrees(coefficients)
+        def truncated(coefficients: Array) -> Array:
+            return coefficients - self.top_degrees(coefficients)
 
         slope = setting.slope(sampling.values(fields.overclosure))
-        w = cut(fields.overclosure)
-        pressure = cut(sampling.coefficients(setting.pressure(sampling.values(w))))
-        step = self._solved(w, pressure, slope, fields.shift, np.arange(own.coarsest_unknowns))
-        moved = 0.0
+        w = truncated(fields.overclosure)
+        pressure = truncated(sampling.coefficients(setting.pressure(sampling.values(w))))
+        kept = np.arange(self.functions.coarsest_unknowns)
+        step = self._linear_step(w, pressure, slope, fields.shift, kept)
+        shift_step = 0.0
         if setting.approach is None:
-            moved = self._to_edge(w, step)
-        w, rate = w + step.overclosure + moved * step.rate, step.rate
-        at = sampling.values(w)
-        pressure = cut(sampling.coefficients(setting.pressure(at)))
-        flat = cut(sampling.coefficients(setting.slope(at) * sampling.values(rate)))
-        return LayeredFields(w, pressure, rate, flat, fields.shift + moved, fields.left)
+            shift_step = self._shift_to_edge(w, step)
+        w = w + step.overclosure + shift_step * step.rate
+        values = sampling.values(w)
+        return LayeredFields(
+            w,
+            truncated(sampling.coefficients(setting.pressure(values))),
+            step.rate,
+            truncated(sampling.coefficients(setting.slope(values) * sampling.values(step.rate))),
+            fields.shift + shift_step,
+            fields.iteration_error,
+        )
 
-    def last_degrees(self, coefficients: Array) -> Array:
-        """Return what the last two degrees of every panel have of a function."""
-        lost = self.functions.index[self.functions.coarsest_unknowns :]
-        last = np.zeros_like(coefficients)
-        last[lost] = coefficients[lost]
-        return last
+    def top_degrees(self, coefficients: Array) -> Array:
+        """Return the contribution of the top two degrees of every panel to a function."""
+        top = self.functions.index[self.functions.coarsest_unknowns :]
+        contribution = np.zeros_like(coefficients)
+        contribution[top] = coefficients[top]
+        return contribution
 
     def integrals(self, fields: LayeredFields) -> Totals:
         """Return load, stiffness and work."""
-        a, weights, own = self.setting.radius, self.form.space.weights, self.functions
-        half = own.half_integral(fields.pressure)
+        a = self.setting.radius
+        space = self.functions
+        weights = space.weights
+        half_integral = space.half_integral(fields.pressure)
         energy = self.sampling.coefficients(
             self.setting.energy(self.sampling.values(fields.overclosure))
         )
-        stored = 4 * a**2 * float(weights @ own.half_integral(energy))
+        layer_energy = 4 * a**2 * float(weights @ space.half_integral(energy))
         return Totals(
-            4 * a**2 * float(weights @ half),
-            4 * a * float(weights @ own.half_integral(fields.flat)),
-            stored + a**3 * float(weights @ half**2),
+            4 * a**2 * float(weights @ half_integral),
+            4 * a * float(weights @ space.half_integral(fields.flat)),
+            layer_energy + a**3 * float(weights @ half_integral**2),
             fields.shift,
         )
 
-    def missed(self, fields: LayeredFields) -> float:
-        """Return what the stiffness lacks where the overclosure vanishes.
+    def edge_stiffness_error(self, fields: LayeredFields) -> float:
+        """Return the error of the stiffness by the tail at the edge, where w vanishes.
 
-        Next to the edge the slope of a law falls as some power of the overclosure, small or not,
-        which three sampling points do not integrate.
+        Next to the edge the slope of a law falls as some power of the overclosure, and three
+        sampling points do not integrate a small one.
         """
         if self._fixed:
             return 0.0
         g, weights = gauss_rule(_EDGE_POINTS)
-        grade = ((1.0 + g) / 2.0) ** (_EDGE_GRADE - 1)
-        u = grade * (1.0 + g) / 2.0
-        values = self.form.in_tail(np.array([fields.overclosure, fields.rate, fields.flat]), u)
-        lacks = self.setting.slope(np.maximum(values[0], 0.0)) * values[1] - values[2]
-        whole = float(weights * _EDGE_GRADE / 2.0 * grade @ lacks)
-        return pi * self.setting.radius * self.form.tail_extent * abs(whole)
+        # the distance is the power _EDGE_POWER of a Gauss point on (0, 1)
+        density = ((1.0 + g) / 2.0) ** (_EDGE_POWER - 1)
+        distances = density * (1.0 + g) / 2.0
+        fields_there = np.array([fields.overclosure, fields.rate, fields.flat])
+        w, rate, flat = self.form.in_tail(fields_there, distances)
+        difference = self.setting.slope(np.maximum(w, 0.0)) * rate - flat
+        integral = float(weights * _EDGE_POWER / 2.0 * density @ difference)
+        return pi * self.setting.radius * self.form.tail_extent * abs(integral)
 
-    def carried(self, flat: Array) -> Array:
-        """Return what every panel adds to the stiffness."""
-        own = self.functions
-        each = 4 * self.setting.radius * own.constant_moments * flat[own.index]
-        return np.asarray(np.bincount(own.panel, each, own.panels + 1)[:-1], dtype=float)
+    def stiffness_by_panels(self, flat: Array) -> Array:
+        """Return the contribution of every panel to the stiffness."""
+        space = self.functions
+        contributions = 4 * self.setting.radius * space.constant_moments * flat[space.index]
+        by_panels = np.bincount(space.panel, contributions, space.panels + 1)
+        return np.asarray(by_panels[:-1], dtype=float)
 
-    def change(self, p: Array, p_less: Array, w: Array, w_less: Array) -> Change:
-        """Return the difference of two pressures, and its energy with that of overclosures."""
-        own = self.functions
-        dp, dw = np.abs(p - p_less)[own.index], np.abs(w - w_less)[own.index]
-        each = dp * (dw * own.mass.diagonal() + dp * own.gram.diagonal())
-        energies = np.bincount(own.panel, each, own.panels + 1)
-        return Change(p - p_less, np.asarray(energies, dtype=float))
+    def change(self, p: Array, coarse_p: Array, w: Array, coarse_w: Array) -> Change:
+        """Return the difference of a pressure to that in the coarser space, and its energies.
 
-    def deepest(self, fields: LayeredFields) -> float:
-        """Return the largest overclosure."""
+        They are those of the body, and of the layer with the difference of the overclosures.
+        """
+        space = self.functions
+        dp = np.abs(p - coarse_p)[space.index]
+        dw = np.abs(w - coarse_w)[space.index]
+        contributions = dp * (dw * space.mass.diagonal() + dp * space.gram.diagonal())
+        energies = np.bincount(space.panel, contributions, space.panels + 1)
+        return Change(p - coarse_p, np.asarray(energies, dtype=float))
+
+    def max_overclosure(self, fields: LayeredFields) -> float:
+        """Return the largest overclosure, in the unit of the profile."""
         setting = self.setting
         return setting.origin + setting.radius * float(
             self.sampling.values(fields.overclosure).max()
         )
 
-    def thinnest(self, fields: LayeredFields) -> float:
-        """Return the least compliance, in units of the radius."""
+    def min_compliance(self, fields: LayeredFields) -> float:
+        """Return the least compliance ``1/F'(w)``, in units of the radius."""
         slope = self.setting.slope(self.sampling.values(fields.overclosure))
         return 1.0 / float(slope.max())
 
-    def sharpest(self, fields: LayeredFields, mean: float) -> float:
-        """Return by how much of itself, or of its mean, the pressure moves with the data."""
-        at = self.sampling.values(fields.overclosure)
-        p, slope = self.setting.pressure(at), self.setting.slope(at)
-        moved = slope / (1.0 + _OWN * slope) / self.setting.radius
-        return float((moved / np.maximum(p, mean)).max())
+    def condition(self, fields: LayeredFields, mean: float) -> float:
+        """Return the largest relative change of the pressure, or of its mean, by one of a length.
+
+        The length is a height or the approach, in the unit of the profile.
+        """
+        values = self.sampling.values(fields.overclosure)
+        slope = self.setting.slope(values)
+        rate = slope / (1.0 + _SELF_COMPLIANCE * slope) / self.setting.radius
+        return float((rate / np.maximum(self.setting.pressure(values), mean)).max())
 
     def growth(self, fields: LayeredFields) -> float:
-        """Return ``ddelta/da``, from how the overclosure falls to the edge."""
+        """Return ``ddelta/da``, from the slope of the overclosure next to the edge."""
         if self._fixed:
             return 0.0
         slope = float(self.setting.slope(self.sampling.values(fields.overclosure)).max())
-        y = min(_SLOPE * min(1.0 / max(slope, 1.0), 1.0), 0.5 * self.setting.parts.ends[-1][2])
-        falls = 2.0 * self.form.next_to_edge(fields.overclosure, y) / y
-        return falls / self.form.at_edge(fields.rate)
+        setting = self.setting
+        width = min(1.0 / max(slope, 1.0), setting.profile._to_pole(setting.radius))
+        y = min(_SLOPE_DISTANCE * width, 0.5 * setting.parts.ends[-1][2])
+        edge_slope = 2.0 * self.form.next_to_edge(fields.overclosure, y) / y
+        return edge_slope / self.form.at_edge(fields.rate)
 
 
-def balanced(setting: LayeredSetting, room: Array, start: Array, spring: float = _OWN) -> Array:
-    """Return w with ``w + spring F(w) = room`` at every point by itself."""
+def balanced(
+    setting: LayeredSetting, total: Array, start: Array, spring: float = _SELF_COMPLIANCE
+) -> Array:
+    """Return w with ``w + spring F(w) = total`` at every point by itself.
+
+    This is the overclosure of the layer if that of the layer and of a spring in series, with this
+    compliance, is given. Newton's method starts at `start`, and is bracketed.
+    """
     w = start.copy()
-    low, high, before = np.full(w.shape, -inf), np.full(w.shape, inf), np.full(w.shape, inf)
+    low = np.full(w.shape, -inf)
+    high = np.full(w.shape, inf)
+    last_size = np.full(w.shape, inf)
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(_POINTWISE_STEPS):
-            off = w + spring * setting.pressure(w) - room
-            low, high = np.where(off < 0.0, w, low), np.where(off < 0.0, high, w)
-            step = w - off / (1.0 + spring * setting.slope(w))
-            middle = np.where(np.isfinite(low + high), 0.5 * (low + high), np.minimum(w, room))
-            # far up an exponential law Newton's steps are an e-fold each
-            slow = (np.abs(off) > 0.1 * before) & np.isfinite(low + high)
-            new = np.where((step > low) & (step < high) & ~slow, step, middle)
-            before = np.abs(off)
-            done = np.abs(new - w) <= _POINTWISE * (np.abs(new) + np.abs(room))
+            residual = w + spring * setting.pressure(w) - total
+            low = np.where(residual < 0.0, w, low)
+            high = np.where(residual < 0.0, high, w)
+            newton = w - residual / (1.0 + spring * setting.slope(w))
+            bracketed = np.isfinite(low + high)
+            middle = np.where(bracketed, 0.5 * (low + high), np.minimum(w, total))
+            # far up an exponential law a step of Newton's method reduces the residual by e only
+            slow = (np.abs(residual) > 0.1 * last_size) & bracketed
+            new = np.where((newton > low) & (newton < high) & ~slow, newton, middle)
+            last_size = np.abs(residual)
+            tolerance = _POINTWISE_TOLERANCE * (np.abs(new) + np.abs(total))
+            converged = np.abs(new - w) <= tolerance
             w = new
-            if done.all():
+            if converged.all():
                 break
     return w

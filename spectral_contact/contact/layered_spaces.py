@@ -31,8 +31,8 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 
 
-#: Degree in which a pressure with bends drives a traction.
-_DRIVING_DEGREE = 32
+#: Degree in which a pressure with bends is interpolated on the panels of one part.
+_INTERPOLATION_DEGREE = 32
 
 
 class PartSamples(NamedTuple):
@@ -41,7 +41,7 @@ class PartSamples(NamedTuple):
     Attributes
     ----------
     samples : slice
-        Which they are, of all.
+        Their numbers among all sampling points.
     sign : int
         +1 if the part lies above its boundary, -1 if below, as in `DiskPartition`.
     distances : ndarray
@@ -72,13 +72,14 @@ class PanelForm:
     z : ndarray
         ``s**2`` at the sampling points.
     tail_extent : float
-        Width in ``s**2`` of the last piece, next to the edge.
+        Extent in ``s**2`` of the tail at the edge.
     central : int
-        How many panels are of the piece at the centre.
+        Number of panels of the part at the centre.
     """
 
     def __init__(self, parts: DiskPartition, used: tuple[DiscreteSpace, ...]) -> None:
-        self._parts, self._used = parts, used
+        self._parts = parts
+        self._used = used
         self.space: NodalSpace = disk_space(parts, used)
         self.sampling = Sampling(used)
         ends = zip(parts.ends, used, strict=True)
@@ -93,11 +94,11 @@ class PanelForm:
         return np.concatenate([part.y for part in self._points])
 
     def part_samples(self) -> list[PartSamples]:
-        """Return where the sampling points of every part are."""
+        """Return the sampling points of every part."""
         found, start = [], 0
         for (_, sign, extent), (panels, _) in zip(self._parts.ends, self._used, strict=True):
             distances = panels.sampling_distances
-            ends = np.exp(-panels.width * np.arange(panels.panels + 1))
+            ends = np.exp(-panels.width * np.arange(panels.count + 1))
             on_panels = np.repeat(-np.diff(ends), panels.samples)
             widths = np.concatenate([on_panels, np.full(panels.tail_points, panels.end)])
             samples = slice(start, start + len(distances))
@@ -106,12 +107,12 @@ class PanelForm:
         return found
 
     def at_boundaries(self, coefficients: Array) -> list[float]:
-        """Return the value at the boundary of every part, as the part has it."""
+        """Return the value of every part's series at the boundary of the part."""
         each = zip(self._used, split_parts(self._used, coefficients), strict=True)
         return [edge_value(panels, own) for (panels, _), own in each]
 
     def jumps(self, coefficients: Array) -> Array:
-        """Return at the sampling points by how much a function jumps at the boundary of a part."""
+        """Return, at every sampling point, the jump of a function at the boundary of its part."""
         values: dict[Radius, list[float]] = {}
         each = list(zip(self._parts.ends, self.at_boundaries(coefficients), strict=True))
         for (boundary, _, _), value in each:
@@ -125,64 +126,72 @@ class PanelForm:
         return field_of(self._parts, series_on_parts(self._used, coefficients))
 
     def errors(self, pressure: Array, change: Change, mean: float) -> Array:
-        """Return the expected errors of the pressure, and by what a degree lowers them."""
+        """Return the expected errors of the pressure on every panel."""
         return pointwise_errors(self._parts, self._used, pressure, change, mean)
 
-    def carried(self, before: Array, old: Form) -> Array:
-        """Return the coefficients of a function of another space."""
+    def converted(self, coefficients: Array, old: Form) -> Array:
+        """Return the coefficients here of a function of another space."""
         assert isinstance(old, PanelForm)
-        counts = [[panels.panels for panels, _ in form._used] for form in (old, self)]
+        counts = [[panels.count for panels, _ in form._used] for form in (old, self)]
         if old._parts != self._parts or counts[0] != counts[1]:
-            return self.sampling.coefficients(old.field(before).evaluate(self.y))
-        rows, parts = [], split_parts(old._used, before)
+            return self.sampling.coefficients(old.field(coefficients).evaluate(self.y))
+        rows = []
+        parts = split_parts(old._used, coefficients)
         for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
-            table = np.zeros((new.panels, new.degree + 1))
+            table = np.zeros((new.count, new.degree + 1))
             terms = min(was.degree, new.degree) + 1
             table[:, :terms] = was.table(own)[:, :terms]
             table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
             rows += [table.ravel(), own[-was.tail_terms :]]
         return np.concatenate(rows)
 
-    def driving(self, pressure: Array, change: Change, thin: float) -> NormalContact:
-        """Return the pressure as it drives a traction, which takes panels to the edge alone.
+    def known_pressure(self, pressure: Array, change: Change, layer_width: float) -> NormalContact:
+        """Return the pressure as the known one of a traction, on panels of one part.
 
-        Where the law bends it is what these make of it, and what that lacks is its error.
+        If the law bends inside the contact there are several parts. Then the pressure is
+        interpolated on panels of one part, with an error that is returned.
 
         Parameters
         ----------
         pressure : ndarray
         change : Change
-            What two degrees less make of it.
-        thin : float
+            Its change without the top two degrees.
+        layer_width : float
             Width of its layer at the edge.
         """
-        functions = self.space
-        last = np.zeros_like(pressure)
-        last[functions.index[functions.coarse_unknowns :]] = 1.0
-        driving: tuple[Array, ...] = (pressure, change.coefficients, last * pressure)
-        panels = self._used[0][0]
+        space = self.space
+        is_top = np.zeros_like(pressure)
+        is_top[space.index[space.coarse_unknowns :]] = 1.0
+        fields: tuple[Array, ...] = (pressure, change.coefficients, is_top * pressure)
+        panels = self._used[0].panels
         if len(self._used) > 1:
             panels = self._panels_to_edge()
-            driving = tuple(self._to_edge(panels, coefficients) for coefficients in driving)
-        whole, moved, lesser = (
-            NormalContact(thin, 0.0, PressureField(None, series_of(panels, one)), panels, one)
-            for one in driving
+            fields = tuple(self._on_one_part(panels, coefficients) for coefficients in fields)
+        contact, two_degrees, top_degree = (
+            NormalContact(
+                layer_width,
+                0.0,
+                PressureField(None, series_of(panels, coefficients)),
+                panels,
+                coefficients,
+            )
+            for coefficients in fields
         )
-        lost = 0.0
+        error = 0.0
         if len(self._used) > 1:
-            exact = self.sampling.values(pressure)
-            off = whole.pressure.evaluate(self.y) - exact
-            lost = float(np.abs(off).max()) / float(exact.min())
-        return replace(whole, changes=(moved, lesser), pressure_error=lost)
+            values = self.sampling.values(pressure)
+            difference = contact.pressure.evaluate(self.y) - values
+            error = float(np.abs(difference).max()) / float(values.min())
+        return replace(contact, changes=(two_degrees, top_degree), pressure_error=error)
 
     def _panels_to_edge(self) -> LogPanels:
         """Return panels of one part that are as deep as those next to the edge."""
-        panels, extent = self._used[-1][0], self._parts.ends[-1][2]
-        more = ceil(-log(extent) / panels.width)
-        return replace(panels, panels=panels.panels + more, degree=_DRIVING_DEGREE)
+        panels = self._used[-1].panels
+        added = ceil(-log(self._parts.ends[-1][2]) / panels.width)
+        return replace(panels, count=panels.count + added, degree=_INTERPOLATION_DEGREE)
 
-    def _to_edge(self, panels: LogPanels, coefficients: Array) -> Array:
-        """Return a function on panels of one part, through its values there."""
+    def _on_one_part(self, panels: LogPanels, coefficients: Array) -> Array:
+        """Return the coefficients of a function on panels of one part, through its values there."""
         mesh = GradedMesh(EDGE, -1, 1.0, panels)
         return mesh.expand(self.field(coefficients).evaluate(mesh.sampling().y))
 
@@ -200,8 +209,8 @@ class PanelForm:
         terms = self._used[-1][0].tail_terms
         return rows[:, -terms:] @ legendre_values(2.0 * u - 1.0, terms - 1).T
 
-    def lost_at_edge(self, change: Array) -> float:
-        """Return a bound of what a change is at the edge."""
+    def edge_bound(self, change: Array) -> float:
+        """Return a bound of the modulus of a change at the edge."""
         return float(np.abs(change[-self._used[-1][0].tail_terms :]).sum())
 
 
@@ -215,11 +224,13 @@ class CellForm:
     """
 
     def __init__(self, cells: DiskCells, degrees: tuple[int, ...]) -> None:
-        self._cells, self._degrees = cells, degrees
+        self._cells = cells
+        self._degrees = degrees
         self.space: NodalSpace = cell_space(cells, degrees)
         self.sampling = Sampling(polynomials=degrees)
-        self.z: Array = cells.from_centre(self.sampling.places())
-        self.tail_extent, self.central = cells.lengths[-1], 1
+        self.z: Array = cells.squares_at(self.sampling.places())
+        self.tail_extent = cells.lengths[-1]
+        self.central = 1
 
     def field(self, coefficients: Array) -> PressureField | ZonalField:
         """Return the function."""
@@ -229,7 +240,7 @@ class CellForm:
         return np.split(coefficients, np.cumsum(np.array(self._degrees) + 1)[:-1])
 
     def errors(self, pressure: Array, change: Change, mean: float) -> Array:
-        """Return the expected errors of the pressure, and by what a degree lowers them."""
+        """Return the expected errors of the pressure on every panel."""
         shares = []
         each = zip(self._split(pressure), self._split(change.coefficients), strict=True)
         for own, changed in each:
@@ -237,14 +248,14 @@ class CellForm:
             shares.append(np.abs(changed).sum() / max(ends, mean))
         return np.array(shares)
 
-    def carried(self, before: Array, old: Form) -> Array:
-        """Return the coefficients of a function of another space."""
+    def converted(self, coefficients: Array, old: Form) -> Array:
+        """Return the coefficients here of a function of another space."""
         assert isinstance(old, CellForm)
         rows = []
-        for degree, own in zip(self._degrees, old._split(before), strict=True):
+        for degree, on_cell in zip(self._degrees, old._split(coefficients), strict=True):
             row = np.zeros(degree + 1)
-            terms = min(len(own), degree + 1)
-            row[:terms] = own[:terms]
+            terms = min(len(on_cell), degree + 1)
+            row[:terms] = on_cell[:terms]
             rows.append(row)
         return np.concatenate(rows)
 
@@ -261,13 +272,13 @@ class CellForm:
         degree = self._degrees[-1]
         return rows[:, -degree - 1 :] @ legendre_values(1.0 - 2.0 * u, degree).T
 
-    def lost_at_edge(self, change: Array) -> float:
-        """Return a bound of what a change is at the edge."""
+    def edge_bound(self, change: Array) -> float:
+        """Return a bound of the modulus of a change at the edge."""
         return float(np.abs(self._split(change)[-1]).sum())
 
-    def driving(self, pressure: Array, change: Change, thin: float) -> None:
+    def known_pressure(self, pressure: Array, change: Change, layer_width: float) -> None:
         """Return nothing: under a flat punch, which alone drives a traction, there are panels."""
 
 
-#: What Newton's method may work in.
+#: A space of Newton's method.
 Form: TypeAlias = PanelForm | CellForm

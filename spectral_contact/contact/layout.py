@@ -1,10 +1,14 @@
-"""Sequences of zones that stick or slip, and scalar results for a solution on them."""
+"""Sequences of zones that stick or slip, and scalar results for a solution on them.
+
+s is the radius over that of the contact, and ``y = 1 - s**2``. Pressure p, traction q, friction f,
+approach delta, total shear ``Q = 2 pi int q s ds`` and coupling kappa are those of docs/theory.
+"""
 
 from __future__ import annotations
 
 from bisect import bisect
 from dataclasses import dataclass
-from math import log
+from math import inf, log
 from typing import NamedTuple
 
 import numpy as np
@@ -14,11 +18,11 @@ from spectral_contact.contact.resolution import TINY
 
 
 class NoBoundariesError(ArithmeticError):
-    """Newton's method finds no boundaries from where it starts."""
+    """Newton's method finds no boundaries of zones from its starting values."""
 
 
 def logit_at(x: float) -> float:
-    """Return the logit ``ln(s**2/y)`` of the radius s with ``y = 1 - s**2 = exp(-x)``."""
+    """Return the logit ``ln(s**2/(1 - s**2))`` of the radius s with ``1 - s**2 = exp(-x)``."""
     return float(np.log(-np.expm1(-x)) + x)
 
 
@@ -33,7 +37,9 @@ class Layout(NamedTuple):
         Of every zone, one more than boundaries: 0 for stick, +1 or -1 for slip with ``q = +f p`` or
         ``q = -f p``. The first is 0.
     jacobian : ndarray, shape (boundaries, boundaries), optional
-        Derivatives of the boundary residual by the logits, if a solution on these zones told them.
+        Derivatives by the logits of the boundary residual, which is zero where the traction is
+        continuous (docs/theory); None if no solution on such zones is at hand. Newton's method
+        begins with it.
     """
 
     logits: tuple[float, ...]
@@ -48,8 +54,8 @@ class Layout(NamedTuple):
         Parameters
         ----------
         intervals : tuple of (float, float)
-            The stick zones to add, as ``y = 1 - s**2`` at their inner and outer boundary. One that
-            ends at 0 reaches the edge.
+            The stick zones to add, as y at their inner and outer boundary. One whose outer y is 0
+            reaches the edge.
         """
         logits = self.logits
         states = self.states
@@ -57,8 +63,9 @@ class Layout(NamedTuple):
             if not outer_y < inner_y < 1.0:
                 continue
             boundaries = [logit_at(-log(y)) for y in (inner_y, outer_y) if y > 0.0]
+            end = boundaries[-1] if outer_y > 0.0 else inf
             zone = bisect(logits, boundaries[0])
-            if states[zone] != 0 and bisect(logits, boundaries[-1]) == zone:
+            if states[zone] != 0 and bisect(logits, end) == zone:
                 # stick, and slip beyond it unless the stick reaches the edge
                 new_states = (0, states[zone])[: len(boundaries)]
                 logits = (*logits[:zone], *boundaries, *logits[zone:])
@@ -68,16 +75,16 @@ class Layout(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trial:
-    """Zones that a search tried, and what became of them.
+    """Zones that a search tried, and its verdict.
 
     Attributes
     ----------
     zones : Layout
-        As they were tried: the boundaries are those of the start, not of a solution.
+        The zones with which Newton's method began; a solution has other boundaries.
     reason : str
-        Why they were tried.
+        The reason why they were tried.
     verdict : str
-        "the friction law holds", or what refuted them.
+        "the friction law holds", or the reason why the zones are wrong.
     """
 
     zones: Layout
@@ -91,9 +98,9 @@ class Trial:
 
 
 def fixed_disk(logit: float) -> Layout:
-    """Return one stick disk whose radius is given: the solver does not move its boundary.
+    """Return one stick disk whose radius is given: Newton's method does not move its boundary.
 
-    The Jacobian claims so steep a boundary residual that every step of the boundary is nothing.
+    The derivative in its Jacobian is so large that every step of the boundary rounds to 0.
     """
     return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
 
@@ -102,19 +109,21 @@ def fixed_disk(logit: float) -> Layout:
 class ScalarResults:
     """Scalars and error estimates of a solution on zones, for unit load.
 
-    Without elastic coupling they are those for kappa = 1.
+    Without elastic coupling those of the traction are for kappa = 1.
 
     Attributes
     ----------
     approach, total_shear : float
-        ``delta*`` and ``Q*``.
-    approach_error, shear_error, pressure_error, traction_error : float
-        Estimates of relative errors; those of the fields, p and q/s, hold at every radius.
+        delta and Q, dimensionless.
+    approach_error, shear_error : float
+        Estimates of their relative errors.
+    pressure_error, traction_error : float
+        Estimates of the relative errors of p and of q/s at every radius.
     radius_error : float
-        Estimate of the relative error of the stick radius c.
+        Estimate of the relative error of the radius of the central stick disk.
     zones_error : float
-        The largest estimate of the relative error of a boundary, of its distance from the centre
-        and from the edge; infinite if a zone may not exist.
+        The largest estimate of the relative error of a boundary: of its distance from the centre or
+        of that from the edge, whichever is larger; infinite if a zone may not exist.
     """
 
     approach: float

@@ -14,7 +14,7 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, fixed_disk
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.stick_radius import min_logit
-from spectral_contact.contact.tuning import MAX_REGULARISING_RADIUS, ROUNDING
+from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, ROUNDING
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -25,13 +25,14 @@ def regularising_radius(parameters: Parameters) -> Radius:
     With normal compliance it is the least radius that is solved for. Without normal compliance p is
     like a power of s around the disk, and next to a disk of radius c its rounding error is like
     ``eps/c`` with the rounding error eps of doubles. The radius that keeps rounding and the error
-    of the disk below the estimates is ``2 sqrt(eps) (kappa f)**(-1/3)``.
+    of the disk below the estimates is ``2 sqrt(eps) (kappa f)**(-1/3)``. It is so small that
+    CENTRAL_CLEARANCE times it is small, too.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
         return Radius.from_logit(min_logit(parameters))
     c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
-    c = min(c, MAX_REGULARISING_RADIUS)
+    c = min(c, 1.0 / CENTRAL_CLEARANCE**2)
     return Radius(float(c), float(1.0 - c))
 
 

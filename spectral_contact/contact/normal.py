@@ -1,4 +1,12 @@
-"""Normal contact, equation (3.5): ``alpha p + N p = delta`` with unit load."""
+"""Normal contact, equation (3.5): ``alpha p + N p = delta`` with unit load.
+
+p is the pressure, delta the approach, alpha the normal compliance and N the normal operator of
+docs/theory; s is the radius over that of the contact, and ``y = 1 - s**2``. The half-integral of p
+is ``F(t) = int_t^1 p s ds / sqrt(s**2 - t**2)``; on a smooth surface it is ``2 delta``.
+
+The equation is solved for unit approach, ``delta = 1``. Then p is scaled to unit load, which gives
+the approach.
+"""
 
 from __future__ import annotations
 
@@ -12,27 +20,23 @@ from spectral_contact.contact.resolution import (
     graded_space,
     relative_panel_changes,
 )
-from spectral_contact.contact.tuning import (
-    CLOSED_FORM_ROUNDING,
-    FIELD_ROUNDING,
-    ROUNDING,
-    SMALL_COMPLIANCE,
-)
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 
-#: The endpoint weight is ``(4/pi) / sqrt(y + WEIGHT_SHIFT * alpha)``: as alpha vanishes it has the
-#: pressure at the edge, ``sqrt((4/pi) / alpha)``, by itself.
+#: The endpoint weight is ``(4/pi) / sqrt(y + WEIGHT_SHIFT * alpha)``. As alpha vanishes its value
+#: ``sqrt((4/pi) / alpha)`` at the edge becomes that of the pressure for unit approach.
 WEIGHT_SHIFT = 4 / pi
 
 
 class _NormalProblem:
-    """Normal contact for `refine`.
+    """The problem of normal contact, for `refine`.
 
-    The pressure for unit approach is the endpoint weight, if there is one, and a series; see
+    The pressure for unit approach is a series, plus the endpoint weight if there is one; see
     `solve_normal` for the goals.
     """
 
@@ -40,41 +44,45 @@ class _NormalProblem:
         self.compliance = compliance
         self.tolerance = tolerance
         self.pointwise = goal != "approach"
-        self.changes_wanted = goal == "traction"
-        has_weight = compliance < SMALL_COMPLIANCE and self.pointwise
+        self.keeps_changes = goal == "traction"
+        has_weight = compliance < UNCORRECTED_COMPLIANCE and self.pointwise
         self.weight = EdgeWeight(4 / pi, WEIGHT_SHIFT * compliance) if has_weight else None
 
     def start(self) -> DiscreteSpace:
-        layer = max(-log(self.compliance), 0.0)
+        """Return the first space."""
+        # the pressure has a layer of width alpha next to the edge
+        layer_depth = max(-log(self.compliance), 0.0)
         # the error of the approach is the square of that of the pressure
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
-        return graded_space(layer, tolerance)
+        return graded_space(layer_depth, tolerance)
 
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[NormalContact]:
+        """Return the solution in a space, with its error estimates."""
         panels = resolution.panels
         compliance = self.compliance
         weight = self.weight
         space = unit_space(panels, resolution.degrees)
-        # the right-hand side is what the weight leaves of 2 delta, tested, and of alpha p
+        # The target of F is 2. The weight is the lift of the least-squares problem: its
+        # half-integral is taken from the target, and its inner products enter with alpha.
         target: Array | float = 2.0
-        load = None
+        weight_moments = None
         weight_load = 0.0  # int of the weight times s ds
         if weight is not None:
             target = weight.deficit(space.y)
-            load = load_vector(panels, lambda d: 0.5 * weight(d))
+            weight_moments = load_vector(panels, lambda d: 0.5 * weight(d))
             weight_load = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
         factored = space.factor(compliance)
-        solution = factored.solve(target, load, correct=self.pointwise and weight is None)
+        solution = factored.solve(target, weight_moments, correct=False)
         change = factored.change(solution)
-        # int p s ds = (2/pi) int F dt, for unit approach
+        # int p s ds = (2/pi) int F dt for unit approach; constant moments are (1/pi) int F dt
         moment = 2.0 * float(space.constant_moments @ solution[space.index]) + weight_load
         approach = 1.0 / (2.0 * pi * moment)
         coefficients = solution * approach
         weight_of_load = None if weight is None else weight.times(approach)
         pressure = PressureField(weight_of_load, series_of(panels, coefficients))
+        # The error of the approach is the energy of that of p. The energy of the tail is left out,
+        # which is less than 0.03 of the sum (tests/reference/test_estimates.py).
         energies = change.energies[:-1] / moment
-        # without that of the tail, which adds less than 0.03 of it (tests/reference/
-        # test_estimates.py)
         approach_error = float(energies.sum()) + ROUNDING
         changes = []
         if self.pointwise:
@@ -83,11 +91,12 @@ class _NormalProblem:
             )
             pressure_error = float(indicators.max()) + FIELD_ROUNDING
             error = pressure_error
-            if self.changes_wanted:
+            if self.keeps_changes:
+                # the contributions of the top two degrees, and of the top one
                 for coarse_change in (change, factored.change(solution, degrees=1)):
-                    top = -coarse_change.coefficients * approach
-                    field = PressureField(None, series_of(panels, top))
-                    changes.append(NormalContact(compliance, 0.0, field, panels, top))
+                    contribution = -coarse_change.coefficients * approach
+                    field = PressureField(None, series_of(panels, contribution))
+                    changes.append(NormalContact(compliance, 0.0, field, panels, contribution))
         else:
             indicators = energies
             pressure_error = np.inf
@@ -113,33 +122,35 @@ def solve_normal(
     Parameters
     ----------
     compliance : float
-        ``alpha*``, 0 or positive.
+        alpha (dimensionless), 0 or positive.
     tolerance : float
         Bound on the relative error of the goal.
     max_unknowns : int
         Most unknowns of a space.
     goal : {"traction", "pressure", "approach"}
-        What the tolerance bounds: the pressure, pointwise, with its `changes` for the tangential
-        problem; the pressure without them; or the approach alone, which needs far fewer unknowns.
+        With "approach" the tolerance bounds the error of the approach alone, which needs far fewer
+        unknowns. With the other two it bounds that of the pressure at every radius; "traction" also
+        keeps the `changes` of the pressure, from which the error of a traction is estimated.
 
     Returns
     -------
     NormalContact or Refinement
-        On a smooth surface the weight ``1/(2 pi sqrt(y))`` is the exact solution, Eq. (3.6), with
-        the approach 1/8, and there is nothing to refine.
+        A `NormalContact` on a smooth surface: the weight ``1/(2 pi sqrt(y))`` is the exact
+        solution, Eq. (3.6), with the approach 1/8, and there is nothing to refine. Else a
+        `Refinement`.
     """
     if compliance == 0.0:
         pressure = PressureField(EdgeWeight(1.0 / (2.0 * pi), 0.0), None)
-        return NormalContact(
-            0.0, 1 / 8, pressure, None, np.zeros(0), ROUNDING, CLOSED_FORM_ROUNDING
-        )
+        return NormalContact(0.0, 1 / 8, pressure, None, np.zeros(0), ROUNDING, FIELD_ROUNDING)
     return refine(_NormalProblem(compliance, tolerance, goal), tolerance, max_unknowns)
 
 
 def compliance_derivative(solved: Refinement[NormalContact]) -> NormalContact:
-    """Return the derivative of a normal contact by its compliance, in the form of a contact.
+    """Return the derivatives of pressure and approach by alpha, at unit load.
 
-    For unit approach ``(alpha + N) dp/dalpha = -p``; then the load is kept at one.
+    They are the fields of the `NormalContact` that is returned. At a fixed approach ``(alpha + N)
+    dp/dalpha = -p``. A multiple of p is added that makes the derivative of the load vanish; this is
+    the change of the approach.
     """
     contact = solved.best.value
     panels = solved.resolution.panels
@@ -150,12 +161,14 @@ def compliance_derivative(solved: Refinement[NormalContact]) -> NormalContact:
     tested_pressure[space.index] = space.mass @ contact.coefficients[space.index]
     if weight is not None:
         tested_pressure += load_vector(panels, lambda d: 0.5 * weight(d))
-    right_side = tested_pressure / contact.compliance
-    derivative = space.factor(contact.compliance).solve(0.0, right_side)
+    # the right-hand side -p, as that of a lift p / alpha
+    lift_moments = tested_pressure / contact.compliance
+    derivative = space.factor(contact.compliance).solve(0.0, lift_moments)
     moment = 2.0 * float(space.constant_moments @ derivative[space.index])
-    # relative derivative of the approach that keeps the load
-    relative = -2.0 * pi * moment
-    derivative += relative * contact.coefficients
-    edge = None if weight is None else weight.times(relative)
-    field = PressureField(edge, series_of(panels, derivative))
-    return NormalContact(contact.compliance, relative * contact.approach, field, panels, derivative)
+    # derivative of the logarithm of the approach, at unit load
+    log_approach_rate = -2.0 * pi * moment
+    derivative += log_approach_rate * contact.coefficients
+    weight_rate = None if weight is None else weight.times(log_approach_rate)
+    field = PressureField(weight_rate, series_of(panels, derivative))
+    approach_rate = log_approach_rate * contact.approach
+    return NormalContact(contact.compliance, approach_rate, field, panels, derivative)

@@ -72,7 +72,7 @@ class Indentation:
         ``a dp/ddelta`` at the radius ``a``: the pressure under a flat punch of that radius, for an
         approach of a.
     approach_error, load_error, work_error, stiffness_error : float
-        Estimates of relative errors; 0 if `indented.glance` computed the values alone.
+        Estimates of relative errors; 0 if `indented.values_only` computed the values alone.
     pressure_error : float
         The same of the pressure, pointwise, relative to itself or to its mean if that is larger.
     overclosure : float
@@ -175,7 +175,7 @@ class PartedProblem:
         degrees = space.degrees
         spaces = []
         for count in self.counts:
-            spaces.append(DiscreteSpace(replace(space.panels, panels=count), degrees[:count]))
+            spaces.append(DiscreteSpace(replace(space.panels, count=count), degrees[:count]))
             degrees = degrees[count:]
         return tuple(spaces)
 
@@ -184,6 +184,23 @@ def profile_parts(profile: Profile, radius: float) -> DiskPartition:
     """Return the parts into which the breaks of a profile cut a contact of this radius."""
     breaks = tuple(Radius(b / radius, (radius - b) / radius) for b in profile.breaks if b < radius)
     return DiskPartition(breaks, profile.pointed)
+
+
+def feature_depths(parts: DiskPartition, width: float, to_pole: float) -> tuple[float, ...]:
+    """Return the depth x of the deepest feature at the end of every part.
+
+    Parameters
+    ----------
+    parts : DiskPartition
+    width : float
+        Of the layer over the contact radius, at most 1.
+    to_pole : float
+        How far beyond the edge the half-integral has its pole, in the same unit: inside, it is a
+        logarithm of the distance from there (`Sphere`), which takes panels graded to it.
+    """
+    inner = [layer_depth(width, boundary, extent) for boundary, _, extent in parts.ends[:-1]]
+    edge, _, extent = parts.ends[-1]
+    return *inner, layer_depth(min(width, to_pole), edge, extent)
 
 
 def layer_depth(width: float, boundary: Radius, extent: float) -> float:

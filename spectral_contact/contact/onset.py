@@ -1,7 +1,9 @@
 """The onset of slip: where full stick violates the friction law, and unresolved slip.
 
-Full stick has the traction q and the pressure p; slip begins where ``|q|/p`` is largest, at the
-critical friction. Radii are looked at through ``x = -ln y`` with ``y = 1 - s**2``.
+Full stick has the traction q and the pressure p. Slip begins at the radius where ``|q|/p`` is
+largest, if the friction f is less than this ratio, the critical friction. s is the radius over that
+of the contact, ``y = 1 - s**2``, and the coordinate here is the depth ``x = -ln y``. alpha, beta
+and kappa are the normal and the tangential compliance and the coupling of docs/theory.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ from math import inf, log
 
 import numpy as np
 
+from spectral_contact.contact.friction_law import UNRESOLVED_SLIP
 from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import (
@@ -17,30 +20,30 @@ from spectral_contact.contact.resolution import (
     first_sign_change,
     sample_depths,
 )
-from spectral_contact.contact.tuning import (
-    LEADING_TERM_DEPTH,
-    NARROW_SLIP,
-    ONSET_SAMPLES,
-    SAMPLES,
-    SLIP_WIDENING,
-    UNRESOLVED_SLIP,
-)
+from spectral_contact.contact.tuning import MAX_RING_WIDTH, ONSET_SAMPLES, RINGS_PER_SPLIT, SAMPLES
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
+#: Slip is wider than the set where full stick violates ``|q| <= f p``; the set for ``1 - f/f_crit``
+#: enlarged by this factor contains the slip. The slip is less than twice as wide where the width of
+#: the set goes like ``sqrt(1 - f/f_crit)``, less than four times where like ``1 - f/f_crit``.
+SLIP_WIDENING = 4.0
 
-def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
-    """Return the relative error of a stick radius of 1 where slip is about to start.
 
-    The friction is critical to within the errors, so that there may be slip. It is as wide as the
-    set where full stick violates the law at most, for a friction that lacks somewhat more.
+def unresolved_slip(full_stick: FullStick, parameters: Parameters) -> float:
+    """Return the relative error of the stick radius 1, if there may be slip too narrow to be found.
+
+    It is called if the friction is critical to within the errors. The slip that there may be is no
+    wider than the set where full stick violates the law for a friction somewhat farther below the
+    critical one, by SLIP_WIDENING. The error is the distance of this set's inner boundary from the
+    edge.
     """
-    if stick.critical == inf:
+    if full_stick.critical == inf:
         return UNRESOLVED_SLIP
-    onset_distance = max(1.0 - parameters.friction / stick.critical, 0.0)
-    onset_distance += 2.0 * stick.critical_error
-    friction = stick.critical * (1.0 - min(SLIP_WIDENING * onset_distance, 1.0))
-    logits = slip_where_exceeded(stick, parameters, friction).logits
+    onset_distance = max(1.0 - parameters.friction / full_stick.critical, 0.0)
+    onset_distance += 2.0 * full_stick.critical_error
+    friction = full_stick.critical * (1.0 - min(SLIP_WIDENING * onset_distance, 1.0))
+    logits = slip_where_exceeded(full_stick, parameters, friction).logits
     if not logits:
         return UNRESOLVED_SLIP
     radius = Radius.from_logit(logits[0])
@@ -48,73 +51,77 @@ def unresolved_slip(stick: FullStick, parameters: Parameters) -> float:
 
 
 def slip_where_exceeded(
-    stick: FullStick, parameters: Parameters, friction: float | None = None
+    full_stick: FullStick, parameters: Parameters, friction: float | None = None
 ) -> Layout:
     """Return zones that slip where full stick has ``|q| > f p``, and stick elsewhere.
 
     Parameters
     ----------
-    stick : FullStick
-        Full stick, with its fields.
+    full_stick : FullStick
+        Full stick, with pressure and traction.
     parameters : Parameters
     friction : float, optional
-        In place of the friction f of the parameters.
+        The friction f, if not that of the parameters.
     """
-    pressure = stick.pressure
-    traction = stick.traction
+    pressure = full_stick.pressure
+    traction = full_stick.traction
     assert pressure is not None
     assert traction is not None
-    limit = parameters.friction if friction is None else friction
-    depth = _depth(parameters)
+    f = parameters.friction if friction is None else friction
+    edge_depth = _edge_depth(parameters)
 
     def traction_at(x: Array) -> Array:
         s = np.sqrt(-np.expm1(-x))
-        return traction(s, np.exp(-x) / (1.0 + s))
+        from_edge = np.exp(-x) / (1.0 + s)
+        return traction(s, from_edge)
 
     def excess(x: Array) -> Array:
-        """Return ``|q|/p - f``, at most f."""
+        """Return ``|q|/p - f``, cut off at f, so that it is finite for the search of its zeros."""
         q = traction_at(x)
         p = pressure.evaluate(np.exp(-x))
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
-        return np.asarray(np.minimum(ratio, 2.0 * limit) - limit)
+        return np.asarray(np.minimum(ratio, 2.0 * f) - f)
 
-    # the set may be tiny: the grid is fine around the radius where it begins
-    peak = -log(stick.critical_y) if stick.critical_y > 0.0 else depth
+    # the set may be tiny: the grid is fine around the radius of the largest ratio
+    peak = -log(full_stick.critical_y) if full_stick.critical_y > 0.0 else edge_depth
     offsets = np.exp(-sample_depths(EPSILON_DEPTH, SAMPLES))
     around_peak = peak + np.concatenate([-offsets, [0.0], offsets])
-    around_peak = around_peak[(around_peak > 0.0) & (around_peak < depth)]
-    x = np.unique(np.concatenate([sample_depths(depth, ONSET_SAMPLES), around_peak]))
+    around_peak = around_peak[(around_peak > 0.0) & (around_peak < edge_depth)]
+    x = np.unique(np.concatenate([sample_depths(edge_depth, ONSET_SAMPLES), around_peak]))
 
     exceeds = excess(x) > 0.0
-    changes = np.flatnonzero(exceeds[1:] != exceeds[:-1]).tolist()
-    boundaries = [first_sign_change(excess, x[i], x[i + 1]) for i in changes]
-    if exceeds[0]:  # the first boundary is that of a stick disk around the centre, always there
+    brackets = np.flatnonzero(exceeds[1:] != exceeds[:-1]).tolist()
+    boundaries = [first_sign_change(excess, x[i], x[i + 1]) for i in brackets]
+    if exceeds[0]:  # within the first x there is a stick disk: the centre sticks under any friction
         boundaries = [float(x[0]), *boundaries]
-    slip_ends = [*boundaries, depth] if exceeds[-1] else boundaries
-    middles = (np.array(slip_ends[::2]) + np.array(slip_ends[1::2])) / 2.0
+    # inner and outer boundary of every slip zone in turn
+    slip_boundaries = [*boundaries, edge_depth] if exceeds[-1] else boundaries
+    middles = (np.array(slip_boundaries[::2]) + np.array(slip_boundaries[1::2])) / 2.0
     states: list[int] = []
-    for sign in np.sign(traction_at(middles)).astype(int).tolist():
-        states += [0, sign]
+    for traction_sign in np.sign(traction_at(middles)).astype(int).tolist():
+        states += [0, traction_sign]
     if not exceeds[-1]:
         states.append(0)
     return Layout(tuple(logit_at(boundary) for boundary in boundaries), tuple(states))
 
 
 def is_narrow(zones: Layout) -> bool:
-    """Return whether no slip reaches the edge, and all may be too narrow for rings."""
-    widths = np.diff(zones.logits)[::2]
-    all_inside = len(zones.logits) == 2 * len(widths)
-    return all_inside and max(widths, default=inf) < NARROW_SLIP
+    """Return whether there is slip, none reaches the edge, and every slip zone is narrow.
+
+    Such zones are narrower than a ring of `active_set` that was split, and may fall between rings.
+    """
+    logit_widths = np.diff(zones.logits)[::2]
+    none_at_edge = len(zones.logits) == 2 * len(logit_widths)
+    return none_at_edge and max(logit_widths, default=inf) < MAX_RING_WIDTH / RINGS_PER_SPLIT
 
 
-def _depth(parameters: Parameters) -> float:
+def _edge_depth(parameters: Parameters) -> float:
     """Return the x beyond which the ratio ``|q|/p`` of full stick is that of the edge."""
     alpha, beta, kappa, friction = parameters
     if alpha == 0.0 < beta:
-        # the edge sticks for y below (f beta / kappa)^2: there f p exceeds what q can be
-        return (
-            max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + LEADING_TERM_DEPTH
-        )
+        # On a smooth surface p grows like 1/sqrt(y), while q is at most about kappa/beta. So f p
+        # exceeds q for y below (f beta/kappa)**2, and the edge sticks.
+        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + EPSILON_DEPTH
     layers = [-log(compliance) for compliance in (alpha, beta) if compliance > 0.0]
-    return max([0.0, *layers]) + LEADING_TERM_DEPTH
+    return max([0.0, *layers]) + EPSILON_DEPTH

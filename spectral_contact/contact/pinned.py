@@ -1,10 +1,10 @@
-r"""Normal contact under a flat punch of some radius, in the units of a scene with a profile.
+r"""Normal contact under a flat punch of any radius a, in the units of a scene with a profile.
 
-The contact is the punch's face whatever the load is, so everything is linear in it: the solution
-`normal` has for unit load and radius is scaled. With adhesion load and approach may be negative,
-until the energy release rate at the edge is the work of adhesion w: with a layer until the pressure
-there is ``-sqrt(2 w / alpha)``, and on a smooth surface until ``P = -4 a**(3/2) sqrt(2 pi w)``
-(docs/theory, adhesion; Kendall, 1971).
+The contact is the face of the punch under any load P, so that all results are linear in P. They are
+those of `normal` for unit load and radius, scaled. With adhesion load and approach may be negative
+until the energy release rate at the edge is the work of adhesion w, at the *pull-off*. With a layer
+of compliance alpha the pressure at the edge is ``-sqrt(2 w / alpha)`` then, and on a smooth surface
+``P = -4 a**(3/2) sqrt(2 pi w)`` (docs/theory, adhesion; Kendall, 1971).
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ class PinnedContact:
     Parameters
     ----------
     radius : float
-        Of the punch.
+        Radius of the punch.
     compliance : float
-        ``alpha*`` in the unit of length of the radius.
+        alpha, in the unit of length of the radius.
     adhesion : float
         Work of adhesion, 0 without.
     tolerance : float
@@ -47,16 +47,19 @@ class PinnedContact:
         *,
         pointwise: bool,
     ) -> None:
-        self.radius, self._pointwise = radius, pointwise
+        self.radius = radius
+        self._pointwise = pointwise
         goal = "pressure" if pointwise or adhesion else "approach"
         self._solved = solve_normal(compliance / radius, tolerance, max_unknowns, goal=goal)
         normal = self._normal
-        self._approach = normal.approach / radius
-        #: the most negative load, and the relative error of it
-        self.pull_off_load, self.pull_off_error = -inf, 0.0
+        #: approach for unit load
+        self._unit_approach = normal.approach / radius
+        #: the most negative load, and its relative error
+        self.pull_off_load = -inf
+        self.pull_off_error = 0.0
         if adhesion and compliance:
-            suction, edge = sqrt(2.0 * adhesion / compliance), normal.pressure.value(0.0)
-            self.pull_off_load = -(radius**2) * suction / edge
+            suction = sqrt(2.0 * adhesion / compliance)
+            self.pull_off_load = -(radius**2) * suction / normal.pressure.value(0.0)
             self.pull_off_error = normal.pressure_error
         elif adhesion:
             self.pull_off_load = -4.0 * radius * sqrt(2.0 * pi * radius * adhesion)
@@ -64,34 +67,39 @@ class PinnedContact:
 
     @property
     def _normal(self) -> NormalContact:
+        """The contact for unit load and radius."""
         solved = self._solved
         return solved.best.value if isinstance(solved, Refinement) else solved
 
     @property
     def pull_off_approach(self) -> float:
         """The most negative approach."""
-        return self.pull_off_load * self._approach
+        return self.pull_off_load * self._unit_approach
 
     def load_of(self, approach: float) -> float:
         """Return the load of an approach."""
-        return approach / self._approach
+        return approach / self._unit_approach
 
     def under(
         self, load: float, approach: float | None = None
     ) -> Indentation | Refinement[Indentation]:
-        """Return the contact under a load, or under the load of an approach that is given."""
-        normal, a = self._normal, self.radius
+        """Return the contact under a load.
+
+        If the approach is given too, it is exact, and the load is that of this approach.
+        """
+        normal = self._normal
+        a = self.radius
         error = normal.approach_error
         field = normal.pressure
         factor = load / a**2
         weight = None if field.weight is None else field.weight.times(factor)
         series = None if field.series is None else field.series.times(factor)
-        one = Indentation(
+        contact = Indentation(
             a,
-            load * self._approach if approach is None else approach,
+            load * self._unit_approach if approach is None else approach,
             load,
-            load**2 * self._approach / 2.0,
-            1.0 / self._approach,
+            load**2 * self._unit_approach / 2.0,
+            1.0 / self._unit_approach,
             inf,
             PressureField(weight, series) if self._pointwise else None,
             None,
@@ -103,7 +111,7 @@ class PinnedContact:
         )
         solved = self._solved
         if not isinstance(solved, Refinement):
-            return one
+            return contact
         best = solved.best
-        own = SpaceSolution(one, best.error, best.indicators, best.unknowns)
-        return Refinement(own, solved.resolution, solved.ending, solved.history)
+        scaled = SpaceSolution(contact, best.error, best.indicators, best.unknowns)
+        return Refinement(scaled, solved.resolution, solved.ending, solved.history)

@@ -10,8 +10,8 @@ from math import sqrt
 import numpy as np
 
 from spectral_contact.fields.series import Array, LogSeries, PressureField
+from spectral_contact.spectral.graded import FAR_NODES
 from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.tuning import FAR_POINTS
 
 
 def load_outside(pressure: PressureField, y: Array) -> Array:
@@ -32,7 +32,7 @@ def load_outside(pressure: PressureField, y: Array) -> Array:
 def mean_inside(pressure: PressureField, y: Array) -> Array:
     """Return the mean of the pressure over the disk ``s**2 <= 1 - y``, for ``y >= 1/2``."""
     # the nearest singularity is the edge y = 0; it is at least half the length of the interval away
-    nodes, weights = gauss_rule(FAR_POINTS)
+    nodes, weights = gauss_rule(len(FAR_NODES))
     points = 1.0 - (1.0 - y)[..., None] * (1.0 + nodes) / 2.0
     return np.asarray(pressure.evaluate(points) @ (weights / 2.0))
 

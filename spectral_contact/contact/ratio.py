@@ -1,66 +1,70 @@
-"""The result of full stick, and its ratio ``q/p``, whose maximum is the critical friction.
+"""The result of full stick, and its ratio ``q/p``, whose largest modulus is the critical friction.
 
-With ``u = q/s`` the ratio is ``s u / p``. It is evaluated in the depth ``x = -ln y``, ``y = 1 -
-s**2``, in which the panels of u have equal widths.
+p is the pressure, q the traction and s the radius over that of the contact. The series of a
+traction is that of the *shear* q/s. The ratio is evaluated in the depth ``x = -ln y``, ``y = 1 -
+s**2``, in which the panels of the shear have equal widths.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from math import exp, inf, log
 from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import legder, legroots
 
-from spectral_contact.contact.resolution import sample_depths
+from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
 from spectral_contact.contact.tuning import (
-    CLOSED_FORM_ROUNDING,
     FIELD_ROUNDING,
-    LEADING_TERM_DEPTH,
     RATIO_BOUND_FACTOR,
     SAMPLES,
     TRACTION_ROUNDING,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
-from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix
+from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.tuning import SAMPLES as PANEL_SAMPLES
 
-#: Depths of the samples in the tail beyond the panels of q, from the end of the panels.
-_TAIL_DEPTHS = np.linspace(0.0, LEADING_TERM_DEPTH, SAMPLES)[1:]
-#: q/p between two of the samples is analytic up to an imaginary part of about pi in x.
+#: Depths of the samples in the tail beyond the panels of q, less the depth of the panels' end.
+_TAIL_DEPTHS = np.linspace(0.0, EPSILON_DEPTH, SAMPLES)[1:]
+#: Nodes of the polynomial that interpolates q/p around its largest sample. The ratio is analytic in
+#: x up to an imaginary part of about pi, so that PANEL_SAMPLES nodes represent it to rounding.
 _NODES, _ = gauss_rule(PANEL_SAMPLES)
-#: From values at the nodes to the Legendre coefficients of the derivative.
+#: The matrix from values at the nodes to the Legendre coefficients of the derivative.
 _DERIVATIVE = legder(legendre_expansion_matrix(PANEL_SAMPLES, PANEL_SAMPLES - 1))
 
 
 class FullStick(NamedTuple):
-    """Full stick for unit load; without elastic coupling everything tangential is for kappa = 1.
+    """Full stick for unit load; without elastic coupling q and its integrals are for kappa = 1.
+
+    If only approach and total shear are wanted, the fields are None, and the other attributes have
+    their defaults.
 
     Attributes
     ----------
     approach, total_shear : float
-        ``delta*`` and ``Q*``.
+        delta and ``Q = 2 pi int q s ds``, dimensionless.
     approach_error, shear_error : float
         Estimates of their relative errors.
     pressure : PressureField or None
-        ``p*``; None, like all that follow, if only approach and shear are wanted.
+        p.
     traction : DiskSeries or None
-        ``q*``.
+        q.
     opening : float or None
-        Distance from the edge within which the pressure changes sign; None if it is positive.
+        Distance ``1 - s`` from the edge at which the pressure changes sign first; None if it is
+        positive.
     edge_ratio : float or None
         ``q/p`` at the edge; None where it has no limit, or is not wanted.
     critical : float
-        The largest ``|q|/p``; infinite where the pressure changes sign.
+        The largest ``|q|/p``, the critical friction; infinite where the pressure changes sign.
     critical_y : float
         ``y = 1 - s**2`` at that maximum.
     pressure_error, traction_error : float
-        Estimates of the relative errors of p and of ``u = q/s``, pointwise. Where one of the two
-        changes sign they are relative to ``sqrt(p^2 + u^2)`` and ``sqrt(u^2 + (kappa p)^2)``.
+        Estimates of the relative errors of p and of the shear ``u = q/s``, pointwise. Where p
+        changes sign the first is relative to ``sqrt(p^2 + u^2)``, and where u changes sign the
+        second is to ``sqrt(u^2 + (kappa p)^2)``.
     edge_error, critical_error : float
-        Estimates of the relative errors of the two ratios.
+        Estimates of the relative errors of `edge_ratio` and of `critical`.
     """
 
     approach: float
@@ -75,33 +79,36 @@ class FullStick(NamedTuple):
     critical_y: float = 0.0
     pressure_error: float = inf
     traction_error: float = inf
-    edge_error: float = CLOSED_FORM_ROUNDING
-    critical_error: float = CLOSED_FORM_ROUNDING
+    edge_error: float = FIELD_ROUNDING
+    critical_error: float = FIELD_ROUNDING
 
     def with_ratios(
-        self, depth: float, changes: Iterable[tuple[LogPanels, Array]], edge_change: float
+        self, depth: float, changes: Sequence[tuple[LogPanels, Array]], edge_change: float
     ) -> FullStick:
         """Return full stick with q/p at the edge and at its maximum.
 
-        The relative error of q/p at one place is estimated by RATIO_BOUND_FACTOR times the sum of
-        the relative changes of p and q on its panel.
+        A change is the difference of a field to that in the coarser space without the top two
+        degrees. The relative error of q/p at one radius is estimated by RATIO_BOUND_FACTOR times
+        the sum of the relative changes of p and q on its panel.
 
         Parameters
         ----------
         depth : float
-            Depth of the panels of the traction; the maximum may also be in the tail beyond.
-        changes : iterable of (LogPanels, ndarray)
-            Meshes, with relative changes of fields on their panels.
+            Depth at which the panels of the traction end and the tail begins. The maximum may be in
+            the tail.
+        changes : sequence of (LogPanels, ndarray)
+            The panels of each field, with its relative change on every one.
         edge_change : float
-            Sum of the relative changes of the fields at the edge. As the change takes one of few
-            functions of a tail, it is as large as the error there.
+            Sum of the relative changes of the fields at the edge. It is added without a factor: the
+            coarser space lacks one function of a tail that has few, so that the change is no larger
+            than the error.
         """
         assert self.pressure is not None
         assert self.traction is not None
         edge, critical, critical_y = largest_ratio(self.pressure, self.traction, depth)
 
         def error(y: float) -> float:
-            """Estimate the relative error of q/p at one place."""
+            """Estimate the relative error of q/p at one y."""
             panel_changes = sum(_change_at(panels, change, y) for panels, change in changes)
             tail_change = edge_change if y < exp(-depth) else 0.0
             return FIELD_ROUNDING + RATIO_BOUND_FACTOR * panel_changes + tail_change
@@ -110,20 +117,20 @@ class FullStick(NamedTuple):
             edge_ratio=edge,
             critical=critical,
             critical_y=critical_y,
-            edge_error=error(0.0) if 0.0 < edge < inf else FIELD_ROUNDING,
+            edge_error=error(0.0) if 0.0 < abs(edge) < inf else FIELD_ROUNDING,
             critical_error=error(critical_y) if critical < inf else FIELD_ROUNDING,
         )
 
 
 def _change_at(panels: LogPanels, changes: Array, y: float) -> float:
-    """Return the larger change of the panel at a place and of the panel next to it.
+    """Return the larger change of the panel at a y and of the nearer one of its neighbours.
 
-    The true maximum may lie on either.
+    The true maximum of the ratio may lie on either.
     """
-    last = panels.panels - 1
-    depth = -log(y) / panels.width if y > 0.0 else inf
-    k = int(min(depth, last))  # the last panel stands for the tail, too
-    adjacent = min(max(k + (1 if depth > k + 0.5 else -1), 0), last)
+    last = panels.count - 1
+    depth_in_panels = -log(y) / panels.width if y > 0.0 else inf
+    k = int(min(depth_in_panels, last))  # the last panel stands for the tail, too
+    adjacent = min(max(k + (1 if depth_in_panels > k + 0.5 else -1), 0), last)
     return float(max(changes[k], changes[adjacent]))
 
 
@@ -136,11 +143,11 @@ class LargestRatio(NamedTuple):
 
 
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
-    """Return q/p at the edge and its maximum, on panels to a depth and in their tail.
+    """Return q/p at the edge and its largest modulus, on panels to a depth and in their tail.
 
     The ratio is sampled; around the largest sample the maximum is a root of the derivative of an
-    interpolating polynomial. The edge is the maximum if no sample is above it by more than
-    rounding.
+    interpolating polynomial. The maximum is that at the edge unless a sample exceeds it by more
+    than rounding.
     """
     series = traction.series
     assert series is not None
@@ -148,6 +155,7 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     same_panels = pressure.series is not None and pressure.series.on_panels_of(series)
 
     def ratio(x: Array) -> Array:
+        """Return ``|q/p|``."""
         y = np.exp(-x)
         s = np.sqrt(-np.expm1(-x))
         if not same_panels:
@@ -160,19 +168,20 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
         return LargestRatio(inf, inf, 0.0)
     x = np.concatenate([sample_depths(depth, SAMPLES), depth + _TAIL_DEPTHS])
     values = ratio(x)
-    # in the tail the ratio exceeds that at the edge only if by more than rounding
+    # In the tail the ratio is nearly that at the edge. Samples there have to exceed it by more than
+    # the rounding of the traction.
     values[SAMPLES:] *= 1.0 - TRACTION_ROUNDING
     i = int(np.argmax(values))
-    if values[i] <= abs(edge) * (1.0 + CLOSED_FORM_ROUNDING):
+    if values[i] <= abs(edge) * (1.0 + FIELD_ROUNDING):
         return LargestRatio(edge, abs(edge), 0.0)
-    low = float(x[max(i - 1, 0)])
-    high = float(x[min(i + 1, len(x) - 1)])
-    middle = (low + high) / 2.0
-    half = (high - low) / 2.0
-    nodes = middle + half * _NODES
+    left = float(x[max(i - 1, 0)])
+    right = float(x[min(i + 1, len(x) - 1)])
+    middle = (left + right) / 2.0
+    half_width = (right - left) / 2.0
+    nodes = middle + half_width * _NODES
     node_values = ratio(nodes)
     roots = legroots(_DERIVATIVE @ node_values)
-    extrema = middle + half * roots[(roots.imag == 0.0) & (np.abs(roots) <= 1.0)].real
+    extrema = middle + half_width * roots[(roots.imag == 0.0) & (np.abs(roots) <= 1.0)].real
     # the largest of all values that were evaluated, as the ratio may jump between panels
     candidates = np.concatenate([x, nodes, extrema])
     candidate_values = np.concatenate([values, node_values, ratio(extrema)])

@@ -13,12 +13,7 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from spectral_contact.contact.tuning import (
-    MAX_ADDED_DEGREES,
-    MAX_DEGREE,
-    MAX_SPACES,
-    REFINEMENT_MARGIN,
-)
+from spectral_contact.contact.tuning import MAX_DEGREE, REFINEMENT_MARGIN
 from spectral_contact.fields.series import Array
 from spectral_contact.records import Ending, RefinementStep
 from spectral_contact.spectral.panels import LEAST_DEGREE, DiscreteSpace
@@ -87,7 +82,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
 
     No space of more than `max_unknowns` coefficients on its panels is tried, unless even the lowest
     degrees exceed that. The refinement ends in `Ending.ROUNDING` if two spaces in a row do not
-    lower the estimate, if no degree can be raised, or after MAX_SPACES.
+    lower the estimate, or if no degree can be raised.
     """
     resolution = within_budget(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
@@ -106,10 +101,12 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
             stalled = 0
             best = solution
             best_space = resolution
-        exhausted = stalled >= 2 or len(history) >= MAX_SPACES
         if best.error <= tolerance:
             ending = Ending.CONVERGED
-        elif exhausted or (finer := _finer(resolution, solution, tolerance, stalled)) == resolution:
+        elif (
+            stalled >= 2
+            or (finer := _finer(resolution, solution, tolerance, stalled)) == resolution
+        ):
             ending = Ending.ROUNDING
         elif _size(finer) > max_unknowns:
             ending = Ending.UNKNOWNS
@@ -141,15 +138,16 @@ def _finer(
     """Return the next space, whose panels are expected to have errors below a target.
 
     An error e on a panel of degree n is taken for that of a geometric series: every degree lowers
-    it by the factor ``e**(1/n)``. Where the last space did not lower the error every panel takes
-    two more: errors of panels outside a thin layer change the field in the layer, and do not
-    appear in their own indicators.
+    it by the factor ``e**(1/n)``. No degree is more than doubled. Where the last space did not
+    lower the error every panel takes two more: errors of panels outside a thin layer change the
+    field in the layer, and do not appear in their own indicators.
     """
     target = REFINEMENT_MARGIN * tolerance
     errors = np.clip(solution.indicators, target, 0.5)
-    need = np.array(resolution.degrees) * np.log(errors / target) / -np.log(errors)
-    extra = np.clip(np.ceil(need), 2 * stalled, MAX_ADDED_DEGREES).astype(int)
-    degrees = np.minimum(np.array(resolution.degrees) + extra, MAX_DEGREE)
+    before = np.array(resolution.degrees)
+    need = before * np.log(errors / target) / -np.log(errors)
+    added = np.clip(np.ceil(need), 2 * stalled, before).astype(int)
+    degrees = np.minimum(before + added, MAX_DEGREE)
     highest = int(degrees.max())
     panels = resolution.panels
     if highest > panels.degree:

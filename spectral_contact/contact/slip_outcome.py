@@ -5,10 +5,13 @@ displacement in slip, and verifies the friction law everywhere: ``|q| <= f p`` i
 against the traction, ``p > 0``. `full_stick_outcome` and `as_full_slip` make the same record for a
 contact that sticks or slips everywhere.
 
-Symbols: p and q are pressure and traction, f is friction, beta the tangential compliance,
-``E = kappa R - G`` the residual of full stick in slip (docs/theory.md), ``y = 1 - s**2``. All is
-for unit load. Without elastic coupling (`contact` is given) all is for kappa = 1, too: the friction
-of the parameters is f/kappa; traction, shear and slip are over kappa.
+Symbols (docs/theory): p and q are pressure and traction, f is friction, beta the tangential
+compliance, kappa the coupling, Q the total shear, ``E = kappa R - G`` the residual of full stick in
+slip. s is the radius over that of the contact, and ``y = 1 - s**2``. *Slip* is sampled as the
+radial displacement times the sign of the traction, which is negative where the friction law holds.
+
+The load is 1. Without elastic coupling, which is where the normal contact is given, kappa is 1,
+too: the friction of the parameters is f/kappa, and traction, shear and slip are over kappa.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spectral_contact.contact.friction_law import (
+    UNRESOLVED_SLIP,
     Interval,
     edge_sense_unknown,
     excused_excess,
@@ -33,19 +37,9 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, ScalarResults, Trial
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import (
-    TINY,
-    NormalContact,
-)
+from spectral_contact.contact.resolution import TINY, NormalContact
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
-from spectral_contact.contact.tuning import (
-    DOUBTFUL_VIOLATION,
-    FIELD_ROUNDING,
-    REFUTING_VIOLATION,
-    ROUNDING,
-    UNCERTAIN_SLIP_ERROR,
-    UNRESOLVED_SLIP,
-)
+from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, UNCERTAIN_SLIP_ERROR
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -62,6 +56,11 @@ if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
 
 
+#: Violation of the friction law at which zones are refuted if no digit of the slip is known: a
+#: missing zone violates it by 1, and zones that follow from less than a half are noise.
+DOUBTFUL_VIOLATION = 0.5
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PartialSlip(ScalarResults):
     """Fields, zones and displacement, verified against the friction law.
@@ -71,7 +70,7 @@ class PartialSlip(ScalarResults):
     zones : tuple of Zone
     pressure : PressureField or ZonalField
     traction, slip : ZonalField
-        q, which is ``+-f p`` in slip; and the radial displacement, zero in stick.
+        q, which is ``+-f p`` in slip; and the radial displacement u_r, zero in stick.
     slip_error : float
         Estimate of the error of the displacement, relative to its largest value; infinite if no
         digit of it is known.
@@ -80,17 +79,17 @@ class PartialSlip(ScalarResults):
         is not positive everywhere.
     wrong_slip : float
         The largest displacement in the direction of the traction, relative to the largest of all.
-        It is part of the violation only if the slip error is finite; else it is noise.
+        It is part of the violation only if the slip error is finite; otherwise it is noise.
     consistent : bool
         Whether the violation is within the errors.
     violation_text : str
-        A violation so large that only other zones can be right; empty if there is none.
+        The name of a violation so large that the zones are wrong; empty if there is none.
     missing : tuple of (float, float)
-        Intervals of y, outward, in which slip has the direction of the traction: there the surface
-        sticks in truth.
+        Intervals of y, outward, in which slip has the direction of the traction, so that the
+        surface has to stick there.
     layout : Layout or None
-        The zones as a start for a like scene; None in full stick and full slip, whose boundaries
-        were not solved for.
+        The zones with which Newton's method can begin in a similar scene; None in full stick and
+        full slip, whose boundaries were not solved for.
     trials : tuple of Trial
         The zones that were tried, in order, with the verdict on each.
     """
@@ -112,7 +111,8 @@ class PartialSlip(ScalarResults):
     def verified(self) -> bool:
         """Whether the friction law is known to hold, so that no other zones need be tried.
 
-        A `violation_text` may say that the pressure is not positive, which no traction shows.
+        The text is asked besides `consistent`, because a pressure that is not positive is a
+        violation, too.
         """
         return (
             self.consistent
@@ -136,7 +136,11 @@ class PartialSlip(ScalarResults):
 
     @property
     def _sense_is_known(self) -> bool:
-        """Whether some digit of the slip is known, or the violation is at most 1/2."""
+        """Whether the sense of the slip is known.
+
+        If no digit of the slip is known, it counts as known unless slip of the wrong sense is more
+        than DOUBTFUL_VIOLATION of the largest slip.
+        """
         return self.slip_error < inf or self.apparent_violation <= DOUBTFUL_VIOLATION
 
     @property
@@ -146,7 +150,7 @@ class PartialSlip(ScalarResults):
 
     @property
     def with_missing_stick(self) -> Layout | None:
-        """These zones with stick zones where stick is missing; None if that adds none."""
+        """These zones with stick added in the intervals `missing`; None if that adds no zone."""
         if self.layout is None:
             return None
         enlarged = self.layout.with_stick(self.missing)
@@ -154,10 +158,10 @@ class PartialSlip(ScalarResults):
 
 
 def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
-    """Return full stick in place of partial slip whose slip is too narrow to be resolved.
+    """Return full stick as the outcome of partial slip if its slip is too narrow to be resolved.
 
-    Where f is below the critical friction, the traction of full stick exceeds f p by a relative
-    ``f_crit/f - 1`` at most, which is added to the errors of traction and shear.
+    If f is below the critical friction f_crit, the traction of full stick exceeds f p by a relative
+    ``f_crit/f - 1`` at most. This is added to the errors of traction and shear.
     """
     from spectral_contact.contact.onset import unresolved_slip
 
@@ -188,8 +192,8 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
 def as_full_slip(outcome: PartialSlip, friction: float) -> PartialSlip:
     """Return slip around a point-like stick disk as slip from the centre.
 
-    ``q = f p``, so that ``Q = f``, as the load is 1. Stick at the edge, if the outcome has it, is
-    kept, and what it takes from Q is in the error of the outcome.
+    Then ``q = f p``, and ``Q = f`` as the load is 1. A stick zone at the edge, if the outcome has
+    one, stays; the difference that it makes to Q is within the error of the outcome.
     """
     pressure = outcome.pressure
     pieces = pressure.pieces if isinstance(pressure, ZonalField) else (ZonePiece(EDGE, pressure),)
@@ -228,12 +232,12 @@ def zones_outcome(
     contact : NormalContact, optional
         Normal contact, if the pressure was known; without it the pressure is part of `solved`.
     point_disk : bool
-        Whether the stick disk is so small that it counts as a point: what sticks contributes
-        neither to the displacement nor to its error, and is not verified.
+        Whether the stick disk is so small that it counts as a point: it contributes neither to
+        the displacement nor to its error, and the friction law is not verified in it.
     """
     from spectral_contact.contact import zone_fields
 
-    # E in slip, and the bound on what its error does to the displacement
+    # E in slip, and a bound of the error of the displacement by its error
     slip_zones, slip_residual_error = solved.slip_samples
     if point_disk:  # neither the disk nor its boundary has an error
         solved = replace(solved, stick_zones=[], residual_error=0.0, slip_width_error=0.0)
@@ -371,28 +375,31 @@ def _verified_outcome(
 
 
 def _violation_text(excess: float, allowed: float, wrong: float, excused: float) -> str:
-    """Return the violation that only other zones can mend, or nothing.
+    """Return the name of a violation that shows the zones to be wrong, or an empty text.
 
     An excess up to `allowed` and slip in the wrong sense up to `excused` are within the errors. If
-    no digit of the slip is known, `excused` is infinite: its sense refutes nothing.
+    no digit of the slip is known, `excused` is infinite: then its sense refutes no zones.
     """
-    if not excess <= max(REFUTING_VIOLATION, allowed):
+    if not excess <= max(UNRESOLVED_SLIP, allowed):
         return "the traction in stick exceeds friction"
-    if wrong <= max(REFUTING_VIOLATION, excused):
+    if wrong <= max(UNRESOLVED_SLIP, excused):
         return ""
     return "the surface slips with the traction"
 
 
 def _sense_unknown(slip_error: float, wrong: float) -> float:
-    """Return 1, no digit of the zones, if noise has most slip in the wrong sense; else 0."""
+    """Return the relative error of the zones by an unknown sense of the slip, 1 or 0.
+
+    It is 1, which is no digit, if the slip is noise and nearly all of that has the wrong sense.
+    """
     return float(slip_error == inf and wrong > DOUBTFUL_VIOLATION)
 
 
 def _uncertain_zone_error(slip_error: float, zones: list[Zone]) -> float:
     """Return the relative error of the boundaries of slip zones if slip has hardly a digit, else 0.
 
-    Only zones that do not reach the edge count. The error of a zone is that of the slip (1 at most)
-    times the width of the zone over its distance from the edge.
+    Only zones that do not reach the edge count. The error of a boundary is taken to be that of the
+    slip, 1 at most, times the width of the zone; it is relative to the distance from the edge.
     """
     if slip_error < UNCERTAIN_SLIP_ERROR:
         return 0.0

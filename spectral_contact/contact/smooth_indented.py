@@ -1,9 +1,11 @@
 r"""Contact under a profile on a smooth surface, where the half-integral is known: no system.
 
-It is ``F = H(1) - H(t)``, and ``p(s) = (2/pi) int_s^1 H'(t) dt / sqrt(t^2 - s^2)``: but for the
-factor the half-integral of ``H'(t)/t``, a series on panels graded to the breaks of the profile and
-to its tip. What panels make of it on their own part and on the other half of an annulus depends on
-the panels alone and is kept; what lies farther out is integrated plainly.
+s is the radius over that of the contact, and H the transform of the height (`indented`). The
+half-integral of the pressure is ``F = H(1) - H(t)``, and ``p(s) = (2/pi) int_s^1 H'(t) dt /
+sqrt(t^2 - s^2)``: a multiple of the half-integral of ``H'(t)/t``. This *density* is expanded on
+panels graded to the breaks of the profile and to its tip. Its half-integral on the same part and on
+the other half of an annulus is a product with matrices that depend on the panels alone, and are
+kept. That over parts farther out is regular and integrated by a quadrature rule.
 """
 
 from __future__ import annotations
@@ -29,19 +31,24 @@ from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: What a pressure grows over a panel in the logarithm of the distance is rounding if it is less;
-#: and a logarithm if it is no smaller a share of what it grew over the one before.
-_ROUNDED, _LOGARITHM = 1e-13, 1.0 - 1e-6
-#: Degree on a panel: the edge is a root ln 2 away from the other half's first panel. Panels to a
-#: tip, up to 4e-18 of the radius, and to anything else, up to a rounding of its square.
-_DEGREE, _TO_TIP, _PANELS = 24, 40, 20
-#: So many panels farther ``H'(t)/t`` is known, which past a corner and at a tip is as 1/sqrt(d).
-_FARTHER = 32
-#: Gauss points on a panel for what is integrated plainly, and on one that begins at the centre.
-_POINTS, _CENTRAL = 16, 24
+#: An increment of the pressure over a panel in the logarithm of the distance is rounding if it is a
+#: smaller fraction of the pressure than this.
+_ROUNDED_INCREMENT = 1e-13
+#: The pressure goes like a logarithm if the ratio of the increments of two panels is at least this.
+_LOGARITHMIC_RATIO = 1.0 - 1e-6
+#: Degree on a panel: the square root at the edge is ln 2 in ``x`` before the first panel of the
+#: other half of an annulus.
+_DEGREE = 24
+#: Panels to a tip, down to 4e-18 of the radius; and to any other boundary, down to the rounding of
+#: its square.
+_TIP_PANELS, _PANELS = 40, 20
+#: Panels that the density has beyond these, as it goes like 1/sqrt(d) past a corner and at a tip.
+_FURTHER_PANELS = 32
+#: Gauss points of the quadrature rule on a panel, and on one that begins at the centre.
+_POINTS, _CENTRAL_POINTS = 16, 24
 
 
-class _PlainRule(NamedTuple):
+class _QuadratureRule(NamedTuple):
     """Distances d in (0, 1], ``1 - d`` to full relative accuracy, weights of ``int_0^1 . dd``."""
 
     d: Array
@@ -51,7 +58,7 @@ class _PlainRule(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class SmoothPressure:
-    """Series on every part, and an estimate of their relative error."""
+    """The series of a pressure on every part, and an estimate of their relative error."""
 
     series: list[LogSeries]
     error: float
@@ -59,14 +66,14 @@ class SmoothPressure:
 
 @dataclass(frozen=True, slots=True)
 class KnownContact:
-    """Integrals over t, in units of the contact radius, and the pressure.
+    """Integrals over t, in units of the contact radius a, and the pressure.
 
     Attributes
     ----------
     moment, energy : float
         ``int F dt`` and ``int F^2 dt``.
     pressure : SmoothPressure or None
-        If it is wanted.
+        None if it is not wanted.
     """
 
     moment: float
@@ -77,36 +84,51 @@ class KnownContact:
 def smooth_contact(
     profile: Profile, radius: float, parts: DiskPartition, *, pointwise: bool
 ) -> KnownContact:
-    """Return a contact of a given radius.
+    """Return the contact of a given radius.
 
     Parameters
     ----------
     profile : Profile
     radius : float
     parts : DiskPartition
-        Graded to the profile's breaks.
+        The disk, divided at the breaks of the profile.
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.
     """
-    inner = zip(parts.ends, parts.profile_breaks, strict=True)
-    pieces = [_KnownPart(profile, radius, end, one, k == 0) for k, (end, one) in enumerate(inner)]
+    ends = zip(parts.ends, parts.profile_breaks, strict=True)
+    pieces = [
+        _KnownPart(profile, radius, end, last_break, innermost=k == 0)
+        for k, (end, last_break) in enumerate(ends)
+    ]
     moment = energy = 0.0
-    for one in pieces:
-        known, weights = one.half_integral(), one.weights / (2.0 * one.t)
-        moment += float(weights @ known)
-        energy += float(weights @ known**2)
+    for piece in pieces:
+        half_integral = piece.half_integral()
+        weights = piece.weights / (2.0 * piece.t)
+        moment += float(weights @ half_integral)
+        energy += float(weights @ half_integral**2)
     return KnownContact(moment, energy, _pressure(pieces, moment) if pointwise else None)
 
 
 class _KnownPart:
-    """A part of the contact, with points at which it is integrated plainly.
+    """A part of the contact, with the points of its quadrature rule.
+
+    Parameters
+    ----------
+    profile, radius
+        Those of `smooth_contact`.
+    end : tuple of (Radius, int, float)
+        Boundary, sign and extent of the mesh (`DiskPartition.ends`).
+    last_break : Radius
+        The largest break of the profile that is inside the part; the centre if there is none.
+    innermost : bool
+        Whether the part begins at the centre.
 
     Attributes
     ----------
     mesh : GradedMesh
     points : OffsetRadii
     weights, t : ndarray
-        Weights of ``dt^2``, and radii.
+        Weights of ``d(t^2)``, and radii.
     """
 
     def __init__(
@@ -114,103 +136,121 @@ class _KnownPart:
         profile: Profile,
         radius: float,
         end: tuple[Radius, int, float],
-        inner: Radius,
-        first: bool,
+        last_break: Radius,
+        *,
+        innermost: bool,
     ) -> None:
-        self._profile, self._radius, self._inner = profile, radius, inner
+        self._profile = profile
+        self._radius = radius
+        self._last_break = last_break
         boundary, sign, extent = end
-        count = _TO_TIP if boundary is CENTRE else _PANELS
+        count = _TIP_PANELS if boundary is CENTRE else _PANELS
         self.mesh = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
-        rule = _rule(self.mesh.panels, centred := first and sign < 0)
-        self.points, self.weights = self.mesh.points(rule.d), extent * rule.weights
-        # a disk's own points know how far they are from its centre
-        self.t: Array = np.sqrt(extent * rule.rest if centred else self.points.z)
+        # a disk graded to its rim has points with full relative accuracy in t
+        reaches_centre = innermost and sign < 0
+        rule = _quadrature_rule(self.mesh.panels, reaches_centre)
+        self.points = self.mesh.points(rule.d)
+        self.weights = extent * rule.weights
+        self.t: Array = np.sqrt(extent * rule.rest if reaches_centre else self.points.z)
 
-    def _past(self, points: OffsetRadii) -> Array:
-        """Return ``t^2 - b^2`` for the break b before this part, 0 if there is none."""
-        inside = self._inner is CENTRE
-        return np.zeros(len(points.offset)) if inside else -points.before(self._inner)
+    def _past_break(self, points: OffsetRadii) -> Array:
+        """Return ``t^2 - b^2`` for the break b inside this part, 0 if there is none."""
+        no_break = self._last_break is CENTRE
+        return np.zeros(len(points.offset)) if no_break else -points.before(self._last_break)
 
     def _rates(self, t: Array, points: OffsetRadii) -> Array:
-        return self._profile._rate(self._radius * t, self._radius**2 * self._past(points))
+        """Return ``H'`` at the points, whose radii are t."""
+        return self._profile._rate(self._radius * t, self._radius**2 * self._past_break(points))
 
     def half_integral(self) -> Array:
         """Return ``F`` at the points."""
-        past = self._radius**2 * self._past(self.points)
-        fall = self._profile._fall(self._radius, self.t, self.points.y, past)
-        return np.asarray(fall / self._radius)
+        past_break = self._radius**2 * self._past_break(self.points)
+        decrement = self._profile._fall(self._radius, self.t, self.points.y, past_break)
+        return np.asarray(decrement / self._radius)
 
     def density(self) -> _Density:
-        """Return ``H'(t)/t`` as a series, on more panels if it lies above its boundary."""
+        """Return ``H'(t)/t`` as a series, on more panels if it lies outside its boundary."""
         panels = self.mesh.panels
         if self.mesh.sign > 0:
-            panels = replace(panels, panels=panels.panels + _FARTHER)
+            panels = replace(panels, count=panels.count + _FURTHER_PANELS)
         mesh = self.mesh._replace(panels=panels)
         points = mesh.sampling()
         t = np.sqrt(points.z)
         values = self._rates(t, points) / t
         series = sampled_series(panels, values)
-        last = np.abs(series.coefficients[:, -2:]).sum(axis=1)
-        lost = last * np.sqrt(mesh.extent * series.ends[:-1])
-        return _Density(panels, mesh.expand(values), lost)
+        top_coefficients = np.abs(series.coefficients[:, -2:]).sum(axis=1)
+        truncation = top_coefficients * np.sqrt(mesh.extent * series.ends[:-1])
+        return _Density(panels, mesh.expand(values), truncation)
 
-    def seen_from(self, target: OffsetRadii) -> Array:
-        """Return half of ``int H'(t)/t dt^2 / sqrt(t^2 - s^2)`` at points that are clear of it."""
-        apart = gap(target.anchor, self.points.anchor) - target.offset
-        kernel = apart[:, None] + self.points.offset
+    def half_integral_of_density(self, target: OffsetRadii) -> Array:
+        """Return ``1/2 int H'(t)/t d(t^2) / sqrt(t^2 - s^2)`` at points s of parts farther in."""
+        distance = gap(target.anchor, self.points.anchor) - target.offset
+        kernel = distance[:, None] + self.points.offset
         np.sqrt(kernel, out=kernel)
         np.divide(1.0, kernel, out=kernel)
-        return np.asarray(kernel @ self._charges)
+        return np.asarray(kernel @ self._weighted_density)
 
     @cached_property
-    def _charges(self) -> Array:
-        """Half of ``H'(t)/t`` at the points, with their weights."""
+    def _weighted_density(self) -> Array:
+        """Half of ``H'(t)/t`` at the points, times their weights."""
         return self.weights * self._rates(self.t, self.points) / (2.0 * self.t)
 
 
 @dataclass(frozen=True, slots=True)
 class _Density:
-    """A function on the panels of a part; and what half-integrals lack by each of them."""
+    """The function ``H'(t)/t`` on the panels of a part.
+
+    Attributes
+    ----------
+    panels : LogPanels
+    coefficients : ndarray, shape (size,)
+    truncation : ndarray, shape (panels,)
+        Estimate, by panels, of the error of a half-integral by the truncation of the series.
+    """
 
     panels: LogPanels
     coefficients: Array
-    lost: Array
+    truncation: Array
 
-    def on_its_own(self, sign: int) -> Array:
+    def self_integral(self, sign: int) -> Array:
         """Return its half-integral at its own sampling points, in unit extent."""
-        own = transforms(self.panels)
-        return own.abel_right(self.coefficients) if sign < 0 else own.abel_left(self.coefficients)
+        abel = transforms(self.panels)
+        return abel.abel_right(self.coefficients) if sign < 0 else abel.abel_left(self.coefficients)
 
 
 def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
     """Return the pressure on every part."""
     densities = [piece.density() for piece in pieces]
-    found, worst, mean = [], 0.0, 4.0 / pi * moment
+    pressures = []
+    error = 0.0
+    mean = 4.0 / pi * moment
     for k, (piece, density) in enumerate(zip(pieces, densities, strict=True)):
-        mesh, panels = piece.mesh, piece.mesh.panels
+        mesh = piece.mesh
+        panels = mesh.panels
         distances = panels.sampling_distances
-        at_edge = mesh.boundary is EDGE
-        values = np.sqrt(mesh.extent) * density.on_its_own(mesh.sign)
-        if at_edge:
+        values = np.sqrt(mesh.extent) * density.self_integral(mesh.sign)
+        if mesh.boundary is EDGE:
             series = sampled_series(panels, 2.0 / pi * values / np.sqrt(distances))
-            found.append(replace(series, power=0.5))
-            # what is deeper does not feel it
-            felt = np.maximum(found[-1].at_ends()[1:], max(mean, TINY))
-            worst = max(worst, _unresolved(series), 2.0 / pi * float((density.lost / felt).max()))
+            pressure = replace(series, power=0.5)
+            pressures.append(pressure)
+            # the truncation on a panel is an error there and farther in, where p is larger
+            least = np.maximum(pressure.at_ends()[1:], max(mean, TINY))
+            truncation_error = 2.0 / pi * float((density.truncation / least).max())
+            error = max(error, _unresolved(series), truncation_error)
             continue
-        clear = k + 1
+        first_outer = k + 1
         if mesh.sign > 0:  # the other half of an annulus
             values = values[: len(distances)]
             values += abel_integral_on(mesh, pieces[k + 1].mesh, densities[k + 1].coefficients, 1)
-            clear = k + 2
+            first_outer = k + 2
         points = mesh.points(distances)
-        for outer in pieces[clear:]:
-            values += outer.seen_from(points)
-        series, lost = _to_the_break(sampled_series(panels, 2.0 / pi * values))
-        found.append(series)
-        lost = max(lost, 2.0 / pi * float(density.lost.max()) / mean)
-        worst = max(worst, _unresolved(series), lost)
-    return SmoothPressure(found, worst)
+        for outer in pieces[first_outer:]:
+            values += outer.half_integral_of_density(points)
+        pressure, limit_error = _with_limit(sampled_series(panels, 2.0 / pi * values))
+        pressures.append(pressure)
+        truncation_error = 2.0 / pi * float(density.truncation.max()) / mean
+        error = max(error, _unresolved(pressure), limit_error, truncation_error)
+    return SmoothPressure(pressures, error)
 
 
 def _unresolved(series: LogSeries) -> float:
@@ -220,44 +260,49 @@ def _unresolved(series: LogSeries) -> float:
     return float((last / np.maximum(np.maximum(size[:-1], size[1:]), TINY)).max())
 
 
-def _to_the_break(series: LogSeries) -> tuple[LogSeries, float]:
-    """Return a series with the limit at a break or tip, or a tail that goes on as a logarithm.
+def _with_limit(series: LogSeries) -> tuple[LogSeries, float]:
+    """Return a series with its limit at a break or tip as tail, and the error of the limit.
 
-    Next to the tip of a power law the pressure settles like a power of the distance, which may be
-    a slow one: its limit follows from how it grows over the last two panels, and is the less
-    certain the slower it is. That is the other number, relative to the limit.
+    Next to the tip of a power law the pressure approaches its limit like a power of the distance,
+    which may be small. So the limit is extrapolated from the increments over the last two panels,
+    as that of a geometric series; the larger their ratio, the larger is its relative error. If the
+    ratio is 1, the tail is a logarithm of the distance.
     """
     before, middle, end = series.at_ends()[-3:].tolist()
     series = replace(series, tail=np.array([end]))
-    grown = end - middle
-    if abs(grown) <= _ROUNDED * abs(end):
+    increment = end - middle
+    if abs(increment) <= _ROUNDED_INCREMENT * abs(end):
         return series, 0.0
-    ratio = grown / (middle - before) if middle != before else 1.0
-    if ratio < _LOGARITHM:
-        limit = end + grown * ratio / (1.0 - ratio)
+    ratio = increment / (middle - before) if middle != before else 1.0
+    if ratio < _LOGARITHMIC_RATIO:
+        limit = end + increment * ratio / (1.0 - ratio)
         return replace(series, tail=np.array([limit])), 2.0 * ROUNDING / (1.0 - ratio) ** 2
     slope = 2.0 / series.width * float(series.coefficients[-1, 1])
     return replace(series, logarithm=slope), 0.0
 
 
 @bounded_cache("plain rules", 8)
-def _rule(panels: LogPanels, centred: bool) -> _PlainRule:
+def _quadrature_rule(panels: LogPanels, reaches_centre: bool) -> _QuadratureRule:
     """Return a rule on these panels and the tail (cached).
 
-    Next to the centre of a disk it is clustered, as for square roots of the distance from there.
+    If the first panel reaches the centre of a disk, its points are clustered there, for square
+    roots of the distance from the centre.
     """
-    h, (g, w) = panels.width, gauss_rule(_POINTS)
-    x, dx = panels.sampling(_POINTS), np.tile(w * h / 2.0, (panels.panels, 1))
-    own, on_own = x.ravel(), dx.ravel()
-    if centred:
-        g, w = gauss_rule(_CENTRAL)
-        v = (1.0 + g) / 2.0
-        own = np.concatenate([h * v**2, x[1:].ravel()])
-        on_own = np.concatenate([w * h * v, dx[1:].ravel()])
-    tail, on_tail, _ = panels.tail_rule()
-    near = np.exp(-own)
-    return _PlainRule(
-        np.concatenate([near, tail]),
-        np.concatenate([-np.expm1(-own), 1.0 - tail]),
-        np.concatenate([near * on_own, on_tail]),
+    h = panels.width
+    _, w = gauss_rule(_POINTS)
+    by_panels = panels.sampling(_POINTS)
+    weights_by_panels = np.tile(w * h / 2.0, (panels.count, 1))
+    x = by_panels.ravel()
+    x_weights = weights_by_panels.ravel()
+    if reaches_centre:
+        g, w = gauss_rule(_CENTRAL_POINTS)
+        root = (1.0 + g) / 2.0
+        x = np.concatenate([h * root**2, by_panels[1:].ravel()])
+        x_weights = np.concatenate([w * h * root, weights_by_panels[1:].ravel()])
+    tail, tail_weights, _ = panels.tail_rule()
+    d = np.exp(-x)
+    return _QuadratureRule(
+        np.concatenate([d, tail]),
+        np.concatenate([-np.expm1(-x), 1.0 - tail]),
+        np.concatenate([d * x_weights, tail_weights]),
     )

@@ -11,16 +11,18 @@ from math import copysign, log, log1p, pi
 
 import numpy as np
 
-from spectral_contact.contact.tuning import (
-    JACOBIAN_FIELD_TOL,
-    JACOBIAN_RANGE,
-    MAX_LOGIT,
-    MIN_LOGIT,
-    MIN_SMOOTH_LOGIT,
-    ROUNDING,
-)
+from spectral_contact.contact.resolution import EPSILON_DEPTH, TINY
+from spectral_contact.contact.tuning import COARSE_TOL, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parameters import Parameters
+
+#: Error of the fields from which a Jacobian is taken by differences, so that the step of these is
+#: COARSE_TOL of the width of a zone (`fd_jacobian`).
+JACOBIAN_FIELD_TOL = COARSE_TOL**3
+#: Range of logits of stick radii c. The matrix of a disk scales like ``c**5`` (docs/theory), which
+#: keeps its digits as a double down to this logit; radii as close to the edge are represented, too.
+MAX_LOGIT = 2.0 * (-log(TINY) - EPSILON_DEPTH) / 5.0
+MIN_LOGIT = -MAX_LOGIT
 
 
 class NoStickDiskError(ArithmeticError):
@@ -92,10 +94,10 @@ def min_logit(parameters: Parameters) -> float:
 
     With a layer it is that of the radius ``ROUNDING * min(alpha, 1)``: within a radius c that is
     small beside alpha, p is constant up to a relative ``(c/alpha)**2``, and no smaller disk changes
-    a result.
+    a result. On a smooth surface the square of the radius is rounding.
     """
     alpha = parameters.alpha
-    return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else MIN_SMOOTH_LOGIT
+    return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else -EPSILON_DEPTH
 
 
 def limiting_logit(parameters: Parameters) -> float:

@@ -35,11 +35,10 @@ from spectral_contact.contact.layout import Layout, logit_at
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
+from spectral_contact.contact.stick_radius import JACOBIAN_FIELD_TOL
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    JACOBIAN_FIELD_TOL,
     MAX_STEPS,
-    MAX_ZONES,
     ROUNDING,
     SAMPLES,
     SLIP_ROUNDING,
@@ -130,7 +129,7 @@ class UnloadedSearch(ZoneSearch):
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: stick at the centre, and memory further out."""
-        return zones.states[0] == 0 and 3 <= len(zones.states) <= MAX_ZONES + 2
+        return zones.states[0] == 0 and len(zones.states) > 2
 
     def problem(self, zones: Layout, tolerance: float) -> FreeBoundaryProblem:
         """Return the equations on these zones."""

@@ -4,12 +4,12 @@ With v the vector of the fields, b the boundaries (as logits) and m a parameter,
 
     residual(v, b, m) = 0,      boundary residual(v, b, m) = 0.
 
-At given boundaries they are linear in v, and each parameter multiplies a term of them, so that the
-derivative of a residual by it is the difference to the residual for twice the parameter, over the
-parameter: exact, without differences of solutions. One more right-hand side for each parameter,
-with the factors at hand, gives ``dv/dm`` on zones that stay where they are. Its traction has a jump
-at every boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual;
-its Jacobian J is that of polynomials through residuals at boundaries close by.
+At given boundaries they are linear in v, and each parameter multiplies a term of them. So the
+derivative of a residual by a parameter is its difference to the residual for a larger parameter,
+over the increase: this is exact, and takes no second solution. With it as right-hand side, the
+factors of the system give ``dv/dm`` for boundaries that do not move. Its traction has a jump at
+every boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual, with
+the Jacobian J. This is the derivative of polynomials through residuals at nearby boundaries.
 """
 
 from __future__ import annotations
@@ -26,15 +26,7 @@ from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import NormalContact
-from spectral_contact.contact.tuning import (
-    DERIVATIVE_CORRECTIONS,
-    DERIVATIVE_NEWTON_STEPS,
-    DERIVATIVE_NODES,
-    DERIVATIVE_SPAN,
-    JACOBIAN_CURVATURE,
-    ROUNDING,
-    SMALL_COMPLIANCE,
-)
+from spectral_contact.contact.tuning import DERIVATIVE_CORRECTIONS, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.contact.zone_fields import stick_tractions
 from spectral_contact.contact.zone_problem import min_zone_width
 from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
@@ -47,18 +39,20 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
-from spectral_contact.spectral.jacobi import chebyshev_interpolation
+from spectral_contact.spectral.jacobi import chebyshev_interpolation, interpolation_points
 from spectral_contact.spectral.parameters import Parameters
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 
 Array = NDArray[np.float64]
 
-#: Nodes on (-1, 1), and the matrix from values at them to Chebyshev coefficients.
-_NODES, _FIT = chebyshev_interpolation(DERIVATIVE_NODES)
-#: From values at nodes that DERIVATIVE_SPAN scales to the derivative in the middle.
+#: Nodes on (-1, 1), which JACOBIAN_RANGE scales, and the matrix from values at them to Chebyshev
+#: coefficients. A function of a boundary is singular where a zone has no width.
+_NODES, _FIT = chebyshev_interpolation(interpolation_points(1.0 / JACOBIAN_RANGE))
+#: From values at the scaled nodes to the derivative in the middle.
 _DERIVATIVE = (
-    np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(DERIVATIVE_NODES)])
+    np.array([chebyshev.chebval(0.0, chebyshev.chebder(row)) for row in np.eye(len(_NODES))])
     @ _FIT
-    / DERIVATIVE_SPAN
+    / JACOBIAN_RANGE
 )
 #: Relative error to which fields are corrected: half the rounding of a double.
 _FIELD_TOLERANCE = 0.5 * float(np.finfo(float).eps)
@@ -73,9 +67,9 @@ class ZoneDerivatives:
     logits : ndarray, shape (boundaries, parameters)
         Derivatives of ``ln(b**2/(1 - b**2))`` of the boundaries b.
     noise : ndarray, shape (boundaries, parameters)
-        Errors of these by rounding of the boundary residual.
+        Errors of these derivatives by rounding of the boundary residual.
     approach, shear : ndarray, shape (parameters,)
-        Derivatives of ``delta*``, if the pressure is unknown, and of ``Q*``.
+        Derivatives of the approach delta, if the pressure is unknown, and of the total shear Q.
     pressure, traction : list of ZonalField
         Derivatives by each parameter of the pressure, if it is unknown, and of the traction in
         stick; in slip the latter is left at 0.
@@ -103,14 +97,14 @@ def differentiated(
     parameters : Parameters
         As for `FreeBoundaryProblem`.
     layout : Layout
-        The zones, to all digits of the solution.
+        The zones, to all digits of the solution; boundaries with a Jacobian stay where they are.
     names : sequence of str
-        Names of the parameters, which must not be 0; under a known pressure alpha is the parameter
-        of that pressure.
+        Names of the parameters by which to differentiate. They must not be 0. Under a known
+        pressure alpha enters through that pressure only.
     tolerance : float
-        Relative accuracy of the spaces.
+        Relative error for which the spaces are made.
     known : sequence of NormalContact
-        If the pressure is known, the contact with it and the derivative of that by alpha.
+        If the pressure is known, the normal contact and its derivative by alpha.
     """
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
@@ -126,7 +120,7 @@ def differentiated(
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         return ContactSystem(radii, layout.states, spaces, parameters, pressures)
 
-    return _SolutionDerivatives(parameters, logits, system_at, names).outcome()
+    return _SolutionDerivatives(parameters, logits, system_at, names, layout.jacobian).outcome()
 
 
 class _FunctionalDerivatives(NamedTuple):
@@ -157,6 +151,8 @@ class _SolutionDerivatives:
         Returns the system with some parameters and boundaries.
     names : sequence of str
         Names of the parameters of the derivatives.
+    jacobian : ndarray, optional
+        In place of that of the boundary residual by the logits (`layout.fixed_disk`).
     """
 
     def __init__(
@@ -165,15 +161,21 @@ class _SolutionDerivatives:
         logits: Array,
         system_at: Callable[[Parameters, Array], ContactSystem],
         names: Sequence[str],
+        jacobian: Array | None,
     ) -> None:
         self.parameters = parameters
         self.names = names
         self.system_at = system_at
-        self.narrowest = min_zone_width(logits)
+        #: width in the logit of the narrowest zone
+        self.min_width = min_zone_width(logits)
         self.fields = self._solution(logits)
         #: rows: derivatives of boundary residual, approach and shear by the logit of a boundary
-        self.by_logits = self._boundary_derivatives(logits)
-        for _ in range(DERIVATIVE_NEWTON_STEPS - 1 if len(logits) else 0):
+        if jacobian is None:
+            self.by_logits = self._boundary_derivatives(logits)
+        else:
+            self.by_logits = np.pad(jacobian, ((0, 0), (0, 2)))
+        if jacobian is None and len(logits):
+            # a Newton step with the Jacobian of these rows
             residual = self.fields.boundary_residual
             logits = logits - np.linalg.solve(self.by_logits[:, :-2].T, residual)
             self.fields = self._solution(logits)
@@ -192,12 +194,12 @@ class _SolutionDerivatives:
         middle serve for all nodes unless a compliance of the matrix is small.
         """
         compliances = self.parameters[int(self.fields.system.pressure_known) : 2]
-        reuse_factors = min(1.0, *compliances) > SMALL_COMPLIANCE
+        reuse_factors = min(1.0, *compliances) > UNCORRECTED_COMPLIANCE
         rows = []
         for direction in np.eye(len(logits)):
             values = []
             for node in _NODES:
-                moved_logits = logits + DERIVATIVE_SPAN * self.narrowest * node * direction
+                moved_logits = logits + JACOBIAN_RANGE * self.min_width * node * direction
                 system = self.system_at(self.parameters, moved_logits)
                 moved = replace(self.fields, system=system)
                 if not reuse_factors:
@@ -205,7 +207,7 @@ class _SolutionDerivatives:
                 moved = corrected(moved, _FIELD_TOLERANCE, relative_size).fields
                 shear = moved.approach * moved.system.total_shear(moved.values)
                 values.append([*moved.boundary_residual, moved.approach, shear])
-            rows.append(_DERIVATIVE @ np.array(values) / self.narrowest)
+            rows.append(_DERIVATIVE @ np.array(values) / self.min_width)
         return np.array(rows).reshape(len(logits), len(logits) + 2)
 
     def outcome(self) -> ZoneDerivatives:
@@ -214,31 +216,32 @@ class _SolutionDerivatives:
         fields = self.fields
         count = len(self.names)
         solved, partial = self._at_given_boundaries()
-        values: Array = solved[:, :count]  # their traction has jumps
+        values: Array = solved[:, :count]  # at fixed boundaries: the traction has jumps
         responses: Array = solved[:, count:]
         rigid = system.parameters.beta == 0.0
         singular = np.zeros(count)
         defects: Array = np.asarray(
             system.boundary_rows.residual @ values + partial.boundary_residuals
         )
-        if not rigid:  # the defects that keep the traction continuous
+        if not rigid:  # the defects with which the traction is continuous
             jumps = system.jump_rows
             defects = np.asarray(np.linalg.solve(jumps @ responses, jumps @ values + partial.jumps))
         residual: Array = defects / fields.stick_target[:, None]
         logits: Array = np.asarray(-np.linalg.solve(self.by_logits[:, :-2].T, residual))
         scale = fields.approach
         load = fields.load_integral(fields.values)
-        # relative derivatives of the approach that keep the load at one
+        # derivatives of the logarithm of the approach, at unit load
         of_approach = np.array([-fields.load_integral(change) / load for change in values.T])
         total_shear = system.total_shear(fields.values)
         shear = scale * (system.shear_row @ values + partial.shear + of_approach * total_shear)
         approach = scale * of_approach
         if rigid and self._one_known_disk:
-            # the response to the defect, whose traction has a root at the rim, in closed form
+            # the response to the defect has a traction with 1/sqrt at the rim, in closed form
             singular = scale * defects[0]
             shear = shear + np.pi * system.radii[0].square * singular
         elif rigid:
-            # the jumps are infinite: by the derivatives by the logits in place of responses
+            # The jumps are infinite. The change by moving boundaries is taken from the derivatives
+            # by the logits.
             approach = approach + logits.T @ self.by_logits[:, -2]
             shear = shear + logits.T @ self.by_logits[:, -1]
         vectors = scale * (values + fields.values[:, None] * of_approach)
@@ -253,27 +256,28 @@ class _SolutionDerivatives:
     def _noise(self, logits: Array) -> Array:
         """Return the errors of the derivatives of the logits by rounding of the boundary residual.
 
-        Rounding has a part by the Jacobian, and one by the error of the boundaries, as the Jacobian
-        varies over the width of a zone.
+        One part is that by rounding in the Jacobian. The other is by the error of the boundaries,
+        because the Jacobian varies over the width of a zone.
         """
         inverse = np.abs(np.linalg.inv(self.by_logits[:, :-2])).T
-        in_jacobian = ROUNDING / self.narrowest * float(np.abs(_DERIVATIVE).sum())
+        in_jacobian = ROUNDING / self.min_width * float(np.abs(_DERIVATIVE).sum())
         by_residual = inverse.sum(axis=1, keepdims=True)
         size = np.abs(logits)
-        curvature = JACOBIAN_CURVATURE / self.narrowest
+        curvature = 1.0 / (JACOBIAN_RANGE * self.min_width)
         return np.asarray(
             in_jacobian * by_residual * size.sum(axis=0) + curvature * ROUNDING * by_residual * size
         )
 
     @property
     def _one_known_disk(self) -> bool:
-        """Whether there is one disk under a known pressure: its response is a closed form."""
+        """Whether one disk sticks under a known pressure: its response has a closed form."""
         return self.system.pressure_known and len(self.system.radii) == 1
 
     def _at_given_boundaries(self) -> tuple[Array, _FunctionalDerivatives]:
         """Return derivatives of the vector at given boundaries, and partial ones of functionals.
 
-        Columns are the derivatives by the parameters, then the responses to unit defects.
+        The columns of the first are the derivatives by the parameters, then the responses to unit
+        defects.
         """
         system = self.system
         count = len(self.names)
@@ -290,12 +294,14 @@ class _SolutionDerivatives:
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
+            # rounding of the other terms is not divided by a parameter that is small
             size = getattr(system.parameters, name)
-            doubled = self.parameters._replace(**{name: 2.0 * size})
-            after = self._evaluated(self.system_at(doubled, self.logits))
+            increase = max(size, 1.0)
+            increased = self.parameters._replace(**{name: size + increase})
+            after = self._evaluated(self.system_at(increased, self.logits))
             residual, jumps_by, residuals_by, shear_by = (
-                (doubled_value - value) / size
-                for value, doubled_value in zip(before, after, strict=True)
+                (increased_value - value) / increase
+                for value, increased_value in zip(before, after, strict=True)
             )
             right_sides[:, i] = residual
             partial.jumps[:, i] = jumps_by
@@ -308,7 +314,7 @@ class _SolutionDerivatives:
         return values, partial
 
     def _evaluated(self, system: ContactSystem) -> list[Array]:
-        """Return residual, jumps, E(b) and shear that the fields have in another system."""
+        """Return residual, jumps, E(b) and shear of the fields in another system."""
         values = self.fields.values
         defects = self.fields.defects
         residual = system.residual(values[:, None], np.ones(1), defects[:, None])
@@ -316,9 +322,10 @@ class _SolutionDerivatives:
         return [residual[:, 0], *(row @ values for row in rows)]
 
     def _fields(self, vectors: Array, singular: Array) -> tuple[list[ZonalField], list[ZonalField]]:
-        """Return pressures, unless they are known, and tractions in stick, of vectors as columns.
+        """Return pressures, unless they are known, and tractions in stick, for vectors as columns.
 
-        `singular` are the amplitudes of the root at the rim, one for each vector.
+        `singular` has, for each vector, the amplitude of the traction that goes like 1/sqrt at the
+        rim.
         """
         system = self.system
         bounds = system.bounds

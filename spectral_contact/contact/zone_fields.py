@@ -1,7 +1,9 @@
-"""Pressure and traction on zones, from the series on their parts.
+"""Pressure p and traction q on zones, from the series on their parts.
 
 A zone that is an annulus has two parts, its inner and its outer half; the stick disk is one part.
-``y = 1 - s**2`` at the radius s; alpha, beta, kappa, f are those of `Parameters`.
+The series of a traction is that of the *shear* q/s. s is the radius over that of the contact, and
+``y = 1 - s**2``; alpha, beta, kappa, f are the compliances, the coupling and the friction of
+docs/theory, in `Parameters`.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.tuning import MAX_STEPS
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import (
     AnnulusSeries,
@@ -31,22 +34,18 @@ from spectral_contact.spectral.parts import gap
 if TYPE_CHECKING:
     from spectral_contact.contact.error_estimate import ZoneSolution
 
-#: Rounds of the fixed-point iteration for e: each lowers the error by a factor ``3 kappa f``, which
-#: is 1/20 at most, so that 14 make it rounding.
-_EXPONENT_ROUNDS = 14
-
 
 def all_positive(pressures: Sequence[LogSeries]) -> bool:
-    """Return whether the pressure is positive on all parts; else the contact would open."""
+    """Return whether the pressure is positive on all parts; where not, the contact would open."""
     return bool(np.min([pressure(DISTANCES) for pressure in pressures]) > 0.0)
 
 
 def fields_in_stick(solved: ZoneSolution) -> Iterator[tuple[Array, Array]]:
-    """Yield q and p at `DISTANCES` from every boundary of a stick zone."""
+    """Yield q and p at `DISTANCES` on every part of the stick zones."""
     for k, shear in solved.shears.items():
         points = solved.system.parts[k].mesh.points(DISTANCES)
-        radius = np.sqrt(np.maximum(points.z, 0.0))
-        yield radius * shear(DISTANCES), solved.pressures[k](DISTANCES)
+        s = np.sqrt(np.maximum(points.z, 0.0))
+        yield s * shear(DISTANCES), solved.pressures[k](DISTANCES)
 
 
 def stick_tractions(
@@ -59,7 +58,7 @@ def stick_tractions(
     states : tuple of int
         Of the zones: 0 for stick.
     bounds : sequence of Radius
-        Boundaries, with centre and edge.
+        The centre, the boundaries between the zones, and the edge.
     shears : mapping of int to LogSeries
         q/s on each part in stick: part 0 is the disk, parts ``2 k - 1`` and ``2 k`` are the halves
         of zone k.
@@ -83,23 +82,23 @@ def pressure_field(solved: ZoneSolution, parameters: Parameters) -> ZonalField:
     return ZonalField.on_parts(solved.system.bounds, series)
 
 
-def min_stick_radius(parameters: Parameters) -> float:
+def estimated_stick_radius(parameters: Parameters) -> float:
     """Return the stick radius of a smooth surface under little friction, to a factor of 2.
 
-    It is the sum of its limits: ``4 exp(-2 kappa/f)`` without tangential compliance, ``2 beta f``
-    with much of it.
+    It is estimated by the sum of its asymptotes: ``4 exp(-2 kappa/f)`` without tangential
+    compliance, and ``2 beta f`` with much of it.
     """
     _, beta, kappa, friction = parameters
     return 4.0 * exp(-2.0 * kappa / friction) + 2.0 * beta * friction
 
 
-def edge_stick_width(parameters: Parameters, theta: float) -> float:
-    """Return about the width in y of the stick at the edge of a smooth surface.
+def estimated_edge_stick_width(parameters: Parameters, theta: float) -> float:
+    """Return an estimate of the width w in y of the stick at the edge of a smooth surface.
 
-    Under little friction ``u = -kappa/(2 pi)`` at the edge and ``p = y**(theta - 1/2)/(2 pi)`` next
-    to it, and the layer makes up for u where ``beta f p`` does: ``w**(1/2 - theta) = beta
-    f/kappa`` (docs/coupling.md). With f/kappa from 0.3 to 4 the width is ``exp(f/kappa)`` times
-    that, to a factor of 6.
+    Under little friction the body displaces the edge by ``u_r = -kappa/(2 pi)``, and next to it
+    ``p = y**(theta - 1/2)/(2 pi)``. The edge sticks where the displacement of the compliance,
+    ``beta f p``, exceeds that: ``w**(1/2 - theta) = beta f/kappa`` (docs/coupling.md). With f/kappa
+    from 0.3 to 4 the width is ``exp(f/kappa)`` times that, to a factor of 6.
 
     Parameters
     ----------
@@ -122,41 +121,43 @@ def edge_exponent(parameters: Parameters) -> float:
 def with_central_asymptote(
     pressure: ZonalField, radius: Radius, parameters: Parameters
 ) -> ZonalField:
-    """Return the pressure on a smooth surface with a closed form inside a radius.
+    """Return the pressure on a smooth surface, replaced inside a radius by its asymptote.
 
-    In slip ``p ~ s**-e / sqrt(1 - s**2)`` there, down to the stick disk, in which p is regular.
+    In slip next to the centre ``p ~ s**-e / sqrt(1 - s**2)``, down to the stick disk, in which p is
+    regular.
 
     Parameters
     ----------
     pressure : ZonalField
         Its first piece is replaced.
     radius : Radius
-        Where the closed form takes its value from the pressure.
+        The radius, at which the asymptote is scaled to the pressure.
     parameters : Parameters
     """
     exponent = _central_exponent(parameters.kappa * parameters.friction)
-    at_radius = float(pressure(np.array([radius.value]), np.array([radius.from_edge]))[0])
-    pieces = [_power_piece(radius, at_radius, -exponent), *pressure.pieces[1:]]
-    stick_radius = min_stick_radius(parameters)
+    value = float(pressure(np.array([radius.value]), np.array([radius.from_edge]))[0])
+    pieces = [_power_piece(radius, value, -exponent), *pressure.pieces[1:]]
+    stick_radius = estimated_stick_radius(parameters)
     if stick_radius > np.sqrt(TINY):
-        at_stick_radius = at_radius * (radius.value / stick_radius) ** exponent
+        value_at_rim = value * (radius.value / stick_radius) ** exponent
         rim = Radius(stick_radius, 1.0 - stick_radius)
-        pieces.insert(0, _power_piece(rim, at_stick_radius, 0.0))
+        pieces.insert(0, _power_piece(rim, value_at_rim, 0.0))
     return ZonalField(tuple(pieces))
 
 
-def _power_piece(outer: Radius, at_outer: float, exponent: float) -> ZonePiece:
+def _power_piece(outer: Radius, outer_value: float, exponent: float) -> ZonePiece:
     """Return ``s**exponent / sqrt(1 - s**2)`` inside a radius, scaled to a value there."""
+    # 1 - s**2 = outer**2 (d + shift) with the distance d = 1 - s**2/outer**2 on the disk
     shift = (1.0 - outer.square) / outer.square
-    weight = EdgeWeight(at_outer * float(np.sqrt(shift)), shift)
+    weight = EdgeWeight(outer_value * float(np.sqrt(shift)), shift)
     return ZonePiece(outer, DiskSeries(outer, None, weight, power=0, exponent=exponent))
 
 
 def _central_exponent(coupling: float) -> float:
-    """Return the exponent e of ``p ~ s**-e``, from a fixed-point iteration.
+    """Return the exponent e of ``p ~ s**-e`` next to the centre, from a fixed-point iteration.
 
-    With ``q = f p`` the displacements that p and q make in normal direction are powers of s, too,
-    and have to cancel.
+    With ``q = f p`` the normal displacements by p and by q are powers of s, too, and have to
+    cancel. Each round lowers the error by a factor ``3 kappa f``, which is 1/20 at most.
 
     Parameters
     ----------
@@ -164,14 +165,17 @@ def _central_exponent(coupling: float) -> float:
         ``kappa f``.
     """
     e = 2.0 * coupling
-    for _ in range(_EXPONENT_ROUNDS):
+    for _ in range(MAX_STEPS):
         ratio = gamma(1.0 + e / 2.0) * gamma((1.0 - e) / 2.0)
         e = 2.0 * coupling * (1.0 - e) * ratio / (gamma((1.0 + e) / 2.0) * gamma(1.0 - e / 2.0))
     return e
 
 
 def _pressure_at_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
-    """Return the pressure next to the edge; where it is singular it ends in its leading term."""
+    """Return the pressure on the last part.
+
+    If it is singular at the edge, and the edge sticks, its tail is that of its leading term.
+    """
     series = solved.pressures[-1]
     if series.power == 0.0 or solved.system.states[-1]:
         return series

@@ -27,6 +27,8 @@ from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
 from spectral_contact.contact.stick_radius import (
+    JACOBIAN_FIELD_TOL,
+    MIN_LOGIT,
     NoStickDiskError,
     enclosed_root,
     fd_jacobian,
@@ -34,15 +36,9 @@ from spectral_contact.contact.stick_radius import (
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
-    JACOBIAN_FIELD_TOL,
     JACOBIAN_RANGE,
-    MAX_STARTS,
-    MIN_EDGE_ZONE_WIDTH,
-    MIN_LOGIT,
-    MIN_RESTART_TOL,
     NEGLIGIBLE_FRACTION,
     RESIDUAL_NOISE,
-    RESTART_FACTOR,
     ROUNDING,
 )
 from spectral_contact.contact.zone_spaces import (
@@ -55,7 +51,7 @@ from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.factored import Factored, factored
+from spectral_contact.spectral.factored import FactoredSystem, factored
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
@@ -147,7 +143,7 @@ class FreeBoundaryProblem:
             If the zone at the edge is too narrow to represent.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        if len(radii) > 1 and radii[-1].rest < MIN_EDGE_ZONE_WIDTH * self.parameters.alpha:
+        if len(radii) > 1 and radii[-1].rest < np.finfo(float).eps * self.parameters.alpha:
             raise NoBoundariesError("the last zone vanishes")
         pressures: list[PressureField] = []
         if self._known is not None:
@@ -264,7 +260,7 @@ class FreeBoundaryProblem:
                 logits = logits + iterate.newton_step
             self._layout = self._layout_of(logits, iterate.jacobian)
         spaces = self.spaces(self.field_tolerance, logits)
-        self._panel_counts = [space.panels.panels for space in spaces]
+        self._panel_counts = [space.panels.count for space in spaces]
         return concatenate_spaces(spaces)
 
     def split(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:
@@ -328,7 +324,7 @@ class _GivenRadius(FreeBoundaryProblem):
         spaces = self.split(resolution)
         logits = np.array(self._layout.logits)
         residuals = []
-        factors: Factored | None = None
+        factors: FactoredSystem | None = None
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
             system = self.system(spaces, logits, changes=True)
@@ -398,17 +394,15 @@ def solve_zones(
     """Solve the coupled contact with the zones of a layout.
 
     The tolerance bounds the fields pointwise, or approach and shear. Where refinement stalls it
-    begins again with a finer first space, that of a smaller tolerance. `max_unknowns` bounds the
-    unknowns of both fields together. The friction law is not checked here. Raises
+    begins once more, with the finer first space of a hundredth of the tolerance. `max_unknowns`
+    bounds the unknowns of both fields together. The friction law is not checked here. Raises
     `NoBoundariesError` if there are no such boundaries.
     """
     refinements = list[Refinement[ZoneSolution]]()
-    for k in range(MAX_STARTS):
-        space_tolerance = max(RESTART_FACTOR**k * tolerance, MIN_RESTART_TOL)
+    for space_tolerance in (tolerance, NEGLIGIBLE_FRACTION * tolerance):
         problem = FreeBoundaryProblem(parameters, layout, space_tolerance, pointwise=pointwise)
         # `refine` counts coefficients of the panels, each of which stands for p and for q/s
         refinements.append(refine(problem, tolerance, max_unknowns // 2))
-        best = min(refinements, key=lambda refinement: refinement.best.error)
-        if best.ending is not Ending.ROUNDING or space_tolerance == MIN_RESTART_TOL:
+        if refinements[-1].ending is not Ending.ROUNDING:
             break
-    return best
+    return min(refinements, key=lambda refinement: refinement.best.error)

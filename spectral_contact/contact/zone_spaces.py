@@ -12,10 +12,10 @@ kind of end               settles from depth           rate         power of d
 ========================  ===========================  ===========  ===========
 edge, full stick          l of the thinner layer       1            0
 ... with one compliance   l                            1/2          0 or -1/2
-edge, smooth, full stick  LEADING_TERM_DEPTH           1            -1/2
+edge, smooth, full stick  EPSILON_DEPTH                1            -1/2
 edge, alpha > 0           l + LAYER_REACH              1            0
 edge, alpha = 0 < beta    l                            1/2          -1/2
-edge, alpha = beta = 0    0 or LEADING_TERM_DEPTH      1            theta - 1/2
+edge, alpha = beta = 0    0 or EPSILON_DEPTH           1            theta - 1/2
 boundary                  l or l/2 + LAYER_REACH, the  1, 1/2, or   0
                           lesser; but ln r at least    1/2 - theta
 rim, beta = 0             ln r                         0            0
@@ -35,30 +35,25 @@ from math import atan, atanh, ceil, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.resolution import graded_space, slip_degree
-from spectral_contact.contact.tuning import (
-    COARSE_TOL,
-    EXTRA_BOUNDARY_DEPTH,
-    LAYER_REACH,
-    LEADING_TERM_DEPTH,
-    MAX_SLIP_TOL,
-    TAIL_DEPTH,
+from spectral_contact.contact.resolution import (
+    CUBIC_TAIL_DEPTH,
+    EPSILON_DEPTH,
+    ROOT_TAIL_DEPTH,
+    graded_space,
+    slip_degree,
 )
+from spectral_contact.contact.tuning import COARSE_TOL, FIELD_ROUNDING, LAYER_REACH
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
-
-#: Rounding of a radius relative to its distance from the centre or the edge.
-_EPS = float(np.finfo(float).eps)
-
 
 # depths, and what fields are deep down
 
 
 def leading_depth(alpha: float, beta: float, extent: float) -> float:
     """Return the depth toward the edge past which a singular field is its leading term."""
-    return LEADING_TERM_DEPTH + layer_depth(alpha, beta, extent)
+    return EPSILON_DEPTH + layer_depth(alpha, beta, extent)
 
 
 def layer_depth(alpha: float, beta: float, extent: float) -> float:
@@ -103,14 +98,17 @@ def with_asymptotic_tail(
 
 def rounding_depth(end: Radius, extent: float) -> float:
     """Return ``-ln`` of the rounding of a boundary in units of an extent in ``s**2``."""
-    return -log(_EPS * min(end.square, end.rest) / extent)
+    return EPSILON_DEPTH - log(min(end.square, end.rest) / extent)
 
 
 def without_rounding(space: DiscreteSpace, end: Radius, extent: float) -> DiscreteSpace:
-    """Return a space toward a boundary without panels far deeper than the rounding of it."""
-    most = ceil((EXTRA_BOUNDARY_DEPTH + rounding_depth(end, extent)) / space.panels.width)
+    """Return a space toward a boundary without panels far deeper than the rounding of it.
+
+    The tail begins where it is right to rounding at the rounding of the boundary.
+    """
+    most = ceil((CUBIC_TAIL_DEPTH + rounding_depth(end, extent)) / space.panels.width)
     degrees = space.degrees[:most]
-    return DiscreteSpace(replace(space.panels, panels=len(degrees)), degrees)
+    return DiscreteSpace(replace(space.panels, count=len(degrees)), degrees)
 
 
 def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
@@ -146,7 +144,7 @@ def split_spaces(
     for first, end in pairwise(bounds):
         panels = replace(
             resolution.panels,
-            panels=end - first,
+            count=end - first,
             power=power if end == bounds[-1] else 0.0,
             root_tail=resolution.panels.root_tail and first == 0,
         )
@@ -202,7 +200,7 @@ def first_spaces(
             # next to a boundary the fields settle at half the depth of the layer, or soon after it
             depth = max(min(layer, 0.5 * layer + LAYER_REACH), log(extent / extent_across))
             space = graded_space(
-                depth, tolerance, rate, starts_near_singularity=True, min_settling=TAIL_DEPTH
+                depth, tolerance, rate, starts_near_singularity=True, min_settling=ROOT_TAIL_DEPTH
             )
             if alpha > 0.0 or len(radii) > 1:
                 space = without_rounding(space, bounds[bound], extent)
@@ -224,10 +222,12 @@ def known_pressure_spaces(
         # the traction has a root at the rim, and bends where the annulus around it ends
         annulus = -log(min(radii[0].rest / radii[0].square, 1.0))
         spaces[0] = graded_space(annulus, tolerance, 0.0)
-    # a coarse space, in which boundaries are located, has a coarse pressure, too
-    degree = slip_degree(min(tolerance, MAX_SLIP_TOL) if tolerance < COARSE_TOL else tolerance)
+    # the pressure is expanded to its rounding, as it costs no unknowns: at rtol 2e-7 the slip of an
+    # annulus of 4e-9 had an error of 0.14 without that. The coarse space, in which boundaries are
+    # located, has a coarse pressure, too
+    degree = slip_degree(FIELD_ROUNDING if tolerance < COARSE_TOL else tolerance)
     return [
-        DiscreteSpace(replace(space.panels, degree=degree), (degree,) * space.panels.panels)
+        DiscreteSpace(replace(space.panels, degree=degree), (degree,) * space.panels.count)
         if states[(part + 1) // 2]
         else space
         for part, space in enumerate(spaces)
@@ -240,7 +240,7 @@ def _smooth_boundary_rate(power: float, tolerance: float) -> float:
     They go like ``d**(1/2 - theta)``, with theta of `edge_power`. The rate is not so small that the
     mesh would be deeper than the rounding of the boundary.
     """
-    deepest = EXTRA_BOUNDARY_DEPTH - log(_EPS)
+    deepest = CUBIC_TAIL_DEPTH + EPSILON_DEPTH
     return max(-power, min(0.5, (2.0 - log(tolerance)) / deepest))
 
 
@@ -250,7 +250,7 @@ def _full_stick_space(alpha: float, beta: float, has_root: bool, tolerance: floa
     With one compliance the field of the other one is singular, and its own has a square root.
     """
     smooth = alpha == 0.0 == beta
-    depth = LEADING_TERM_DEPTH if smooth else layer_depth(alpha, beta, 1.0)
+    depth = EPSILON_DEPTH if smooth else layer_depth(alpha, beta, 1.0)
     return graded_space(
         depth, tolerance, 0.5 if has_root else 1.0, power=-0.5 if alpha == 0.0 else 0.0
     )
@@ -270,7 +270,7 @@ def _edge_space(
         weight = 0.0
     elif beta == 0.0:
         # with the power of slip the pressure settles to its endpoint weight at once
-        depth = LEADING_TERM_DEPTH if power == -0.5 else 0.0
+        depth = EPSILON_DEPTH if power == -0.5 else 0.0
         rate = 1.0
         weight = power
     return graded_space(depth, tolerance, rate, power=weight, starts_near_singularity=True)

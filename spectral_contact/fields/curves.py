@@ -77,9 +77,21 @@ class Curves:
         #: terms of the polynomials, what they lacked before, and errors
         self._terms, self._misfits, self._errors = np.empty((3, 0, functions))
 
-    def next(self) -> float:
-        """Return where the polynomials are least certain."""
+    def next(self, solved: Array | None = None) -> float:
+        """Return where the polynomials are least certain.
+
+        A place that is solved is taken instead if it is nearly as far from the nodes, by half of
+        the product of all distances.
+        """
         self._next = float(self._places[np.argmax(self._apart)])
+        if solved is not None and len(self.nodes):
+            low, high = self._places[[0, -1]]
+            inside = solved[(solved >= low) & (solved <= high)]
+            if len(inside):
+                with np.errstate(divide="ignore"):
+                    apart = np.log(np.abs(inside[:, None] - self.nodes)).sum(axis=1)
+                if apart.max() >= self._apart.max() - np.log(2.0):
+                    self._next = float(inside[np.argmax(apart)])
         return self._next
 
     def add(self, known: Array, errors: Array) -> None:

@@ -32,6 +32,8 @@ _PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_complian
 _VALUES: Final = ("approach", "total_shear", "zones", "edge_ratio")
 #: What else a table has of a scene with a profile.
 _PRESSED: Final = ("contact_radius", "load", "stiffness", "indentation_work")
+#: What else it has where the approach is proved (docs/proved): two decimals that enclose it.
+_PROVED: Final = "approach_bounds"
 _ENTRY_KEYS: Final = ("name", "scene", "library", "digits", *_VALUES, "points", "error")
 _SIDES: Final = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 _ERRORS: Final = (*_VALUES, "pressure", "traction")
@@ -84,6 +86,9 @@ class GoldSolution:
         From the centre to the edge; without the edge where the fields have no limit there.
     contact_radius, load, stiffness, indentation_work : mpf or None
         Of a scene with a profile, in its units; approach and pressure are, too.
+    approach_bounds : tuple of mpf or None
+        Lower and upper bound of the approach that are proved (docs/proved); None where there are
+        none.
     table : str
         Name of its table.
     error : ErrorEstimates
@@ -108,6 +113,7 @@ class GoldSolution:
     load: Any = None
     stiffness: Any = None
     indentation_work: Any = None
+    approach_bounds: tuple[Any, Any] | None = None
 
     def __repr__(self) -> str:
         return f"<GoldSolution {self.name!r}, {self.digits} digits: approach={self.approach}>"
@@ -261,7 +267,8 @@ def _table(document: Any) -> GoldTable:
         where = f"scene {i + 1}"
         coupled = isinstance(entry, dict) and "opening" in entry
         pressed = isinstance(entry, dict) and _PRESSED[0] in entry
-        more = ("opening",) * coupled + _PRESSED * pressed
+        proved = isinstance(entry, dict) and _PROVED in entry
+        more = ("opening",) * coupled + _PRESSED * pressed + (_PROVED,) * proved
         check_keys(where, entry, (*_ENTRY_KEYS, *more))
         digits = entry["digits"]
         if type(digits) is not int or not _FEWEST_DIGITS <= digits <= _MOST_DIGITS:
@@ -308,6 +315,7 @@ class _GoldEntry:
             error,
             table,
             **{name: self._number(where, body, name) for name in _PRESSED * self.pressed},
+            approach_bounds=self._bounds() if _PROVED in body else None,
         )
 
     def _scene(self) -> Scene:
@@ -338,6 +346,16 @@ class _GoldEntry:
             return Scene(**values)
         except ValueError as error:
             raise Refused(f"{where}: {error}") from error
+
+    def _bounds(self) -> tuple[Any, Any]:
+        """Return the bounds of the approach, between which it must be."""
+        texts = _list(self.where, self.body, _PROVED)
+        if len(texts) == 2 and all(isinstance(e, str) and _DECIMAL.fullmatch(e) for e in texts):
+            lower, upper = map(self.mp.mpf, texts)
+            if lower <= self._number(self.where, self.body, "approach") <= upper:
+                return lower, upper
+        told = "two decimal numbers as text, with the approach between them"
+        raise Refused(f'{self.where}: "{_PROVED}" is {shown(texts)}, and must be {told}')
 
     def _zones(self) -> tuple[Zone, ...]:
         zones = []

@@ -332,7 +332,7 @@ class PhysicalData:
         Parameters
         ----------
         kind : str
-            The `si_factor` of the quantity in `quantities.OUTPUTS`.
+            The `si_factor` of the quantity in ``quantities.OUTPUTS``.
         nu : float
             Poisson's ratio ν of the half-space, in (−1, 0.5].
         solved : object

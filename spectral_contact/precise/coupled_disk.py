@@ -36,7 +36,7 @@ class CoupledDisk:
         self._first = [_moments(disk) for disk in (normal, tangential)]
         _, weights, psi = _tail_rule(tangential, np.array([tangential.end], dtype=object))
         self._tail_moments = self.fixed.dot(weights[0], psi[0])
-        f, steps = self.fixed, np.arange(normal.panels.panels, dtype=object)
+        f, steps = self.fixed, np.arange(normal.panels.count, dtype=object)
         leads = [f.of(1.0 + disk.panels.power) for disk in (normal, tangential)]
         h = f.of(normal.panels.width)
         #: moments of equal functions fall from panel to panel

@@ -69,7 +69,7 @@ class PreciseMesh:
     @property
     def depth(self) -> float:
         """``x`` at which the tail begins."""
-        return self.panels.panels * self.panels.width
+        return self.panels.count * self.panels.width
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ class Disk:
         self.mesh, self.fixed = mesh, fixed
         self.panels = mesh.panels
         self._h = fixed.of(mesh.panels.width)
-        self.end = fixed.exp(-mesh.panels.panels * self._h)
+        self.end = fixed.exp(-mesh.panels.count * self._h)
         self._place_nodes()
         self._blocks = [self._deeper(self._first_end), self._deeper(self._other_end)]
         self._far = self._deeper_far()
@@ -201,7 +201,7 @@ class Disk:
     # nodes
 
     def _place_nodes(self) -> None:
-        f, p, h = self.fixed, self.panels.panels, self._h
+        f, p, h = self.fixed, self.panels.count, self._h
         count = 2 * self.panels.degree + ceil(0.7 * self.mesh.digits) + 8
         g, w = f.gauss(count + 10)
         phi = f.times(f.of(f.mp.pi) // 4, f.one + g)
@@ -316,7 +316,7 @@ class Disk:
 
     def split(self, coefficients: Ints) -> tuple[Ints, Ints]:
         """Return views of the coefficients: panels as (panels, degree + 1), and the tail."""
-        table = coefficients[:-TAIL_TERMS].reshape(self.panels.panels, -1)
+        table = coefficients[:-TAIL_TERMS].reshape(self.panels.count, -1)
         return table, coefficients[-TAIL_TERMS:]
 
     # mass

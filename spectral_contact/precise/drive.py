@@ -172,7 +172,7 @@ class RoughDrive(PreciseDrive):
     def _transformed(self) -> PreciseSeries:
         """Return ``R = (2/t) int_0^t s p ds / sqrt(t^2 - s^2)`` as a series."""
         f, panels = self.fixed, self._disk.panels
-        h, count = f.of(panels.width), panels.panels
+        h, count = f.of(panels.width), panels.count
         points = self._disk.rule_points
         start = f.times(h, f.one + f.gauss(points)[0]) // 2
         end = f.exp(-count * h)

@@ -139,7 +139,7 @@ class RoughContact(Contact):
                 break
             lifted = f.numbers(moved) / mp.pi * self.radius
             gaps.append(self.heights.height(r) - self._moved + lifted)
-        return min(gaps, default=self._moved)
+        return min(gaps, default=mp.one)
 
 
 @dataclass(frozen=True)
@@ -299,14 +299,15 @@ class RoughIndented:
         """Return the number of panels in the inner and the outer half of every part.
 
         At the edge p over its slope is ``d + d**2 ln d``, at a break ``1 + d + d**2 ln d``, and
-        under a tip ``1 + r**n + r**(n+1) ln r``, in units of the layer.
+        under a tip ``1 + r**n + r**(n+1) ln r``, in units of the layer. Or, at the edge, of how far
+        the pole of the half-integral is beyond it.
         """
         breaks = [b for b in self._profile.breaks if b < radius]
         inner = [0.0, *(b / radius for b in breaks), 1.0]
         widths = [(b - a) * (b + a) for a, b in pairwise(inner)]
         settle, layer = (self.digits + 2.0) * _LN10, min(self._compliance / radius, 1.0)
         outer = [log(min(*pair, layer)) - settle / 2.0 for pair in pairwise(widths)]
-        outer.append(log(min(widths[-1], layer)) - settle)
+        outer.append(log(min(widths[-1], layer, self._profile._to_pole(radius))) - settle)
         centre = log(widths[0])
         if self._profile.pointed:
             power = getattr(self._profile, "exponent", 1.0)

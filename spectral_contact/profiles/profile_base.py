@@ -41,6 +41,10 @@ class Profile(ABC):
         """Radius at which the half-integral is infinite."""
         return inf
 
+    def _to_pole(self, radius: float) -> float:
+        """Return how far that is beyond a contact radius, relative to the radius."""
+        return (self._pole - radius) / radius
+
     @property
     def pointed(self) -> bool:
         """Whether the height is no smooth function of the radius squared at the centre."""

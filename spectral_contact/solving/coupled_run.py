@@ -11,11 +11,10 @@ from spectral_contact.contact.resolution import (
     NormalContact,
 )
 from spectral_contact.contact.tuning import (
-    HIDDEN_SLIP,
-    INNER_TOLERANCE_FACTOR,
+    NEGLIGIBLE_FRACTION,
     ONSET_BAND,
     ONSET_ERROR_FACTOR,
-    OPTIONAL_SEARCH,
+    TRACTION_ROUNDING,
 )
 from spectral_contact.solution import (
     COUPLING,
@@ -41,7 +40,7 @@ if TYPE_CHECKING:
 
 
 #: Tolerance of full stick that tells whether ``1 - f/f_crit`` is below `ONSET_BAND`.
-_ONSET_TOLERANCE = INNER_TOLERANCE_FACTOR * ONSET_BAND
+_ONSET_TOLERANCE = NEGLIGIBLE_FRACTION * ONSET_BAND
 
 
 class CoupledRun(Run):
@@ -86,7 +85,7 @@ class CoupledRun(Run):
             )
         if states[PARTIAL_SLIP] is StepState.SKIPPED:
             return
-        if self.is_supercritical(stick):
+        if self.is_supercritical():
             self.store_supercritical(stick)
         else:
             self._run_coupled_slip(stick)
@@ -123,10 +122,8 @@ class CoupledRun(Run):
         search = CoupledSearch(parameters, stick, self.rtol, self.max_unknowns, self.record)
         onset_distance = 1.0 - parameters.friction / stick.critical
         max_onset_distance = onset_distance + stick.critical_error
-        full_stick_will_do = ONSET_ERROR_FACTOR * max_onset_distance < 0.5 * self.rtol
-        hidden = onset_distance <= HIDDEN_SLIP or (
-            onset_distance <= OPTIONAL_SEARCH and full_stick_will_do
-        )
+        # closer to the onset rounding hides the slip
+        hidden = onset_distance <= TRACTION_ROUNDING
         with ProgressLine(self.cache.progress) as show_progress:
             if not (parameters.alpha and parameters.beta):
                 show_progress("zones of stick and slip")  # without a compliance it takes seconds

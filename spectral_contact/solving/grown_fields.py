@@ -227,7 +227,7 @@ def _logarithmic(series: LogSeries) -> LogSeries:
 
 
 def _largest_radii(mesh: GradedMesh) -> Array:
-    d = np.exp(-_WIDTH * np.arange(mesh.panels.panels))
+    d = np.exp(-_WIDTH * np.arange(mesh.panels.count))
     squares = mesh.boundary.square + mesh.extent * (d if mesh.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))
 

@@ -8,7 +8,11 @@ from collections.abc import Iterable
 from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles import Flat
-from spectral_contact.quantities import FLAT_QUANTITIES, TANGENTIAL_QUANTITIES
+from spectral_contact.quantities import (
+    FLAT_QUANTITIES,
+    FULL_STICK_RATIOS,
+    TANGENTIAL_QUANTITIES,
+)
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     ADHESION_QUANTITIES,
@@ -31,7 +35,6 @@ from spectral_contact.solution import (
 from spectral_contact.solving.asked import asked_quantities
 from spectral_contact.spectral.cache import BoundedCache
 
-_STICK_ONLY = frozenset({"edge_ratio", "critical_friction"})
 _NO_FRICTION = "the scene has no friction coefficient"
 _PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
 
@@ -81,7 +84,7 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
         name: "it was not asked for" for name in _present(scene) if name not in asked
     }
     if scene.friction is None:
-        for name in ("slip", *sorted(_STICK_ONLY)):
+        for name in ("slip", *sorted(FULL_STICK_RATIOS)):
             missing[name] = _NO_FRICTION
         if scene.unloaded_to < 1.0:
             missing.update(dict.fromkeys(UNLOADED_QUANTITIES, _NO_FRICTION))
@@ -91,6 +94,8 @@ def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
         lacking = ("slip",) if flat or scene.friction == 0.0 else ()
         for name in (*lacking, *sorted(FLAT_QUANTITIES)):
             missing[name] = f"it is not computed {kind}"
+    elif scene.couples:
+        missing["shakedown_ratio"] = "with elastic coupling its law is only approximate"
     if endless(scene):
         missing["contact_radius"] = "the layer law has no contact edge"
     present = tuple(name for name in _present(scene) if name not in missing)
@@ -134,7 +139,7 @@ def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]
         reason = f"{_NO_FRICTION}: no traction acts back on the pressure"
     elif _undriven(scene):
         reason = f"{_undriven(scene)} pressure and traction do not move each other"
-    elif scene.friction == 0.0 and not _STICK_ONLY.intersection(present):
+    elif scene.friction == 0.0 and not FULL_STICK_RATIOS.intersection(present):
         reason = "at friction 0 no traction acts back on the pressure"
     elif not _needs_tangential(scene, present):
         reason = "nothing asked for depends on the traction"
@@ -149,7 +154,7 @@ def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
         return False
     asked = _affected(scene).intersection(present)
     if scene.friction == 0.0:
-        return bool(asked & (_STICK_ONLY | {"slip"}))
+        return bool(asked & (FULL_STICK_RATIOS | {"slip"}))
     if scene.friction == math.inf:
         return bool(asked - {"zones", "stick_radius", "slip"})
     return bool(asked)
@@ -194,8 +199,8 @@ def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
         told = "the surface does not move: all stick, q = 0"
         return step(StepState.SKIPPED, f"{_undriven(scene)} {told}")
     if scene.friction == 0.0:
-        if asked & _STICK_ONLY:
-            return step(StepState.RUN, "edge ratio or critical friction is asked for")
+        if asked & FULL_STICK_RATIOS:
+            return step(StepState.RUN, "a ratio q/p of full stick is asked for")
         return step(StepState.SKIPPED, "at friction 0 everything slips")
     if not _needs_tangential(scene, present):
         return step(StepState.SKIPPED, "nothing asked for depends on the traction")
@@ -217,7 +222,7 @@ def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, 
         return skipped("friction is infinite: no slip")
     if _undriven(scene):
         return skipped(f"{_undriven(scene)} there is nothing to slip")
-    if not asked - _STICK_ONLY:
+    if not asked - FULL_STICK_RATIOS:
         return skipped("nothing asked for depends on slip")
     if friction == 0.0:
         first, second, third = skipped("at friction 0 everything slips")

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.contact_radius import Contact, find_radius, indenter, value_of
-from spectral_contact.contact.indented import glance
+from spectral_contact.contact.contact_radius import Contact, find_radius, value_of
+from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.layers.scene_layer import endless
@@ -152,7 +152,7 @@ class ProfileRun(Run):
                 approach=scene.approach,
                 pointwise=pointwise,
                 near=path.near(along),
-                first=lambda a: glance(profile, a, alpha, self.rtol, self.max_unknowns),
+                first=lambda a: values_only(profile, a, alpha, self.rtol, self.max_unknowns),
             )
             path.add(along, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
@@ -276,9 +276,9 @@ class ProfileRun(Run):
 
             setting = setting_at_radius(scene.profile, scene.layer, radius)
             return solve_layered(setting, tolerance, self.max_unknowns, pointwise=pointwise)
+        given = scene.profile, radius, scene.normal_compliance, tolerance, self.max_unknowns
         adhesion = scene.work_of_adhesion or 0.0
-        solve = indenter(scene.profile, scene.normal_compliance, self.max_unknowns, adhesion)
-        return solve(radius, tolerance, pointwise)
+        return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
 
     def _check(self, found: Indentation) -> None:
         """Refuse what a layer's law does not know."""

@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Any
 from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
-from spectral_contact.contact.tuning import FIELD_ROUNDING, INNER_TOLERANCE_FACTOR
+from spectral_contact.contact.tuning import FIELD_ROUNDING, NEGLIGIBLE_FRACTION
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
+from spectral_contact.fields.shakedown import shakedown
+from spectral_contact.quantities import FULL_STICK_RATIOS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     FULL_STICK,
@@ -243,7 +245,7 @@ class Run:
     def pressure_tolerance(self) -> float:
         """The tolerance of a pressure that loads the tangential problem: tighter than `rtol`."""
         least = min(self.rtol, 3.0 * FIELD_ROUNDING)
-        return max(self.rtol * INNER_TOLERANCE_FACTOR, least)
+        return max(self.rtol * NEGLIGIBLE_FRACTION, least)
 
     def _normal(self, states: dict[str, StepState]) -> NormalContact:
         """Solve normal contact, to the tolerance that the rest of the plan needs."""
@@ -292,8 +294,9 @@ class Run:
             return
         if scene.kappa == 0.0:
             self.store_all_stick()
-            self.values.update(total_shear=0.0, edge_ratio=0.0, critical_friction=0.0)
-            self.errors.update(exact, slip=0.0, edge_ratio=0.0, critical_friction=0.0)
+            none = dict.fromkeys(FULL_STICK_RATIOS, 0.0)
+            self.values.update(none, total_shear=0.0)
+            self.errors.update(exact | none, slip=0.0)
             return
         if friction == math.inf:
             self.store_all_stick()
@@ -342,7 +345,7 @@ class Run:
         self.store_full_stick(stick, self.scene.kappa)
         if states[PARTIAL_SLIP] is StepState.SKIPPED:
             return
-        if self.is_supercritical(stick):
+        if self.is_supercritical():
             self.store_supercritical(stick)
         else:
             self.run_partial_slip(contact, stick)
@@ -354,13 +357,12 @@ class Run:
         friction has to be compared with the critical one, which is a ratio.
         """
         begin = perf_counter()
-        quantities = set(self.plan.quantities)
-        infinite_friction = self.scene.friction == math.inf
-        needing_fields = {"traction", "edge_ratio", "critical_friction"}
-        if not infinite_friction:
-            needing_fields |= {"slip", "zones", "stick_radius"}
-        pointwise = bool(quantities & needing_fields)
-        ratios = not infinite_friction or bool(quantities & {"edge_ratio", "critical_friction"})
+        asked = set(self.plan.quantities)
+        ratios = bool(asked & FULL_STICK_RATIOS)
+        pointwise = ratios or "traction" in asked
+        if self.scene.friction != math.inf:
+            ratios = True
+            pointwise |= bool(asked & {"slip", "zones", "stick_radius"})
         solved = self.cache.get(
             FULL_STICK,
             (*self.normal_key, self.parameters.beta, pointwise, ratios),
@@ -418,13 +420,22 @@ class Run:
         scale : float
             Factor of all that is tangential: kappa, if full stick was solved for kappa = 1.
         """
+        friction = self.scene.friction
+        assert friction is not None
         edge_ratio = stick.edge_ratio
+        critical = scale * stick.critical
+        ratio, ratio_error = shakedown(critical, stick.critical_error, friction)
         self.values.update(
             edge_ratio=None if edge_ratio is None else scale * edge_ratio,
-            critical_friction=scale * stick.critical,
+            critical_friction=critical,
+            shakedown_ratio=ratio,
         )
-        self.errors.update(edge_ratio=stick.edge_error, critical_friction=stick.critical_error)
-        if self.scene.friction != 0.0:
+        self.errors.update(
+            edge_ratio=stick.edge_error,
+            critical_friction=stick.critical_error,
+            shakedown_ratio=ratio_error,
+        )
+        if friction != 0.0:
             self.values.update(approach=stick.approach, total_shear=scale * stick.total_shear)
             self.errors.update(
                 approach=stick.approach_error,
@@ -435,30 +446,24 @@ class Run:
             self.pressure = stick.pressure
             self.traction = None if stick.traction is None else stick.traction.times(scale)
 
-    def is_supercritical(self, stick: FullStick) -> bool:
+    def is_supercritical(self) -> bool:
         """Return whether the friction is not below the critical one, so that nothing slips.
 
         Full stick has to be stored before.
         """
-        friction = self.scene.friction
-        assert friction is not None
-        critical: float = self.values["critical_friction"]
-        return not friction < critical
+        return bool(self.values["shakedown_ratio"] == 0.0)
 
     def store_supercritical(self, stick: FullStick) -> None:
         """Store that the whole contact sticks, with errors for the slip that may be unresolved."""
-        friction = self.scene.friction
-        critical = self.values["critical_friction"]
-        assert friction is not None
         self.store_all_stick()
         self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
         self._no_load_ratios("nothing slips")
-        if critical > friction * (1.0 - stick.critical_error):  # it may be below, by its error
+        if self.errors["shakedown_ratio"] > 0.0:  # friction may be below the critical, by its error
             from spectral_contact.contact.onset import unresolved_slip
 
             radius_error = unresolved_slip(stick, self.parameters)
             self.errors.update(stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0)
-        reason = f"friction is not below the critical {critical:.6g}"
+        reason = f"friction is not below the critical {self.values['critical_friction']:.6g}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
 
     @property

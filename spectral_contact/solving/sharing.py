@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from spectral_contact.contact.tuning import (
-    COLLINEARITY,
-    MAX_EXTRAPOLATION,
-    PATH_POINTS,
-)
+from spectral_contact.contact.tuning import PATH_POINTS
 from spectral_contact.fields import Array
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
     from spectral_contact.spectral.parameters import Parameters
+
+#: Scenes are on one line if they are off it by less than this part of their largest distance.
+_COLLINEARITY = float(np.sqrt(np.finfo(float).eps))
 
 _T = TypeVar("_T")
 LogParameters: TypeAlias = tuple[float, float, float]
@@ -91,7 +90,7 @@ class ZonePath:
         longest = max(step, key=abs)
         if longest == 0.0:
             return layout
-        if not abs(longest) <= MAX_EXTRAPOLATION:
+        if not abs(longest) <= 1.0:  # a factor of e
             return None
         times, logits = self._collinear_scenes(step)
         predicted = extrapolate(times, logits)
@@ -115,7 +114,7 @@ class ZonePath:
             back = _difference(last, parameters)
             time = back[step.index(longest)] / longest
             off_line = max(abs(b - time * a) for a, b in zip(step, back, strict=True))
-            if off_line > COLLINEARITY * max(map(abs, back)) or time >= times[-1]:
+            if off_line > _COLLINEARITY * max(map(abs, back)) or time >= times[-1]:
                 break
             times.append(time)
             logits.append(np.array(earlier.logits))

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.little_friction import full_slip_problem
 from spectral_contact.contact.normal import compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
@@ -72,14 +73,17 @@ class SolutionSlopes:
         zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
         self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
         self.states = tuple(_state(own, zone) for zone in zones)
-        moving = [n for n in PARAMETERS[:3] if 0.0 < (getattr(self.scene, n) or 0.0) < math.inf]
-        if not self.inner:
-            moving = moving[:2] if "friction" not in moving else moving[:-1]
-        if self.scene.couples:
-            moving.append("poisson_ratio")
-        self.moving = moving
+        #: with coupling friction acts on the pressure, from none on
+        self.couples = self.scene.coupling and bool(zones)
+        #: whether all slips, around a stick disk that is too small to be solved for
+        self.slips = any(self.states) and not self.inner
+        self.moving = [name for name in PARAMETERS[:2] if getattr(self.scene, name) > 0.0]
+        if any(self.states):
+            self.moving.append("friction")
+        if self.couples:
+            self.moving.append("poisson_ratio")
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
-        self.smooth = bool(self.inner) and not any(compliances) and not self.scene.couples
+        self.smooth = bool(self.inner) and not any(compliances) and not self.couples
 
     @cached_property
     def normal(self) -> tuple[NormalContact, NormalContact | None]:
@@ -93,16 +97,18 @@ class SolutionSlopes:
 
     @cached_property
     def zones(self) -> ZoneDerivatives:
-        """The derivatives by what moves."""
+        """The derivatives by what moves; where all slips that is with coupling."""
         scene = self.scene
         known: list[NormalContact] = []
         friction = scene.friction if scene.friction is not None else math.inf
         own = scene.normal_compliance, scene.tangential_compliance
         parameters = Parameters(*own, scene.kappa, friction)
-        if not scene.couples:
+        layout = Layout(tuple(one.logit for one in self.inner), self.states)
+        if self.slips:
+            parameters, layout = full_slip_problem(parameters)
+        elif not self.couples:
             known = [one for one in self.normal if one is not None]
             parameters = Parameters(*own, 1.0, friction / scene.kappa)
-        layout = Layout(tuple(one.logit for one in self.inner), self.states)
         names = [_COLUMNS[name] for name in self.moving]
         return differentiated(parameters, layout, names, self.tolerance, known)
 
@@ -112,9 +118,9 @@ class SolutionSlopes:
             return math.nan
         scene, kappa = self.scene, self.scene.kappa
         rise = kappa_slope(scene)
-        if scene.couples:
-            factor = rise if name == "poisson_ratio" else 1.0
-            return factor * self._of_system(quantity, name)
+        if self.couples:
+            column, factor = self._column(name)
+            return factor * self._of_system(quantity, column)
         if name == "poisson_ratio":  # kappa enters shear as a factor, and friction as f/kappa
             ratio = scene.friction / kappa if self.inner and scene.friction else 0.0
             moved = ratio * self._of_system(quantity, "friction") if ratio else 0.0
@@ -123,6 +129,18 @@ class SolutionSlopes:
             return rise * (whole - moved) * scale + 0.0
         factor = kappa if quantity == "total_shear" else 1.0
         return factor * self._of_system(quantity, name) / (kappa if name == "friction" else 1.0)
+
+    def _column(self, name: str) -> tuple[str, float]:
+        """Return the parameter of the system, with coupling, and what multiplies its derivatives.
+
+        Where all slips the pressure depends on the product of kappa and the friction.
+        """
+        if name != "poisson_ratio":
+            return name, 1.0
+        rise = kappa_slope(self.scene)
+        if self.slips:
+            return "friction", rise * (self.scene.friction or 0.0) / self.scene.kappa
+        return name, rise
 
     def _of_system(self, quantity: str, name: str) -> float:
         """Return the derivative of a number by a parameter of the system."""
@@ -136,7 +154,7 @@ class SolutionSlopes:
 
     def noise(self, name: str) -> float:
         """Return what rounding makes of the derivative of the stick radius, relative to that."""
-        column = "friction" if name == "poisson_ratio" and not self.scene.couples else name
+        column = "friction" if name == "poisson_ratio" and not self.couples else name
         i = self.moving.index(column)
         size = abs(float(self.zones.logits[0, i]))
         return float(self.zones.noise[0, i]) / size if size else 0.0
@@ -148,9 +166,9 @@ class SolutionSlopes:
         return self._pressure(name, s, from_edge)
 
     def _pressure(self, name: str, s: Array, from_edge: Array) -> Array:
-        if self.scene.couples:
-            factor = kappa_slope(self.scene) if name == "poisson_ratio" else 1.0
-            return factor * self.zones.pressure[self.moving.index(name)](s, from_edge)
+        if self.couples:
+            column, factor = self._column(name)
+            return factor * self.zones.pressure[self.moving.index(column)](s, from_edge)
         change = self.normal[1]
         if name != "normal_compliance" or change is None:
             return np.zeros(s.shape)
@@ -161,18 +179,20 @@ class SolutionSlopes:
         rise = kappa_slope(scene)
         beyond = [one.below(s, from_edge) < 0.0 for one in self.inner]
         sign = np.array(self.states)[np.sum(beyond, axis=0, dtype=int)]
-        if name == "poisson_ratio" and not scene.couples:
+        if name == "poisson_ratio" and not self.couples:
             q = own.traction(from_edge=from_edge) / kappa
             if self.inner:
                 by_ratio = self.zones.traction[self.moving.index("friction")](s, from_edge)
                 q = q - (scene.friction or 0.0) / kappa * by_ratio
             return rise * np.where(sign == 0, q, 0.0)
-        value = self.zones.traction[self.moving.index(name)](s, from_edge)
-        if scene.couples:
+        value = np.zeros(s.shape)
+        if not self.slips:
+            value = self.zones.traction[self.moving.index(name)](s, from_edge)
+        if self.couples:
             value = value * (rise if name == "poisson_ratio" else 1.0)
         elif name != "friction":
             value = value * kappa
-        if not self.inner:
+        if not any(self.states):
             return value
         slipping = (scene.friction or 0.0) * self._pressure(name, s, from_edge)
         if name == "friction":

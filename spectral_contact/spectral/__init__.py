@@ -9,7 +9,7 @@ from spectral_contact.spectral.cache import cache_sizes, clear_caches
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, OffsetRadii
-from spectral_contact.spectral.regularised import Regularised
+from spectral_contact.spectral.regularised import RegularisedProblem
 from spectral_contact.spectral.spaces import Space, unit_space
 
 __all__ = [
@@ -17,7 +17,7 @@ __all__ = [
     "GradedMesh",
     "LogPanels",
     "OffsetRadii",
-    "Regularised",
+    "RegularisedProblem",
     "Space",
     "cache_sizes",
     "clear_caches",

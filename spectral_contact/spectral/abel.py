@@ -14,15 +14,15 @@ Sources lie at the distance d', points at the distance d before the boundary or 
 `abel_regular`      ``1/2 int psi dd' / sqrt(abs(d' + e))``       (points clear of all sources)
 ==================  =================================================================
 
-Next to the boundary what counts are differences to the value there, which these give without
+Next to the boundary the differences to the value there matter, which these give without
 cancellation:
 
-========================  ===========================================================
-`left_increment`          ``abel_left(d) - abel_left(0)`` `exterior_with_decrement`
-``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)`` `opposite_end_decrement`  the same
-for the kernel ``1 / sqrt(2 + e - d')``: the points lie next to the
-                          other end of an annulus, whose two halves have unit extent
-========================  ===========================================================
+=========================  =========================================================================
+`left_increment`           ``abel_left(d) - abel_left(0)``
+`exterior_with_decrement`  ``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)``
+`opposite_end_decrement`   the same with the kernel ``1 / sqrt(2 + e - d')``: the points lie next to
+                           the other end of an annulus, whose two halves have unit extent
+=========================  =========================================================================
 
 In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
 alone. ``u = theta**2`` removes the square-root singularity, where u is the distance in ``x``
@@ -49,10 +49,7 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.tuning import (
     EXTRA,
-    SAME_PLACE,
-    TAIL_EXTRA,
     TAIL_TERMS,
-    WEIGHTED_TAIL_EXTRA,
 )
 
 if TYPE_CHECKING:
@@ -270,7 +267,7 @@ def abel_right_tail(
     The tail ends at the distance `end`; `root` says that it is polynomial in ``sqrt(d)``.
     """
     exponent = 1.0 + 2.0 * power
-    nodes, weights = power_rule(terms + TAIL_EXTRA, exponent)
+    nodes, weights = power_rule(terms + EXTRA, exponent)
     phi = np.arcsin(np.sqrt(np.minimum(end / d, 1.0)))[:, None]
     sine = np.sin(phi * nodes)  # d' = d sin(phi)**2 removes both square roots
     source = np.minimum(d[:, None] * sine**2, end)
@@ -281,7 +278,7 @@ def abel_right_tail(
 def _abel_left_tail(d: Array, end: float, power: float) -> Array:
     """Return the `abel_left` integral of ``d**power`` times the tail polynomials, (n, terms)."""
     if power != 0.0:  # d' = d cosh(phi)**2: with the power -1/2 the integral has a logarithm
-        g, w = gauss_rule(TAIL_TERMS + WEIGHTED_TAIL_EXTRA)
+        g, w = gauss_rule(TAIL_TERMS + 2 * EXTRA)
         phi = np.arccosh(np.sqrt(np.maximum(end / d, 1.0)))[:, None]
         root = np.sqrt(d)[:, None] * np.cosh(phi * (1.0 + g) / 2.0)
         source = np.minimum(root**2, end)
@@ -294,14 +291,17 @@ def _abel_left_tail(d: Array, end: float, power: float) -> Array:
     return _legendre_sums(values, 2.0 * source / end - 1.0, TAIL_TERMS - 1)
 
 
-def _computed_blocks(computed: list[tuple[Array, Array]], local: Array) -> Array | None:
+def _computed_blocks(
+    computed: list[tuple[Array, Array]], local: Array, depth: float
+) -> Array | None:
     """Return blocks that were computed for points at the same places in another panel, if any.
 
-    `computed` has the places in their panel of points, and the blocks for them.
+    `computed` has the places in their panel of points, and the blocks for them. Places are
+    differences of depths, which round as the largest `depth` does.
     """
     for known_places, blocks in computed:
         same_count = len(known_places) == len(local)
-        if same_count and float(np.abs(known_places - local).max()) < SAME_PLACE:
+        if same_count and float(np.abs(known_places - local).max()) < 2.0 * np.spacing(depth):
             return blocks
     return None
 
@@ -330,7 +330,7 @@ def abel_right(d: Array, panels: int, width: float, degree: int, power: float = 
     for i in np.unique(panel_of_point[(panel_of_point < panels) & (panel_of_point >= -1)]):
         rows = np.flatnonzero(panel_of_point == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
-        blocks = _computed_blocks(computed, to_end)
+        blocks = _computed_blocks(computed, to_end, panels * width)
         if blocks is None:
             blocks = abel_right_blocks(to_end, panels - i, width, degree, power)
             computed.append((to_end, blocks))
@@ -375,7 +375,7 @@ def abel_left(
         rows = np.flatnonzero(panel_of_point == occupied)
         i = min(occupied, panels - 1)
         offset = np.maximum(x[rows] - i * width, 0.0)
-        blocks = _computed_blocks(computed, offset)
+        blocks = _computed_blocks(computed, offset, panels * width)
         if blocks is None:
             # enough for the last panel that has the same number of points, and may share them
             last_alike = int(np.flatnonzero(points_in_panel == len(rows))[-1])

@@ -18,12 +18,11 @@ nodes, in which nothing cancels; its values at the nodes are given, too. There a
 
 The first and the third depend on panels and degrees alone and are cached, for parts of unit extent.
 Integrals over separated parts are smooth, and given at the samples of the nodes (`GradedNodes`); if
-the source is farther off than its own extent, `FAR_POINTS` values of the kernel represent it.
+the source is farther off than its own extent, values of the kernel at `FAR_NODES` represent it.
 """
 
 from __future__ import annotations
 
-from itertools import accumulate, pairwise
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -54,20 +53,15 @@ from spectral_contact.spectral.graded import (
     far_values,
     from_samples,
     graded_nodes,
-    highest_degree,
 )
-from spectral_contact.spectral.jacobi import chebyshev_interpolation, gauss_rule
+from spectral_contact.spectral.jacobi import (
+    PANEL_SAMPLES,
+    chebyshev_interpolation,
+    gauss_rule,
+    interpolation_points,
+)
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
-from spectral_contact.spectral.tuning import (
-    FAR_DISTANCE,
-    FUNCTIONS_PER_STRIP,
-    INCREMENT_REACH,
-    MAX_STRIPS,
-    OPPOSITE_POINTS,
-    SAMPLES,
-)
-from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
@@ -76,16 +70,16 @@ Placement: TypeAlias = tuple[int, ...] | LogPanels
 Nodes: TypeAlias = GradedNodes | PlainNodes
 #: Number of panels, width, degree, power.
 Form: TypeAlias = tuple[int, float, int, float]
-#: Part of a matrix: slices of consecutive rows and of columns, and the entries there.
-Strip: TypeAlias = tuple[tuple[slice, slice], Array]
-
+#: A part is far off if it is at least this many of its own extents away: values at `FAR_NODES`
+#: represent it there. It is 1 less what rounding may take of such a distance.
+_FAR_DISTANCE = 1.0 - float(np.sqrt(np.finfo(float).eps))
 #: `FAR_NODES` as distances from the boundary of a part, in its extents.
 _FAR_DISTANCES: Array = (1.0 + FAR_NODES) / 2.0
 #: Chebyshev points in [-1, 1] that represent all panels but the first of one half of an annulus for
 #: the nodes on the other half, and the matrix from values there to Chebyshev coefficients. On
 #: panels of width 2 those panels reach to exp(-2) of the half, and the nodes are seven times that
-#: away or more.
-_OPPOSITE_NODES, _OPPOSITE_EXPANSION = chebyshev_interpolation(OPPOSITE_POINTS)
+#: away or more, at 1 + 2 * 7 where the interval is [-1, 1] (Trefethen, 2013).
+_OPPOSITE_NODES, _OPPOSITE_EXPANSION = chebyshev_interpolation(interpolation_points(15.0))
 
 
 class Block(NamedTuple):
@@ -96,9 +90,9 @@ class Block(NamedTuple):
     boundary_value : ndarray, shape (columns,)
         Integrals at the boundary of the target; zero where increments are values
         (`_increments_are_values`).
-    increment : ndarray or StripMatrix, shape (nodes or samples, columns)
+    increment : ndarray, shape (nodes or samples, columns)
         Integrals at the nodes less those at the boundary.
-    value : ndarray or StripMatrix, shape (nodes or samples, columns)
+    value : ndarray, shape (nodes or samples, columns)
         Integrals at the nodes. They may be far smaller than the two summands.
     sampled : bool
         Whether the rows are those of the samples of the target, else they are those of its nodes.
@@ -110,8 +104,8 @@ class Block(NamedTuple):
     """
 
     boundary_value: Array
-    increment: Array | StripMatrix
-    value: Array | StripMatrix
+    increment: Array
+    value: Array
     sampled: bool
     scale: float = 1.0
     reduction: Array | None = None
@@ -122,11 +116,11 @@ class Block(NamedTuple):
         if self.reduction is not None:
             reduction = self.reduction[:, columns]
             return self._replace(boundary_value=boundary_value, reduction=reduction)
-        value = self.dense_value()[:, columns]
-        increment = value
-        if self.increment is not self.value:
-            increment = self.dense_increment()[:, columns]
-        return self._replace(boundary_value=boundary_value, increment=increment, value=value)
+        return self._replace(
+            boundary_value=boundary_value,
+            increment=self.increment[:, columns],
+            value=self.value[:, columns],
+        )
 
     def reduce(self, coefficients: Array) -> Array:
         """Return what `increment` and `value` are applied to: scaled and reduced coefficients."""
@@ -148,51 +142,7 @@ class Block(NamedTuple):
 
     def project(self, weighted: Array) -> Array:
         """Return sums over nodes or samples of weighted values, as columns, times integrals."""
-        if isinstance(self.value, StripMatrix):
-            return self.reduce_transpose(self.value.apply_transpose(weighted))
         return self.reduce_transpose(self.value.T @ weighted)
-
-    def dense_value(self) -> Array:
-        """Return `value` as an array."""
-        return self.value.dense if isinstance(self.value, StripMatrix) else self.value
-
-    def dense_increment(self) -> Array:
-        """Return `increment` as an array."""
-        matrix = self.increment
-        return matrix.dense if isinstance(matrix, StripMatrix) else matrix
-
-
-class StripMatrix:
-    """A matrix in strips of consecutive rows, each from its first nonzero column to the last one.
-
-    Parameters
-    ----------
-    shape : tuple of int
-    strips : list of (tuple of slice, ndarray)
-        For every strip its rows and columns, and the entries there.
-    """
-
-    def __init__(self, shape: tuple[int, int], strips: list[Strip]) -> None:
-        self.shape = shape
-        self.strips = strips
-
-    def __matmul__(self, values: Array) -> Array:
-        return np.concatenate([entries @ values[columns] for (_, columns), entries in self.strips])
-
-    def apply_transpose(self, weighted: Array) -> Array:
-        """Return the transpose times weighted values, as columns."""
-        sums = np.zeros((self.shape[1], weighted.shape[1]))
-        for (rows, columns), entries in self.strips:
-            sums[columns] += entries.T @ weighted[rows]
-        return sums
-
-    @cached_property
-    def dense(self) -> Array:
-        """The matrix with its zeros."""
-        matrix = np.zeros(self.shape)
-        for place, entries in self.strips:
-            matrix[place] = entries
-        return matrix
 
 
 @bounded_cache("self blocks")
@@ -209,7 +159,7 @@ def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direc
         Which side of a node is integrated: "toward" the boundary, or "away" from it. "values" is
         "away" where increments are values (`_increments_are_values`).
     """
-    form = (panels.panels, panels.width, panels.degree)
+    form = (panels.count, panels.width, panels.degree)
     functions = panels.functions(degrees)
     nodes = points_of(panels, placement)
     d = nodes.d
@@ -219,84 +169,58 @@ def _self_block(panels: LogPanels, degrees: Degrees, placement: Placement, direc
         return _zero_at_boundary(abel_right(d, *form, panels.power)[:, functions])
     if direction == "values":
         return _zero_at_boundary(abel_left(d, *form, panels.power, functions))
-    value = _self_block(panels, degrees, placement, "values").dense_value()
+    value = _self_block(panels, degrees, placement, "values").value
     boundary_value = abel_left_at_boundary(*form, panels.power)[functions]
     increment = left_increment(value, boundary_value, functions, d, *form, panels.power)
     return Block(boundary_value, increment, value, sampled=False)
 
 
-@bounded_cache("half-integrals in strips")
-def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -> StripMatrix:
+@bounded_cache("half-integrals at nodes")
+def half_integrals(panels: LogPanels, degrees: Degrees, node_degrees: Degrees) -> Array:
     """Return half-integrals of functions at the Galerkin nodes of their own part (cached).
 
     A node has integrals of functions on its own panel and on panels nearer the boundary; a node on
-    the tail has those of the tail alone, and is in the last strip. For panels with as many nodes
-    the blocks depend on the difference of the panel numbers alone.
+    the tail has those of the tail alone. For panels with as many nodes the blocks depend on the
+    difference of the panel numbers alone.
     """
     terms = panels.degree + 1
-    form = (panels.panels, panels.width, panels.degree, panels.power)
+    form = (panels.count, panels.width, panels.degree, panels.power)
     functions = panels.functions(degrees)
     nodes = graded_nodes(panels, node_degrees)
     tail = abel_right_tail(nodes.d, panels.end, panels.tail_terms, panels.power, panels.root_tail)
+    tail_column = len(functions) - panels.tail_terms
+    matrix = np.zeros((len(nodes.d), len(functions)))
+    matrix[:, tail_column:] = tail
     root = nodes.d[:, None] ** (0.5 + panels.power)
-    tail_column = len(functions) - tail.shape[1]
-    # first row and first column of every panel
-    row_of = [0, *accumulate(map(len, nodes.from_start[:-1])), len(nodes.d)]
-    column_of = [0, *accumulate(n + 1 for n in degrees)]
-    strips = []
-    count = min(max(len(functions) // FUNCTIONS_PER_STRIP, 1), MAX_STRIPS)
-    cuts = sorted({len(degrees) * k // count for k in range(count + 1)})
-    for low, high in pairwise(cuts):
-        first_row = row_of[low]
-        first_column = column_of[low]
-        entries = np.zeros((row_of[high] - first_row, len(functions) - first_column))
-        for j in range(low, high):
-            node_count = len(nodes.from_start[j])
-            rows = slice(row_of[j], row_of[j] + node_count)
-            highest = panels.degree
-            if node_degrees == degrees:
-                highest = min(highest_degree(node_count), panels.degree)
-            blocks = _panel_half_integrals(node_count, highest, form)
-            unscaled = blocks[:, functions[column_of[j] : tail_column] - j * terms]
-            on_panel = entries[
-                rows.start - first_row : rows.stop - first_row,
-                column_of[j] - first_column : tail_column - first_column,
-            ]
-            np.multiply(unscaled, root[rows], out=on_panel)
-        entries[:, tail_column - first_column :] = tail[first_row : row_of[high]]
-        place = (slice(first_row, row_of[high]), slice(first_column, len(functions)))
-        strips.append((place, entries))
-    return StripMatrix((len(nodes.d), len(functions)), strips)
+    row = 0
+    column = 0
+    for j, (n, from_start) in enumerate(zip(degrees, nodes.from_start, strict=True)):
+        rows = slice(row, row + len(from_start))
+        blocks = _panel_half_integrals(len(from_start), form)
+        unscaled = blocks[:, functions[column:tail_column] - j * terms]
+        np.multiply(unscaled, root[rows], out=matrix[rows, column:tail_column])
+        row = rows.stop
+        column += n + 1
+    return matrix
 
 
 @bounded_cache("half-integrals")
-def _panel_half_integrals(count: int, highest: int, form: Form) -> Array:
+def _panel_half_integrals(count: int, form: Form) -> Array:
     """Return half-integrals at the nodes of a panel, of the functions of it and of nearer panels.
 
-    There are `count` nodes. On their own panel and the next one only functions up to the degree
-    `highest` are used, and the others are left out (cached).
+    There are `count` nodes (cached).
     """
-    panels, width, degree, power = form
-    blocks = np.zeros((count, panels, degree + 1))
-    near_panels = _near_half_integrals(count, highest, width, power)
-    blocks[:, :2, : highest + 1] = near_panels[:, :panels]
-    blocks[:, 2:] = np.tensordot(from_samples(count), _far_half_integrals(form), 1)
-    return blocks.reshape(count, -1)
-
-
-@bounded_cache("half-integrals on two panels")
-def _near_half_integrals(count: int, highest: int, width: float, power: float) -> Array:
-    """Return the blocks of the panel of the nodes and of the next one toward the boundary."""
-    from_start, _ = clustered_rule(count, width)
+    from_start, _ = clustered_rule(count, form[1])
     # the nodes are symmetric in their panel
-    to_end = from_start[::-1]
-    return abel_right_near_blocks(to_end, from_start, 2, width, highest, power)
+    near_panels = abel_right_near_blocks(from_start[::-1], from_start, *form)
+    far_panels = np.tensordot(from_samples(count), _far_half_integrals(form), 1)
+    return np.concatenate([near_panels, far_panels], axis=1).reshape(count, -1)
 
 
 @bounded_cache("half-integrals at samples")
 def _far_half_integrals(form: Form) -> Array:
     """Return the blocks of all further panels toward the boundary, at the samples of a panel."""
-    g, _ = gauss_rule(SAMPLES)
+    g, _ = gauss_rule(PANEL_SAMPLES)
     return abel_right_far_blocks(form[1] * (1.0 - g) / 2.0, *form)
 
 
@@ -306,15 +230,11 @@ def disk_gram(panels: LogPanels, degrees: Degrees, shear: bool) -> Array:
     With `shear` the measure is ``t**2 dt / pi``.
     """
     nodes = graded_nodes(panels, degrees)
-    integrals = half_integrals(panels, degrees, degrees)
     t = np.sqrt(nodes.rest)
     root_weights = np.sqrt(nodes.weights / (2.0 * np.pi) * (t if shear else 1.0 / t))[:, None]
-    gram = np.zeros((integrals.shape[1],) * 2)
-    for (rows, columns), entries in integrals.strips:
-        weighted = root_weights[rows] * entries
-        # NumPy computes one triangle of the product of a matrix and its own transpose
-        gram[columns, columns] += weighted.T @ weighted
-    return gram
+    weighted = root_weights * half_integrals(panels, degrees, degrees)
+    # NumPy computes one triangle of the product of a matrix and its own transpose
+    return np.asarray(weighted.T @ weighted)
 
 
 #: `disk_gram`, cached, for callers that do not keep the matrix themselves.
@@ -326,7 +246,7 @@ def disk_shear(panels: LogPanels, degrees: Degrees) -> Array:
     """Return ``2 pi int psi s**2 ds = 2 pi int t G dt`` over the unit disk (cached)."""
     nodes = graded_nodes(panels, degrees)
     integrals = half_integrals(panels, degrees, degrees)
-    return np.asarray(np.pi * integrals.apply_transpose(nodes.weights[:, None])[:, 0])
+    return np.asarray(np.pi * (nodes.weights @ integrals))
 
 
 def block(
@@ -413,7 +333,7 @@ def abel_integral_on(
     It is the half-integral (side +1) or the inner integral (-1), (..., points), of functions given
     by all coefficients of the source's panels, (..., size).
     """
-    degrees = (source.panels.degree,) * source.panels.panels
+    degrees = (source.panels.degree,) * source.panels.count
     integrals = block(source, degrees, target, target.panels, side)
     assert integrals is not None
     return integrals.apply(coefficients.T).T
@@ -426,7 +346,7 @@ def points_of(panels: LogPanels, placement: Placement) -> Nodes:
     return graded_nodes(panels, placement)
 
 
-def _zero_at_boundary(value: Array | StripMatrix) -> Block:
+def _zero_at_boundary(value: Array) -> Block:
     """Return a block without boundary values, which are zero or not used: increments are values."""
     return Block(np.zeros(value.shape[1]), value, value, sampled=False)
 
@@ -435,7 +355,7 @@ def _adjacent_block(
     source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes, differences: bool
 ) -> Block:
     """Return the integrals over a part that lies on the other side of the target's boundary."""
-    count = source.panels.panels
+    count = source.panels.count
     width = source.panels.width
     # distances past the boundary of the source, in its extents
     e = target.extent / source.extent * nodes.samples
@@ -467,7 +387,7 @@ def _opposite_half_block(
 
     # from values of the kernel at `_OPPOSITE_NODES` to integrals with the functions on all panels
     # but the first: polynomials in `_OPPOSITE_NODES` take more points than low degrees have
-    moments = moments_on(panels, (panels.degree,) * panels.panels)
+    moments = moments_on(panels, (panels.degree,) * panels.count)
     reach = np.exp(-panels.width)
     chebyshev = chebvander(2.0 * moments.d / reach - 1.0, len(_OPPOSITE_NODES) - 1)
     integrals = moments.with_densities((chebyshev @ _OPPOSITE_EXPANSION).T)
@@ -491,7 +411,8 @@ def _opposite_half_block(
 
     first_at_boundary = abel_right(np.array([2.0]), *first_panel)[0, :first_count]
     first_increment = on_first - first_at_boundary
-    small = d <= INCREMENT_REACH
+    # farther off the difference of the two integrals is right to rounding
+    small = d <= 0.5
     first_increment[small] = -opposite_end_decrement(
         -d[small], panels.width, (panels.degree,), panels.power
     )[:, :first_count]
@@ -522,13 +443,13 @@ def _separated_block(
     # a source that is far off is represented by few points
     moments = None
     source_points = _FAR_DISTANCES
-    if clearance < FAR_DISTANCE * source.extent:
+    if clearance < _FAR_DISTANCE * source.extent:
         moments = moments_on(panels, degrees)
         source_points = moments.d
     from_boundary = distance + source_extent * source_points
 
     # and so are the nodes of a target that is far off
-    near_target = clearance < FAR_DISTANCE * target.extent
+    near_target = clearance < _FAR_DISTANCE * target.extent
     d = nodes.samples if near_target else _FAR_DISTANCES
     step = -target_extent * d[:, None]
     root_at_boundary = np.sqrt(from_boundary)
@@ -564,6 +485,6 @@ def _far_reduction(panels: LogPanels, degrees: Degrees) -> Array:
     left; the shape is (far nodes, functions).
     """
     # polynomials in `FAR_NODES` take more points than low degrees have
-    moments = moments_on(panels, (panels.degree,) * panels.panels)
+    moments = moments_on(panels, (panels.degree,) * panels.count)
     integrals = moments.with_densities(far_values(moments.d).T)
     return np.ascontiguousarray(integrals[:, panels.functions(degrees)])

@@ -19,7 +19,6 @@ from weakref import WeakSet
 import numpy as np
 
 from spectral_contact.spectral.tuning import (
-    CACHE_COUNTS,
     CACHE_ENTRIES,
     LARGE_BYTES,
     MAX_CACHE_BYTES,
@@ -98,7 +97,7 @@ class BoundedCache(Generic[K, V]):
         made_bytes = _bytes(value, set())
         if made_bytes >= LARGE_BYTES:
             BoundedCache._uncounted_bytes += made_bytes
-            if BoundedCache._uncounted_bytes >= MAX_CACHE_BYTES // CACHE_COUNTS:
+            if BoundedCache._uncounted_bytes >= MAX_CACHE_BYTES // 4:
                 BoundedCache._uncounted_bytes = 0
                 _shrink()
         return value

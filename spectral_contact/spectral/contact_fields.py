@@ -1,9 +1,10 @@
-"""Pressure and traction on the parts of a contact: what is known, what is unknown, and where.
+"""Pressure and traction on the parts of a contact, known or unknown, and their places in a vector.
 
-The disk is cut at the boundaries between zones. On each part the pressure p and ``u = q/s`` are
-expanded in the functions of a mesh that is graded to a boundary. A *vector* holds what is unknown;
-this module maps vectors to the coefficients of both fields on every part, and what acts on these
-coefficients to rows that act on vectors.
+The disk is cut at the boundaries between zones. On each part the pressure p and the *shear* ``u =
+q/s`` are expanded in the functions of a mesh that is graded to a boundary; q is the traction, and s
+the radius over that of the contact. (The displacement is not u, but u_r.) A *vector* holds the
+unknowns. This module maps vectors to the coefficients of both fields on every part, and linear
+functionals of these coefficients to rows, which are functionals of vectors.
 """
 
 from __future__ import annotations
@@ -147,8 +148,8 @@ class ContactFields:
 
     A *vector* holds `pressure_terms` coefficients of the pressure, then those of u on the parts
     that stick, outward. If the pressure is unknown the first are its coefficients on the parts; if
-    it is known they are the factors of the known pressures: 1 for the pressure itself, and 0 or 1
-    for its contributions.
+    it is known they are the multipliers of the known pressures: 1 for the pressure itself, and 0 or
+    1 for its contributions.
 
     Parameters
     ----------
@@ -161,12 +162,12 @@ class ContactFields:
         zone around it.
     parameters : Parameters
     pressures : sequence of PressureField
-        The known pressure, of unit load, and perhaps its two contributions of the top two degrees
-        of its own space and of the top one, whose load is zero; on the same panels. If there is
-        none the pressure is unknown.
+        The known pressure, of unit load; then, optionally, two contributions to it with zero load:
+        that of the top two degrees of the space in which it was solved for, and that of the top
+        degree. If the sequence is empty the pressure is unknown.
     truncated : bool
-        Whether these contributions take in the top degrees of the known pressure on the parts of
-        this mesh, too, which the coarser spaces do not represent.
+        Whether the top degrees of the known pressure on the parts of this mesh, which the coarser
+        spaces do not represent, are added to these contributions.
     displacement : KnownDisplacement, optional
         That of what sticks around the central disk, under a known pressure.
 
@@ -176,11 +177,11 @@ class ContactFields:
     stick_parts : list of int
         Numbers of the parts that stick.
     fields : list of UnknownField
-        What is unknown, in the order of a vector.
+        The unknown fields, in the order of a vector.
     pressure_terms, unknowns : int
         How many coefficients of a vector belong to the pressure, and how many there are in all.
     load_row : ndarray, shape (pressure_terms,)
-        ``int p s ds``.
+        ``int p s ds`` as a row: it acts on the first coefficients of a vector.
     """
 
     def __init__(
@@ -230,7 +231,7 @@ class ContactFields:
             pressure_degrees = degrees
             if self.pressure_known:
                 # it costs nothing to hold a known pressure in all functions of the panels
-                pressure_degrees = (panels.degree,) * panels.panels
+                pressure_degrees = (panels.degree,) * panels.count
             shear_degrees = degrees if state == 0 else _quotient_degrees(pressure_degrees, panels)
             parts.append(
                 MeshPart(
@@ -253,11 +254,12 @@ class ContactFields:
         self.fields: list[UnknownField] = []
         #: where the pressure of a part is in a vector, if it is unknown
         self.pressure_places: list[slice] = []
-        #: coefficients of the known pressures on the parts, and of ``u = state f p/s`` in slip
+        #: coefficients of the known pressures on the parts, a column for each
         self.known_pressure: list[Array] = []
         #: `known_pressure` less the value of the pressure at the centre, on the parts graded to a
         #: boundary between zones, which are all but the last
         self.known_variation: list[Array] = []
+        #: those of the shear ``u = state f p/s`` in slip under each known pressure
         self.known_slip: dict[int, Array] = {}
         #: maps from p to ``p/s`` on the parts that slip under an unknown pressure
         self._over_radius: dict[int, Blockwise] = {}
@@ -291,11 +293,12 @@ class ContactFields:
         return UnknownField(k, panels, degrees, functions, place, is_shear)
 
     def _expand(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
-        """Expand known pressures on every part, and the traction that they bear in slip.
+        """Expand known pressures on every part, and the traction in slip under them.
 
-        A constant pressure has a constant R (docs/theory). So the increments of R from a boundary
-        are those of the pressure less its value at the centre, without the rounding of that value:
-        with little friction it would be as large as the traction of a small stick disk.
+        The stick condition prescribes kappa R for the half-integral of q, and a constant pressure
+        has a constant R (docs/theory). So the increments of R from a boundary are taken from the
+        pressure less its value at the centre. The rounding of that value would be as large as the
+        traction of a small stick disk under little friction.
         """
         central = PressureField.several(pressures, np.ones(1))
         for k, part in enumerate(self.parts):
@@ -329,13 +332,13 @@ class ContactFields:
                 self.known_displacement[k] = part.shear_mesh.expand(columns)[:, functions].T
 
     def pressure_on(self, k: int, values: Array) -> Array:
-        """Return the coefficients of p on a part, of vectors as columns."""
+        """Return the coefficients of p on a part, for vectors as columns."""
         if self.pressure_known:
             return np.asarray(self.known_pressure[k] @ values[: self.pressure_terms])
         return values[self.pressure_places[k]]
 
     def shear_on(self, k: int, values: Array) -> Array:
-        """Return the coefficients of u on a part, of vectors as columns."""
+        """Return the coefficients of u on a part, for vectors as columns."""
         part = self.parts[k]
         if part.sticks:
             return values[self.shear_places[k]]
@@ -344,26 +347,28 @@ class ContactFields:
         friction = part.state * self.parameters.friction
         return friction * self._over_radius[k].times(values[self.pressure_places[k]])
 
-    def add_pressure(self, rows: Array, columns: Array, k: int) -> None:
-        """Add to rows that act on vectors what acts on the coefficients of p on a part."""
+    def add_pressure(self, rows: Array, functionals: Array, k: int) -> None:
+        """Add to rows functionals of the coefficients of p on a part, (rows, coefficients)."""
         if self.pressure_known:
-            rows[:, : self.pressure_terms] += columns @ self.known_pressure[k]
+            rows[:, : self.pressure_terms] += functionals @ self.known_pressure[k]
         else:
-            rows[:, self.pressure_places[k]] += columns
+            rows[:, self.pressure_places[k]] += functionals
 
-    def add_shear(self, rows: Array, columns: Array, k: int) -> None:
-        """Add to rows that act on vectors what acts on the coefficients of u on a part."""
+    def add_shear(self, rows: Array, functionals: Array, k: int) -> None:
+        """Add to rows functionals of the coefficients of u on a part, (rows, coefficients)."""
         part = self.parts[k]
         if part.sticks:
-            rows[:, self.shear_places[k]] += columns
+            rows[:, self.shear_places[k]] += functionals
         elif self.pressure_known:
-            rows[:, : self.pressure_terms] += columns @ self.known_slip[k]
+            rows[:, : self.pressure_terms] += functionals @ self.known_slip[k]
         else:
             friction = part.state * self.parameters.friction
-            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].left_times(columns)
+            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].left_times(
+                functionals
+            )
 
     def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
-        """Return p on all parts, and ``q/s`` on those that stick, of one vector."""
+        """Return the series of p on all parts, and those of u on parts that stick, for a vector."""
         pressures = []
         for k, part in enumerate(self.parts):
             panels = part.mesh.panels
@@ -386,14 +391,14 @@ class ContactFields:
 
     @property
     def symmetric(self) -> bool:
-        """Whether the matrix is symmetric and positive definite: no unknown p is in slip."""
+        """Whether the matrix is symmetric and positive definite: no p in slip is unknown."""
         return self.pressure_known or not self.radii
 
     @cached_property
     def top_degree_indices(self) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-        """Places in a vector of the top two degrees of every panel and of the top one.
+        """Indices in a vector of the top two degrees of every panel, and those of the top one.
 
-        Both include the last function of every tail. A known pressure has no place.
+        Both include the last function of every tail. A known pressure has none.
         """
         two_degrees, top_degree = (
             np.concatenate(
@@ -405,7 +410,7 @@ class ContactFields:
 
     def _assemble_loads(self) -> None:
         """Assemble ``int p s ds`` and ``int q ds`` of the parts, and the load of a vector."""
-        #: of p and of u on every part
+        #: ``int p s ds``, and ``int u s ds = int q ds``, of the functions on every part
         self.loads: list[Array] = []
         self.shear_loads: list[Array] = []
         for part in self.parts:

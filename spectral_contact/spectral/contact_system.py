@@ -1,8 +1,8 @@
 r"""The discrete equations of a contact whose zones stick or slip: one system for every case.
 
-The disk is cut at the boundaries between zones. On each part p and ``u = q/s`` are expanded in the
-functions of a mesh that is graded to a boundary, and each of the two fields is known or unknown
-there:
+The disk is cut at the boundaries between zones. On each part the pressure p and the *shear* ``u =
+q/s``, q being the traction, are expanded in the functions of a mesh that is graded to a boundary.
+Each of the two fields is known or unknown there (u is no displacement; that is u_r):
 
 ===================================  =======================  =====================
 case                                 p                        u
@@ -39,7 +39,10 @@ contact (its boundary has the number -1) there is no such value, and the increme
 the E(b) that p and q give, a number is added at each boundary, the *defect*: an artificial load
 that lets the traction be continuous even where the boundary is misplaced. At given boundaries the
 equations are linear in the defects. A boundary is where it should be when its defect is zero.
-Without tangential compliance defects are not used: E(b) is zero.
+
+Without tangential compliance the traction would be singular at b unless E(b) is zero. Then zero
+takes the place of E(b) and its defect in the equations. The boundary is where it should be when the
+E(b) of the fields (`boundary_rows`) is zero, too.
 """
 
 from __future__ import annotations
@@ -58,14 +61,11 @@ from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
 from spectral_contact.spectral.node_operators import NodeOperators
 from spectral_contact.spectral.parts import GradedMesh
+from spectral_contact.spectral.tuning import EXTRA
 from spectral_contact.threads import cached_property
 
 Array = NDArray[np.float64]
 
-#: Degrees that the displacement in slip has beyond those of the pressure. It is singular at the
-#: other end of its zone, at twice the extent of a half, ln 2 in ``x = -ln d`` before the first
-#: panel; so its series converges slowly there.
-_DISPLACEMENT_DEGREES = 8
 #: Depth at which the root of the distance to an edge is the rounding of doubles.
 _ROOT_DEPTH = -2.0 * log(np.finfo(float).eps)
 
@@ -181,8 +181,8 @@ class ContactSystem(ContactFields):
             inner_at_boundary = inner.boundary_values(u)
             at_boundary = 2.0 * approach - outer.boundary_values(p)
             at_boundary += 2.0 * kappa * (shear_load - part.mesh.boundary.value * inner_at_boundary)
-            # both sides take the same value to the last digit: a step there would act on the fields
-            # like one over the square root of the distance
+            # The parts on both sides of a boundary get the same value to the last digit. A step by
+            # rounding would add to p a multiple of one over the square root of the distance.
             at_boundary = at_boundaries.setdefault(part.boundary, at_boundary)
             inner_increment = t * inner.increments(u) + from_boundary * inner_at_boundary
             residual.append(at_boundary - 2.0 * kappa * inner_increment - outer.increments(p))
@@ -211,6 +211,7 @@ class ContactSystem(ContactFields):
             target_increment = self._target_increment(i, pressure)
             return np.asarray(target_increment - self.operators.outer_shear[i].increments(traction))
         known = self._known_increments[i] @ values[: self.pressure_terms]
+        # with zeros in stick the rest is the response to the known pressure alone
         if not values[self.pressure_terms :].any():
             return np.asarray(known)
         traction = {k: self.shear_on(k, values) for k in self.operators.outer_stick[i].blocks}
@@ -244,8 +245,8 @@ class ContactSystem(ContactFields):
         increment = np.asarray(factor * (inner.increments(pressure) - falls))
         part = self.parts[i]
         if self.pressure_known and part.zone == 0 and part.boundary >= 0:
-            # near the centre increment and `from_boundary` term cancel, and their sum is divided by
-            # t
+            # Near the centre the increment and the boundary term cancel, and their difference is
+            # divided by t. R(t) itself has its digits there.
             at_boundary = 2.0 * self.parameters.kappa / boundary * inner.boundary_values(pressure)
             direct = factor * inner.values(pressure) - at_boundary
             increment = np.where(t < boundary / np.sqrt(2.0), direct, increment)
@@ -301,16 +302,17 @@ class ContactSystem(ContactFields):
     def slip_annulus(self, zone: int) -> Annulus:
         """Return the meshes of the displacement in a slip zone, the number `zone` from the centre.
 
-        They are those of p, without endpoint weight and with more degrees. Where p has the weight,
-        at a smooth edge, E goes like a root of the distance: panels reach down to where that root
-        is rounding. The central disk is one part, every zone around it is two.
+        They are those of p, without endpoint weight and with more degrees, because the displacement
+        is singular at the other end of its zone, at twice the extent of a half. Where p has the
+        weight, at a smooth edge, E goes like a root of the distance: panels reach down to where
+        that root is rounding. The central disk is one part, every zone around it is two.
         """
         toward_inner, toward_outer = (
             replace(
                 panels,
                 power=0.0,
-                degree=panels.degree + _DISPLACEMENT_DEGREES,
-                panels=max(panels.panels, ceil(_ROOT_DEPTH / panels.width) if panels.power else 0),
+                degree=panels.degree + EXTRA,
+                count=max(panels.count, ceil(_ROOT_DEPTH / panels.width) if panels.power else 0),
             )
             for panels in (part.mesh.panels for part in self.parts[2 * zone - 1 : 2 * zone + 1])
         )

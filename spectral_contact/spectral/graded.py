@@ -17,16 +17,14 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
+    PANEL_SAMPLES,
     chebyshev_interpolation,
     gauss_rule,
+    interpolation_points,
     legendre_interpolation_matrix,
 )
 from spectral_contact.spectral.tuning import (
-    FAR_POINTS,
-    KERNEL_ENTRIES,
     NODE_STEP,
-    SAMPLES,
-    TAIL_NODES,
     TAIL_TERMS,
 )
 from spectral_contact.threads import cached_property
@@ -38,7 +36,7 @@ Array = NDArray[np.float64]
 
 #: Chebyshev points in [-1, 1] on an interval whose functions have their nearest singularity as far
 #: off as the interval is wide, and the matrix from values there to Chebyshev coefficients.
-FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(FAR_POINTS)
+FAR_NODES, FAR_EXPANSION = chebyshev_interpolation(interpolation_points(3.0))
 
 
 class GradedNodes:
@@ -73,7 +71,7 @@ class GradedNodes:
         # the integrals of the functions of both neighbours have square roots at the ends of a
         # panel; at the centre the measure dt has one, too, which counts like one degree more
         around = [degrees[0] + 1, *degrees, TAIL_TERMS]
-        counts = [_node_count(max(around[j : j + 3])) for j in range(panels.panels)]
+        counts = [_node_count(max(around[j : j + 3])) for j in range(panels.count)]
         rules = [clustered_rule(count, h) for count in counts]
         self.from_start: list[Array] = [from_start for from_start, _ in rules]
         weights = np.concatenate([panel_weights for _, panel_weights in rules])
@@ -93,11 +91,11 @@ class GradedNodes:
     def samples(self) -> Array:
         """Distances of the samples, decreasing.
 
-        They are the nodes of the first panel, `SAMPLES` Gauss points on every other panel, and the
-        nodes of the tail. They represent functions that are analytic in ``x`` up to an imaginary
-        part of pi, as functions of ``d + e`` are.
+        They are the nodes of the first panel, `PANEL_SAMPLES` Gauss points on every other one, and
+        the nodes of the tail. They represent functions that are analytic in ``x`` up to an
+        imaginary part of pi, as functions of ``d + e`` are.
         """
-        on_panels = np.exp(-self.panels.sampling(SAMPLES)[1:]).ravel()
+        on_panels = np.exp(-self.panels.sampling(PANEL_SAMPLES)[1:]).ravel()
         return np.concatenate([self.d[: self._first_panel], on_panels, self.tail])
 
     @cached_property
@@ -177,16 +175,16 @@ def clustered_rule(count: int, width: float) -> tuple[Array, Array]:
 def from_samples(count: int) -> Array:
     """Return the matrix from the samples of a panel to its nodes, of which there are `count`."""
     local = 2.0 * clustered_rule(count, 1.0)[0] - 1.0
-    return legendre_interpolation_matrix(local, SAMPLES)
+    return legendre_interpolation_matrix(local, PANEL_SAMPLES)
 
 
 def _tail_rule(panels: LogPanels) -> tuple[Array, Array]:
     """Return nodes on the tail, decreasing, and weights of ``dd``.
 
     ``d = end sin(phi)**4`` makes them dense next to the boundary, because integrals over sources
-    past the boundary vary there on any small scale.
+    past the boundary vary there on any small scale. They are as many as on a panel of degree 16.
     """
-    g, w = gauss_rule(TAIL_NODES)
+    g, w = gauss_rule(_node_count(NODE_STEP))
     phi = np.pi / 4 * (1.0 - g)
     sine = np.sin(phi)
     end = panels.end
@@ -203,28 +201,11 @@ def _node_count(degree: int) -> int:
     return NODE_STEP * ceil(2 * degree / NODE_STEP + 1)
 
 
-def highest_degree(count: int) -> int:
-    """Return the highest degree with this `_node_count`.
-
-    No function on a panel with so many nodes, or on a neighbour, has a higher one.
-    """
-    return (count - NODE_STEP) // 2
-
-
 def inverse_root_sums(target: Array, source: Array, values: Array) -> Array:
     """Return ``sum_j values_j / sqrt(target_i + source_j)``, shape (n,) or (n, k).
 
     Target, (n,), and source, (m,), are two summands of ``s**2 - t**2`` for points s and sources t,
     measured from one anchor so that the difference keeps its digits. Several columns of values,
-    (m, k), share the square roots. The rows are taken in strips of `KERNEL_ENTRIES` entries, which
-    fit the processor's cache.
+    (m, k), share the square roots.
     """
-    sums = np.empty((len(target), *values.shape[1:]))
-    rows = max(KERNEL_ENTRIES // max(len(source), 1), 1)
-    work = np.empty((min(rows, len(target)), len(source)))
-    for start in range(0, len(target), rows):
-        strip = target[start : start + rows, None]
-        roots = np.add(strip, source, out=work[: len(strip)])
-        np.sqrt(roots, out=roots)
-        np.matmul(np.reciprocal(roots, out=roots), values, out=sums[start : start + rows])
-    return sums
+    return np.asarray((1.0 / np.sqrt(target[:, None] + source)) @ values)

@@ -1,12 +1,14 @@
-"""Of the Jacobi family those at 0 and -1/2: Legendre and Chebyshev polynomials, and Gauss rules.
+"""Legendre and Chebyshev polynomials, Gauss rules, and matrices from samples to coefficients.
 
-Panels carry Legendre polynomials, as many as they need, and their tails a few; sampled functions
-are expanded from Gauss nodes.
+The unknown fields are Legendre series on panels and their tails. A function that is not an unknown
+is sampled at Gauss nodes, and expanded from these values.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+import cmath
+from functools import cache
+from math import ceil, log, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,9 +17,27 @@ from scipy.special import roots_jacobi
 
 Array = NDArray[np.float64]
 
-#: Capacities of the caches of rules and of matrices, of some kilobytes each: functools' will do.
-_RULES = 64
-_MATRICES = 32
+
+def interpolation_points(singularity: complex) -> int:
+    """Return how many points in [-1, 1] represent an analytic function to rounding.
+
+    On the largest ellipse with the foci -1 and 1 in which the function is analytic, let r be the
+    sum of the half axes. Interpolation in n Chebyshev or Gauss points has an error of ``r**-n``
+    (Trefethen, Approximation Theory and Approximation Practice, 2013, theorem 8.2).
+
+    Parameters
+    ----------
+    singularity : complex
+        The singularity of the function that is nearest to the interval.
+    """
+    root = cmath.sqrt(singularity**2 - 1.0)
+    half_axes = max(abs(singularity + root), abs(singularity - root))
+    return ceil(-log(np.finfo(float).eps) / log(half_axes))
+
+
+#: Number of Gauss points that represent a function on an interval of length 2 which is analytic up
+#: to an imaginary part of pi. Functions of ``exp(-x) + e`` in x are, on a panel of width 2.
+PANEL_SAMPLES = interpolation_points(pi * 1j)
 
 
 def legendre_rows(x: Array, degree: int) -> Array:
@@ -28,7 +48,8 @@ def legendre_rows(x: Array, degree: int) -> Array:
         values[1] = x
     product = np.empty(x.shape)
     for n in range(2, degree + 1):
-        # x P + (1 - 1/n) (x P - P'), which rounds the factor in the smaller part alone
+        # P_n = x P_(n-1) + (1 - 1/n) (x P_(n-1) - P_(n-2)): the rounded factor 1 - 1/n multiplies
+        # only the difference, which is the smaller term
         np.multiply(x, values[n - 1, ...], out=product)
         current = np.subtract(product, values[n - 2, ...], out=values[n, ...])
         current *= (n - 1) / n
@@ -42,16 +63,17 @@ def legendre_values(x: ArrayLike, degree: int) -> Array:
     return legendre_rows(x, degree).transpose(*range(1, x.ndim + 1), 0)
 
 
-def tail_values(d: Array, end: float, terms: int, root: bool) -> Array:
+def tail_values(d: Array, end: float, terms: int, in_root: bool) -> Array:
     """Evaluate the tail polynomials at ``0 <= d <= end``, shape ``d.shape + (terms,)``.
 
-    Legendre polynomials in ``d / end``, or with `root` in its square root.
+    They are Legendre polynomials, shifted to [0, 1], in ``d / end``, or with `in_root` in its
+    square root.
     """
     ratio = d / end
-    return legendre_values(2.0 * (np.sqrt(ratio) if root else ratio) - 1.0, terms - 1)
+    return legendre_values(2.0 * (np.sqrt(ratio) if in_root else ratio) - 1.0, terms - 1)
 
 
-@lru_cache(maxsize=_RULES)
+@cache
 def gauss_rule(points: int) -> tuple[Array, Array]:
     """Return nodes and weights of the Gauss-Legendre rule on [-1, 1], right to the last digit.
 
@@ -73,63 +95,69 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
     if points < 1:
         raise ValueError(f"points = {points}: must be at least 1")
     if points == 1:
-        return _frozen(np.zeros(1), np.full(1, 2.0))
-    # the upper half: the square of the Jacobi matrix couples rows of one parity alone
-    order = np.arange(1.0, points) ** 2
+        return _read_only(np.zeros(1), np.full(1, 2.0))
+    # The square of the Jacobi matrix couples only rows of the same parity. The block of even rows
+    # has the squares of the nodes that are not negative as eigenvalues.
+    n_squared = np.arange(1.0, points) ** 2
     squares = np.zeros(points + points % 2)
-    squares[1:points] = order / (4 * order - 1.0)
+    squares[1:points] = n_squared / (4 * n_squared - 1.0)
     diagonal = squares[::2] + squares[1::2]
-    beside = np.sqrt(squares[1:-1:2] * squares[2::2])
+    off_diagonal = np.sqrt(squares[1:-1:2] * squares[2::2])
     # LAPACK takes no empty array
-    eigenvalues = lapack.dsterf(diagonal, beside)[0] if points > 2 else diagonal
+    eigenvalues = lapack.dsterf(diagonal, off_diagonal)[0] if points > 2 else diagonal
     start = np.sqrt(np.maximum(eigenvalues, 0.0)).astype(np.longdouble)
     if points % 2:
         start[0] = 0.0
-    # polynomials whose leading coefficient is 1, which take the fewest steps
+    # Legendre polynomials scaled to leading coefficient 1, whose recurrence has one factor a step
     k = np.arange(2, points + 1, dtype=np.longdouble)
-    before = np.ones_like(start)
-    value = start.copy()
+    previous = np.ones_like(start)
+    current = start.copy()
     product = np.empty_like(start)
     for factor in (k - 1) ** 2 / ((2 * k - 1) * (2 * k - 3)):
-        before *= factor
-        np.multiply(start, value, out=product)
-        before, value = value, np.subtract(product, before, out=before)
-    rest = (1 - start) * (1 + start)
-    slope = (k[-1] ** 2 / (2 * k[-1] - 1) * before - points * start * value) / rest
-    curvature = (2 * start * slope - points * (points + 1) * value) / rest
-    step = -value / slope
+        previous *= factor
+        np.multiply(start, current, out=product)
+        previous, current = current, np.subtract(product, previous, out=previous)
+    # 1 - x**2 without cancellation
+    complement = (1 - start) * (1 + start)
+    slope = k[-1] ** 2 / (2 * k[-1] - 1) * previous - points * start * current
+    slope /= complement
+    # Legendre's differential equation
+    curvature = (2 * start * slope - points * (points + 1) * current) / complement
+    step = -current / slope
     nodes = start + step
+    # the slope of P_points at the nodes, no longer scaled
     slope = np.prod((2 * k - 1) / k) * (slope + step * curvature)
     weights = 2 / ((1 - nodes) * (1 + nodes) * slope**2)
     lower = slice(None, None if points % 2 == 0 else 0, -1)
     upper_nodes = nodes.astype(float)
     upper_weights = weights.astype(float)
-    return _frozen(
+    return _read_only(
         np.concatenate([-upper_nodes[lower], upper_nodes]),
         np.concatenate([upper_weights[lower], upper_weights]),
     )
 
 
-@lru_cache(maxsize=_RULES)
+@cache
 def power_rule(points: int, power: float) -> tuple[Array, Array]:
     """Return nodes and weights of ``int_0^1 v**power f(v) dv``, with ``power > -1``.
 
-    Of Gauss and Legendre where the power is a whole number, which is then of the polynomial that
-    is integrated, else of Gauss and Jacobi.
+    If the power is a whole number, this is the Gauss-Legendre rule with the power in its weights:
+    exact where ``v**power f(v)`` is a polynomial of degree ``2*points - 1``. Else it is the
+    Gauss-Jacobi rule, exact where f is one.
     """
     if power == round(power):
         g, w = gauss_rule(points)
         nodes = (1.0 + g) / 2.0
-        return _frozen(nodes, w / 2.0 * nodes**power)
+        return _read_only(nodes, w / 2.0 * nodes**power)
     g, w = roots_jacobi(points, 0.0, power)
-    return _frozen((1.0 + g) / 2.0, w / 2.0 ** (1.0 + power))
+    return _read_only((1.0 + g) / 2.0, w / 2.0 ** (1.0 + power))
 
 
 def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
     """Return nodes and weights on (0, 1), ``(panels * points,)`` each, of panels that shrink to 0.
 
-    Every panel has as many Gauss-Legendre nodes, and the `ratio` of its length to that of its
-    neighbour, below 1; the last one ends at 0.
+    Every panel has `points` Gauss-Legendre nodes. The panels end at 1, `ratio`, ``ratio**2``, ...
+    with a ratio below 1, and the last of them reaches 0.
     """
     g, w = gauss_rule(points)
     ends = np.append(ratio ** np.arange(panels), 0.0)
@@ -138,19 +166,21 @@ def graded_rule(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
     return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()
 
 
-def _frozen(nodes: Array, weights: Array) -> tuple[Array, Array]:
+def _read_only(nodes: Array, weights: Array) -> tuple[Array, Array]:
+    """Return nodes and weights, which nobody can change any more: they are in a cache."""
     nodes.setflags(write=False)
     weights.setflags(write=False)
     return nodes, weights
 
 
-@lru_cache(maxsize=_MATRICES)
+@cache
 def legendre_expansion_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
-    It is the discrete orthogonal projection, shape ``(degree + 1, points)``, of more points than
-    the highest degree. Without the rounding of the nodes, as in `legendre_projection_matrix`: at
-    the ends of a panel interpolants were off by 40 roundings with it, and q at the centre by 1e-12.
+    It is the discrete orthogonal projection, shape ``(degree + 1, points)``, with more points than
+    the highest degree. As in `legendre_projection_matrix` the rounding of the nodes is corrected:
+    without the correction an interpolant is off by 40 roundings at the ends of a panel, and q at
+    the centre by 1e-12.
     """
     scale = np.arange(degree + 1) + 0.5
     matrix = scale[:, None] * legendre_projection_matrix(points, degree).T
@@ -159,28 +189,29 @@ def legendre_expansion_matrix(points: int, degree: int) -> Array:
 
 
 def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
-    """Return the matrix from values at Gauss-Legendre nodes to those at places `x` in [-1, 1].
+    """Return the matrix from values at Gauss-Legendre nodes to those at n places `x` in [-1, 1].
 
-    Its shape is (n, points), of n places.
+    Its shape is (n, points).
     """
     values = legendre_values(x, points - 1)
     return np.asarray(values @ legendre_expansion_matrix(points, points - 1))
 
 
-@lru_cache(maxsize=_MATRICES)
+@cache
 def legendre_projection_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to integrals against P_0 ... P_degree.
 
-    Its shape is ``(points, degree + 1)``, of more points than the degree. The rounding of the nodes
-    is taken out of it: what is nearly constant would have the same spurious integral against a high
-    degree everywhere, and in a Gram matrix that adds up.
+    Its shape is ``(points, degree + 1)``, with more points than the degree. At rounded nodes the
+    Legendre polynomials are not orthogonal to the last digit, and a constant would have a spurious
+    integral against a high degree. It is the same at every node of a kernel that is nearly
+    constant, and adds up in a Gram matrix. So it is corrected here to first order.
     """
     nodes, weights = gauss_rule(points)
     values = legendre_values(nodes, degree)
     matrix = values * weights[:, None]
     scale = np.arange(degree + 1) + 0.5
     defect = matrix.T @ values - np.diag(1.0 / scale)
-    # a few roundings, whose square is nothing
+    # the defect is a few roundings, and its square is negligible
     matrix -= matrix @ (scale[:, None] * defect)
     matrix.setflags(write=False)
     return matrix

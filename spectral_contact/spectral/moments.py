@@ -1,11 +1,15 @@
-r"""Moments of functions on panels: what couples pressure and traction.
+r"""Moments of functions on panels: the coupling of pressure and traction.
 
-With ``p`` and ``q = s u`` the tractions change each other's displacement by
+s is the radius over that of the contact, and ``y = 1 - s**2``. Over kappa the traction q enters the
+normal equation with ``int_s^1 q deta``, and the pressure p enters the tangential one with ``g[p] =
+(1/s) int_0^s eta p deta`` (docs/coupling). With functions phi for a pressure and psi for a shear
+q/s the Galerkin entries of both, in the measure ``s ds``, are
 
-    <phi, int_s^1 q deta> = <s psi, g[p]> = 1/4 int_0^1 phi(y) int_0^y psi(y') dy' dy
+    <phi, int_s^1 eta psi deta> = <s psi, g[phi]> = 1/4 int_0^1 phi(y) int_0^y psi(y') dy' dy.
 
-in the measure ``s ds`` and in ``y = 1 - s**2``: no kernel is left, and what lies on different
-panels couples by the product of its moments. Moments with a density are loads and shears.
+There is no kernel, and functions on different panels couple by the product of their moments.
+In a part of several, y is replaced by the distance d from the boundary that the part is graded to,
+in extents of the part.
 """
 
 from __future__ import annotations
@@ -25,57 +29,76 @@ Array = NDArray[np.float64]
 
 
 def load_vector(panels: LogPanels, density: Callable[[Array], Array]) -> Array:
-    """Return ``int basis * density(d) dd`` over (0, 1)."""
-    on_all = moments_on(panels, (panels.degree,) * panels.panels)
-    return np.asarray(2.0 * on_all.with_densities(density(on_all.d)[None])[0])
+    """Return ``int_0^1 psi density(d) dd`` of all functions psi of a part, shape (size,).
+
+    With the fitting density these are loads and shears.
+    """
+    rule = moments_on(panels, (panels.degree,) * panels.count)
+    # the rule is one of z / 2
+    return np.asarray(2.0 * rule.with_densities(density(rule.d)[None])[0])
 
 
 @bounded_cache("moments")
 def moments(panels: LogPanels) -> Array:
-    """Return ``int_0^1 psi dy`` of all functions, shape (size,) (cached)."""
+    """Return ``int_0^1 psi dd`` of all functions, shape (size,) (cached)."""
     return load_vector(panels, np.ones_like)
 
 
 @bounded_cache("outer moments")
-def outer_moments(panels: LogPanels, other: LogPanels, sign: int) -> Array:
-    """Return ``int phi int psi`` over what of psi lies outside of phi, on a part of unit extent.
+def outer_moments(panels: LogPanels, psi_panels: LogPanels, sign: int) -> Array:
+    """Return ``int phi int psi``, the integral of psi over larger radii than that of phi (cached).
 
-    The panels of phi and of psi are the same but for the endpoint weight (cached).
+    Parameters
+    ----------
+    panels, psi_panels : LogPanels
+        The panels of phi and of psi: the same but for the endpoint weight.
+    sign : int
+        -1 if the part is graded to its outer end, so that the radius grows as d falls; else +1.
+
+    Returns
+    -------
+    ndarray, shape (size, size)
+        Row i for phi_i and column j for psi_j.
     """
-    nested = _nested_moments(panels, other)
-    return nested if sign < 0 else np.outer(moments(panels), moments(other)) - nested
+    nested = _nested_moments(panels, psi_panels)
+    return nested if sign < 0 else np.outer(moments(panels), moments(psi_panels)) - nested
 
 
-def _nested_moments(panels: LogPanels, inner: LogPanels) -> Array:
-    """Return ``int_0^1 phi(y) int_0^y psi(y') dy' dy``, shape (size, size)."""
+def _nested_moments(panels: LogPanels, psi_panels: LogPanels) -> Array:
+    """Return ``int_0^1 phi(d) int_0^d psi(d') dd' dd``, shape (size, size)."""
     terms = panels.degree + 1
     h = panels.width
-    # psi on a panel nearer the boundary counts in full, on one farther from it not at all
-    matrix = np.outer(moments(panels), moments(inner))
+    # Where the panel of psi is nearer the boundary than that of phi, the entry is the product of
+    # the moments. Where it is farther off, the entry is 0.
+    matrix = np.outer(moments(panels), moments(psi_panels))
     g, w = gauss_rule(panels.degree + EXTRA)
     x = h * (1.0 + g) / 2.0
     weights = w * h / 2.0
     basis = legendre_values(g, panels.degree)
+    # on one panel, in x = -ln d: the inner integral is one from x to the end h of the panel
     rest = h - x
     inner_x = x[:, None] + rest[:, None] * (1.0 + g) / 2.0
-    values = np.exp(-(1.0 + inner.power) * inner_x) * w * rest[:, None] / 2.0
-    within = np.einsum(
-        "iq,iqk->ik", values, legendre_values(2.0 * inner_x / h - 1.0, panels.degree)
+    inner_weights = np.exp(-(1.0 + psi_panels.power) * inner_x) * w * rest[:, None] / 2.0
+    inner_integrals = np.einsum(
+        "iq,iqk->ik", inner_weights, legendre_values(2.0 * inner_x / h - 1.0, panels.degree)
     )
-    diagonal_block = (basis * (weights * np.exp(-(1.0 + panels.power) * x))[:, None]).T @ within
-    decay = np.exp(-(2.0 + panels.power + inner.power) * h * np.arange(panels.panels))
-    for j in range(panels.panels):
+    outer_weights = weights * np.exp(-(1.0 + panels.power) * x)
+    diagonal_block = (basis * outer_weights[:, None]).T @ inner_integrals
+    # on panel j all distances are exp(-h j) times those on the first panel
+    decay = np.exp(-(2.0 + panels.power + psi_panels.power) * h * np.arange(panels.count))
+    for j in range(panels.count):
         rows = slice(j * terms, (j + 1) * terms)
         matrix[rows, : j * terms] = 0.0
         matrix[rows, rows] = decay[j] * diagonal_block
-    tail = panels.panels * terms
-    matrix[tail:, :tail] = 0.0
-    d, weights, basis = panels.tail_rule()
-    v = np.sqrt(d / panels.end)
+    tail = slice(panels.count * terms, None)
+    matrix[tail, : tail.start] = 0.0
+    d, weights, tail_basis = panels.tail_rule()
+    # The inner integral over (0, d) is by the rule of the tail, shrunk from (0, end) by d / end.
     inner_d = d[:, None] * (d / panels.end)
-    # dd' = end v**2 2 v' dv', with d' = end v**2 v'**2
-    values = weights * v[:, None] ** 2 * inner_d**inner.power
-    tails = tail_values(inner_d, inner.end, inner.tail_terms, inner.root_tail)
-    within = np.einsum("iq,iqk->ik", values, tails)
-    matrix[tail:, tail:] = (basis * (weights * d**panels.power)[:, None]).T @ within
+    shrinkage = np.sqrt(d / panels.end)[:, None] ** 2
+    inner_weights = weights * shrinkage * inner_d**psi_panels.power
+    psi = tail_values(inner_d, psi_panels.end, psi_panels.tail_terms, psi_panels.root_tail)
+    inner_integrals = np.einsum("iq,iqk->ik", inner_weights, psi)
+    outer_weights = weights * d**panels.power
+    matrix[tail, tail] = (tail_basis * outer_weights[:, None]).T @ inner_integrals
     return matrix

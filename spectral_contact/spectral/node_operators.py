@@ -114,7 +114,7 @@ class NodeOperators:
         on_nodes: list[Array] = []
         on_samples: list[Array] = []
         for k, integrals in self.blocks.items():
-            matrix = integrals.dense_increment() if increments else integrals.dense_value()
+            matrix = integrals.increment if increments else integrals.value
             group = on_samples if integrals.sampled else on_nodes
             start = sum(earlier.shape[1] for earlier in group)
             columns[k] = slice(start, start + matrix.shape[1])

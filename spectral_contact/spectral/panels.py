@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
 from spectral_contact.spectral.jacobi import (
+    PANEL_SAMPLES,
     gauss_rule,
     legendre_expansion_matrix,
     legendre_projection_matrix,
@@ -19,10 +20,7 @@ from spectral_contact.spectral.jacobi import (
 )
 from spectral_contact.spectral.tuning import (
     EXTRA,
-    LEAST_SAMPLING_POINTS,
-    ROOT_TERMS,
     SAMPLING_EXTRA,
-    TAIL_EXTRA,
     TAIL_TERMS,
 )
 
@@ -59,7 +57,7 @@ class LogPanels:
 
     Parameters
     ----------
-    panels : int
+    count : int
         Number of panels, at least 1.
     width : float
         Width of each in ``x``.
@@ -72,7 +70,7 @@ class LogPanels:
         The tail is polynomial in ``sqrt(d)``, for square roots at the boundary.
     """
 
-    panels: int
+    count: int
     width: float
     degree: int
     power: float = 0.0
@@ -80,22 +78,22 @@ class LogPanels:
 
     @property
     def end(self) -> float:
-        """Distance ``exp(-panels * width)`` at which the tail begins."""
-        return float(np.exp(-self.panels * self.width))
+        """Distance ``exp(-count * width)`` at which the tail begins."""
+        return float(np.exp(-self.count * self.width))
 
     @property
     def size(self) -> int:
         """Number of coefficients, tail included."""
-        return self.panels * (self.degree + 1) + self.tail_terms
+        return self.count * (self.degree + 1) + self.tail_terms
 
     @property
     def tail_terms(self) -> int:
-        """Number of tail polynomials."""
-        return ROOT_TERMS if self.root_tail else TAIL_TERMS
+        """Number of tail polynomials: in ``sqrt(d)`` twice as many leave as little, ``d**3``."""
+        return 2 * TAIL_TERMS if self.root_tail else TAIL_TERMS
 
     def table(self, coefficients: Array) -> Array:
         """Return the coefficients on the panels as (panels, degree + 1), a view without tail."""
-        return coefficients[: -self.tail_terms].reshape(self.panels, self.degree + 1)
+        return coefficients[: -self.tail_terms].reshape(self.count, self.degree + 1)
 
     @property
     def tail_points(self) -> int:
@@ -126,7 +124,7 @@ class LogPanels:
 
         Enough for products with ``exp(-x)`` to be right to rounding, however low the degree.
         """
-        return max(self.degree + SAMPLING_EXTRA, LEAST_SAMPLING_POINTS)
+        return max(self.degree + SAMPLING_EXTRA, PANEL_SAMPLES)
 
     def sampling(self, count: int | None = None) -> Array:
         """Return ``x`` of `count` Gauss-Legendre points on every panel, by default `samples`.
@@ -134,7 +132,7 @@ class LogPanels:
         The shape is (panels, count).
         """
         g, _ = gauss_rule(count or self.samples)
-        return self.width * (np.arange(self.panels)[:, None] + (1.0 + g) / 2.0)
+        return self.width * (np.arange(self.count)[:, None] + (1.0 + g) / 2.0)
 
     def tail_sampling(self) -> Array:
         """Return the distances of Gauss-Legendre points on a tail that is polynomial in d, (n,)."""
@@ -153,7 +151,7 @@ class LogPanels:
 
         The weights are for integrands that contain ``d**power``; the polynomials do not contain it.
         """
-        v, w = power_rule(self.tail_terms + TAIL_EXTRA, 1.0 + 2.0 * self.power)
+        v, w = power_rule(self.tail_terms + EXTRA, 1.0 + 2.0 * self.power)
         d = self.end * v**2
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
         return BasisRule(d, 2.0 * w * v ** (-2.0 * self.power) * self.end, values)
@@ -169,7 +167,7 @@ class LogPanels:
         if self.power != 0.0:
             return mass
         masses = self._masses()
-        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        extents = np.exp(-self.width * np.arange(self.count))[:, None, None]
         blocks = constant * extents * masses[0].panel + rising * extents**2 * masses[1].panel
         stop = 0
         for n, block in zip(degrees, blocks, strict=True):
@@ -189,9 +187,9 @@ class LogPanels:
         used = self.functions(degrees)
         inner = slice(-self.tail_terms)
         table[used] = values
-        on_panels = table[inner].reshape(self.panels, self.degree + 1, -1)
+        on_panels = table[inner].reshape(self.count, self.degree + 1, -1)
         (first, tail), (second, rising_tail) = self._masses()
-        extents = np.exp(-self.width * np.arange(self.panels))[:, None, None]
+        extents = np.exp(-self.width * np.arange(self.count))[:, None, None]
         each = constant * extents * (first @ on_panels) + rising * extents**2 * (second @ on_panels)
         product[inner] = each.reshape(-1, values.shape[1])
         last = slice(-self.tail_terms, None)

@@ -99,7 +99,7 @@ class GradedMesh(NamedTuple):
         table, tail = sampled_coefficients(self.panels, values)
         p = self.panels
         dropped = np.abs(table[:, p.degree + 1 :]).max(axis=1)
-        in_panels = dropped * np.exp(-power * p.width * np.arange(p.panels))
+        in_panels = dropped * np.exp(-power * p.width * np.arange(p.count))
         return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
@@ -154,7 +154,7 @@ def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array
     Samples are (..., n), and coefficients (..., panels, points) and (..., points of the tail).
     """
     tail_points = panels.tail_points
-    inner = values[..., :-tail_points].reshape(*values.shape[:-1], panels.panels, -1)
+    inner = values[..., :-tail_points].reshape(*values.shape[:-1], panels.count, -1)
     points = inner.shape[-1]
     expand = legendre_expansion_matrix(points, points - 1)
     expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_expansion_matrix, legendre_values
 from spectral_contact.spectral.panels import DiscreteSpace
-from spectral_contact.spectral.tuning import POINTWISE_EXTRA
+from spectral_contact.spectral.tuning import EXTRA
 
 Array = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ class Sampling:
             self._add(panels.tail_points, np.ones((1, panels.tail_terms)), tail=True)
 
         for degree in polynomials:
-            self._add(degree + POINTWISE_EXTRA, np.ones((1, degree + 1)), tail=False)
+            self._add(degree + EXTRA, np.ones((1, degree + 1)), tail=False)
 
     def _add(self, points: int, kept: Array, *, tail: bool) -> None:
         count, terms = kept.shape

@@ -1,11 +1,14 @@
 """Positive definite problems: solutions for many right-hand sides, and those in coarser spaces.
 
-Most are the regularised least-squares problem of a space (docs/theory): with the compliance c, the
-mass matrix M, the half-integrals H of the functions at the nodes, the weights W of the nodes and
-the Gram matrix ``K = H^T W H``, the coefficients a solve ``(c M + K) a = H^T W target - c load``.
-Next to the edge ``target - H a`` is small, and forming ``K a`` loses ``eps/sqrt(c)``; one
-correction with the residual ``H^T W (target - H a) - c M a`` restores it (corrected seminormal
-equations).
+The problem of one field, a pressure p or a shear q/s, is one of regularised least squares
+(docs/theory). With the compliance c, the mass matrix M, the half-integrals H of the functions at
+the nodes, the weights W of the nodes and the Gram matrix ``K = H^T W H``, the coefficients a solve
+``(c M + K) a = H^T W target - c l``. The field may have a known part, the lift, outside the space;
+l are its inner products with the functions.
+
+Next to the edge ``target - H a`` is small. Forming ``K a`` instead loses ``eps/sqrt(c)`` of the
+solution, relative to it, with the rounding ``eps``. One correction with the residual ``H^T W
+(target - H a) - c M a`` restores the digits (corrected seminormal equations).
 """
 
 from __future__ import annotations
@@ -25,13 +28,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """The solution in the next coarser space less the solution.
+    """The solution in a coarser space less the solution.
 
     Attributes
     ----------
     coefficients : ndarray, shape (size,)
     energies : ndarray, shape (panels + 1,)
-        Diagonal part of its energy, by the numbers `NodalSpace.panel`.
+        Diagonal part of the energy of the change on each panel, numbered as in `NodalSpace.panel`.
     """
 
     coefficients: Array
@@ -39,34 +42,41 @@ class Change:
 
 
 class NodalSpace(ABC):
-    """Functions p, and their half-integrals ``F(t) = int_t^1 p s ds / sqrt(s^2 - t^2)`` at nodes t.
+    """A space of functions, with their half-integrals at nodes t.
+
+    The half-integral of a pressure p is ``F(t) = int_t^1 p s ds / sqrt(s^2 - t^2)``, and that of a
+    shear u = q/s is the same integral of u, ``G(t) = int_t^1 q ds / sqrt(s^2 - t^2)``.
+
+    The functions are polynomials on panels. One part of a disk, or a zone, has some panels and,
+    next to its end, a tail (`LogPanels`). There are two coarser spaces, with two degrees less on
+    every panel and with one degree less.
 
     Attributes
     ----------
     t, y : ndarray, shape (nodes,)
         Nodes of the half-integral, and ``1 - t**2`` without cancellation.
-    past : ndarray, shape (nodes,)
-        ``t**2 - b**2`` without cancellation for the largest break b of the profile inside t, 0 if
-        there is none; profiles are evaluated with it.
+    past_break : ndarray, shape (nodes,)
+        ``t**2 - b**2`` without cancellation for the largest break b of the punch's profile inside
+        t, 0 if there is none; profiles are evaluated with it.
     weights, measure : ndarray, shape (nodes,)
-        Weights of ``dt``, and of ``dt / pi`` or, for shear, ``t**2 dt / pi``, the measure in which
-        half-integrals are multiplied.
+        Weights of ``dt``, and of ``dt / pi`` or, for shear, ``t**2 dt / pi``, the measure of the
+        inner products of half-integrals.
     index, panel : ndarray of int, shape (unknowns,)
-        Places of the unknowns among the coefficients, and the number of the panel of each, through
-        all parts. A tail has the number `panels` if there is one part, else that of the last panel
+        The coefficient that each unknown is, and the number of its panel, counted through all
+        parts. A tail has the number `panels` if there is one part, else that of the last panel
         of its part.
     size, panels : int
         Length of a vector of coefficients, and number of panels.
     coarsest_unknowns, coarse_unknowns : int
-        Numbers of unknowns of the two coarser spaces: with two degrees less on every panel, and
-        with one degree less. These unknowns come first.
+        Number of unknowns with two degrees less on every panel, and with one degree less. The
+        unknowns of a coarser space come first.
     gram, mass : ndarray, shape (unknowns, unknowns)
         Gram matrix of the half-integrals, and mass matrix, in the order of `index`.
     """
 
     t: Array
     y: Array
-    past: Array
+    past_break: Array
     weights: Array
     measure: Array
     index: NDArray[np.int_]
@@ -87,7 +97,8 @@ class NodalSpace(ABC):
     def constant_moments(self) -> Array:
         """Moments of the density 1.
 
-        The load ``2 pi int p s ds = 4 int F dt`` of a pressure is 4 pi times its product with them.
+        The load ``2 pi int p s ds = 4 int F dt`` of a pressure is 4 pi times the product of its
+        coefficients with them.
         """
         return self.moments(np.ones(len(self.weights)))
 
@@ -102,18 +113,17 @@ class NodalSpace(ABC):
     def project(self, weighted: Array) -> Array:
         """Return the sums over the nodes of the half-integrals times weighted values.
 
-        This is the transpose of `half_integral` for the unknowns.
-
-        The result is in the order of `index`; several weighted values are rows, as in `moments`.
+        This is the transpose of `half_integral`, in the order of `index`. Several weighted values
+        are rows, as in `moments`.
         """
 
     @abstractmethod
     def half_integral(self, coefficients: Array) -> Array:
-        """Return the half-integral at the nodes; coefficients (size,) are 0 outside the space."""
+        """Return the half-integral at the nodes of a function with coefficients (size,)."""
 
-    def factor(self, compliance: float) -> Regularised:
+    def factor(self, compliance: float) -> RegularisedProblem:
         """Factor ``compliance * mass + gram``."""
-        return Regularised(self, compliance)
+        return RegularisedProblem(self, compliance)
 
 
 class Cholesky:
@@ -155,11 +165,12 @@ class Cholesky:
     def coarse_change(self, solution: Array, coarse_unknowns: int) -> Array:
         """Return the solution in a coarser space less the solution.
 
-        The coarser space has the first `coarse_unknowns` unknowns alone, with the same right-hand
-        side. It takes no other factorisation, and nothing cancels.
+        The coarser space has only the first `coarse_unknowns` unknowns, with the same right-hand
+        side. No other factorisation is needed, and nothing cancels.
         """
         last = solution[coarse_unknowns:]
-        # with all of the factor: its leading block would have to be copied
+        # The triangular systems are those of the whole factor, with zeros for the last unknowns,
+        # because LAPACK would take only a copy of its leading block.
         step = np.zeros(len(solution))
         step[:coarse_unknowns] = self._factor[:coarse_unknowns, coarse_unknowns:] @ last
         step, _ = lapack.dtrtrs(self._factor, step, lower=1, overwrite_b=1)
@@ -169,7 +180,7 @@ class Cholesky:
         return np.asarray(step)
 
 
-class Regularised:
+class RegularisedProblem:
     """The regularised least-squares problem of a space, factored once for many targets."""
 
     def __init__(self, space: NodalSpace, compliance: float) -> None:
@@ -180,20 +191,23 @@ class Regularised:
         self.cholesky = Cholesky(matrix)
 
     def solve(
-        self, target: Array | float, load: Array | None = None, *, correct: bool = True
+        self, target: Array | float, lift_moments: Array | None = None, *, correct: bool = True
     ) -> Array:
-        """Minimise ``int (F - target)^2 W + compliance |a + lift|^2`` over the space.
+        """Return the least-squares solution for a target.
+
+        It minimises ``int (F - target)^2 W + compliance |p + lift|^2`` over the functions p of the
+        space, with their half-integral F.
 
         Parameters
         ----------
         target : ndarray, shape (nodes,), or float
-            What the half-integral should be; a number is a constant.
-        load : ndarray, shape (size,), optional
-            Inner products of the basis with the lift, a known part of the solution.
+            The prescribed half-integral; a number is a constant.
+        lift_moments : ndarray, shape (size,), optional
+            Inner products of the functions with the lift.
         correct : bool
-            Whether to correct with the half-integral residual below UNCORRECTED_COMPLIANCE.
-            Integral quantities do not need it, nor does a solution whose singular part is in the
-            lift.
+            Whether the solution is corrected with the half-integral residual, if the compliance is
+            less than UNCORRECTED_COMPLIANCE. Integral quantities do not need it, nor does a
+            solution whose singular part is in the lift.
 
         Returns
         -------
@@ -206,33 +220,32 @@ class Regularised:
         remaining_target = target
         coefficients = np.zeros(space.size)
         rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
-        for correction in range(rounds):
+        for number in range(rounds):
             if isinstance(remaining_target, float):
                 residual = remaining_target * space.constant_moments
             else:
                 residual = space.moments(remaining_target)
-            if load is not None:
-                residual -= self.compliance * load[index]
-            if correction and self.compliance != 0.0:
+            if lift_moments is not None:
+                residual -= self.compliance * lift_moments[index]
+            if number > 0 and self.compliance != 0.0:
                 residual -= self.compliance * space.mass @ coefficients[index]
             step = self.cholesky.solve(residual)
-            coefficients[index] = coefficients[index] + step if correction else step
-            if correction + 1 < rounds:
+            coefficients[index] = coefficients[index] + step if number > 0 else step
+            if number + 1 < rounds:
                 remaining_target = target - space.half_integral(coefficients)
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:
-        """Return the solution in a coarser space less the solution, and its energy.
+        """Return the solution in a coarser space less the solution, and the energies of that.
 
-        The coarser space lacks the top two degrees of every panel, or the top one. It takes no
-        other factorisation, and nothing cancels.
+        No other factorisation is needed, and nothing cancels.
 
         Parameters
         ----------
         coefficients : ndarray, shape (size,)
             A solution.
         degrees : int
-            2 or 1.
+            How many top degrees of every panel the coarser space lacks: 2 or 1.
         """
         space = self.space
         unknowns = space.coarsest_unknowns if degrees == 2 else space.coarse_unknowns

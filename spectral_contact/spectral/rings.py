@@ -1,8 +1,13 @@
-"""Operators on rings: pressure and traction are constant on each of them.
+"""Operators on rings: pressure p and traction q are constant on each of them.
 
-Galerkin's method through Abel's factorisation (docs/theory), so that energy is conserved: the
-matrices are Gram matrices of half-order integrals, symmetric and positive definite, and the
-coupling of p to q is the transpose of that of q to p.
+Symbols are those of docs/theory: ``s`` the radius over that of the contact, N and T the normal and
+the tangential operator of the half-space, g the radial displacement by the pressure over kappa, F
+and G the half-integrals ``int_t^1 p s ds / sqrt(s**2 - t**2)`` and ``int_t^1 q ds / sqrt(s**2 -
+t**2)``. The functions phi_i are 1 on ring i and 0 elsewhere.
+
+The method is Galerkin's, through Abel's factorisation: the matrices of N and T are Gram matrices of
+F and G, symmetric and positive definite, and the matrix of the normal displacement by q is the
+transpose of that of g. So the discrete system has an energy, as the continuous one has.
 """
 
 from __future__ import annotations
@@ -14,15 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.cache import bounded_cache
-from spectral_contact.spectral.jacobi import gauss_rule
-from spectral_contact.spectral.tuning import RING_POINTS
+from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RingOperators:
-    """Operators tested with every ring, in the measure ``s ds``.
+    """Galerkin matrices of functions that are constant on rings, in the measure ``s ds``.
+
+    The function phi_i is 1 on ring i and 0 elsewhere.
 
     Attributes
     ----------
@@ -30,10 +36,10 @@ class RingOperators:
         ``ln(s**2/(1 - s**2))`` of the boundaries of rings, outward: from minus infinity, the
         centre, to infinity, the edge.
     mass : ndarray, shape (rings,)
-        ``int s ds`` of each.
+        ``int s ds`` over each ring: the diagonal of the mass matrix.
     normal, tangential : ndarray, shape (rings, rings)
         ``<phi_i, N phi_j>`` and ``<phi_i, T phi_j>``.
-    carried : ndarray, shape (rings, rings)
+    coupling : ndarray, shape (rings, rings)
         ``<phi_i, g[phi_j]>`` with ``g = (1/s) int_0^s eta p deta``; lower triangular.
     """
 
@@ -41,82 +47,96 @@ class RingOperators:
     mass: Array
     normal: Array
     tangential: Array
-    carried: Array
+    coupling: Array
 
     @property
     def middles(self) -> Array:
-        """Logits in the middle of each ring, in the mean square of its radius."""
+        """Logits of the middle of each ring: where ``s**2`` is the mean of its two ends."""
         inside = np.exp(-np.logaddexp(0.0, -self.logits))
         outside = np.exp(-np.logaddexp(0.0, self.logits))
         return np.asarray(np.log((inside[1:] + inside[:-1]) / (outside[1:] + outside[:-1])))
 
 
-def graded_rings(count: int, exponent: float, widest: float, centre: float, edge: float) -> Array:
+def graded_rings(
+    count: int, exponent: float, max_width: float, centre_logit: float, edge_logit: float
+) -> Array:
     """Return the logits of boundaries of rings that grow finer towards the edge, (rings + 1,).
 
-    Distances from the edge are even numbers to the power `exponent`, of so many rings. Those that
-    are wider in the logit than `widest` are replaced by even ones, from `-centre` to `edge`, and
-    one more to the ends.
+    The boundaries of a graded grid have the distances ``(k/count)**exponent`` from the edge. Next
+    to the centre and to the edge its rings are wider in the logit than `max_width`; there rings of
+    equal widths in the logit take their place, down to `centre_logit` and up to `edge_logit`. The
+    first ring and the last one reach from there to the centre and to the edge.
     """
-    depth = (np.arange(count - 1, 0, -1) / count) ** exponent
-    inner = 2.0 * np.log1p(-depth) - np.log(depth * (2.0 - depth))
-    narrow = np.flatnonzero(np.diff(inner) <= widest)
-    inner = inner[narrow[0] : narrow[-1] + 2]
+    from_edge = (np.arange(count - 1, 0, -1) / count) ** exponent
+    graded = 2.0 * np.log1p(-from_edge) - np.log(from_edge * (2.0 - from_edge))
+    narrow_rings = np.flatnonzero(np.diff(graded) <= max_width)
+    graded = graded[narrow_rings[0] : narrow_rings[-1] + 2]
     to_centre, to_edge = (
-        a + (b - a) * np.linspace(0.0, 1.0, int(np.ceil(abs(b - a) / widest)) + 1)[1:]
-        for a, b in ((inner[0], -centre), (inner[-1], edge))
+        start
+        + (stop - start) * np.linspace(0, 1, int(np.ceil(abs(stop - start) / max_width)) + 1)[1:]
+        for start, stop in ((graded[0], centre_logit), (graded[-1], edge_logit))
     )
-    return np.concatenate([[-np.inf], to_centre[::-1], inner, to_edge, [np.inf]])
+    return np.concatenate([[-np.inf], to_centre[::-1], graded, to_edge, [np.inf]])
 
 
 def ring_operators(logits: Array) -> RingOperators:
-    """Return the operators of a grid (cached)."""
+    """Return the matrices of a grid, for the logits of the boundaries of its rings (cached)."""
     return _assembled(logits.tobytes())
 
 
 def _square_difference(lower: Array, upper: Array) -> Array:
     """Return the difference of the squares of two radii with these logits, to full accuracy."""
-    with np.errstate(invalid="ignore"):  # both at the edge: the difference is 0
+    with np.errstate(invalid="ignore"):  # at the edge both logits are infinite, and equal
         relative = -np.expm1(np.where(lower == upper, 0.0, lower - upper))
     return np.asarray(relative * np.exp(-np.logaddexp(0.0, lower) - np.logaddexp(0.0, -upper)))
 
 
-@bounded_cache("rings", 8)  # the first ones, and some that were refined
+@bounded_cache("rings", 8)  # the first grid, and some refined ones
 def _assembled(grid: bytes) -> RingOperators:
-    """Return the operators: F and G of every ring at Gauss points of every ring.
+    """Return the operators of the grid whose logits have these bytes.
 
-    The half-integrals have square roots at the ends of rings, which ``t**2 = a**2 + w sin(phi)**2``
-    takes away; radii outside of t are measured from t, so that nothing cancels.
+    They are sums over Gauss points t of the half-integrals F and G of every ring. These have square
+    roots at the ends of a ring from a to b, which the substitution ``t**2 = a**2 + (b**2 - a**2)
+    sin(angle)**2`` removes. With ``u = sqrt(s**2 - t**2)`` F of a ring is the difference of u at
+    its two ends, and G that of ``ln(s + u)``. Both are taken without cancellation, from distances
+    in ``s**2`` from t.
     """
     logits = np.frombuffer(grid)
-    a = logits[:-1]
-    b = logits[1:]
-    width = _square_difference(a, b)
+    outer_logit = logits[1:]
+    width = _square_difference(logits[:-1], outer_logit)
     radius = np.exp(-np.logaddexp(0.0, -logits) / 2.0)
-    thick = width / (radius[1:] + radius[:-1])
-    x, weight = gauss_rule(RING_POINTS)
-    phi = pi / 4 * (1.0 + x)
-    t = np.sqrt(radius[:-1, None] ** 2 + width[:, None] * np.sin(phi) ** 2)
-    # b**2 - t**2
-    to_outer = width[:, None] * np.cos(phi) ** 2
-    dt = weight * pi / 4 * width[:, None] * np.sin(phi) * np.cos(phi) / t
+    thickness = width / (radius[1:] + radius[:-1])
+    x, weight = gauss_rule(PANEL_SAMPLES)
+    angle = pi / 4 * (1.0 + x)
+    t = np.sqrt(radius[:-1, None] ** 2 + width[:, None] * np.sin(angle) ** 2)
+    # b**2 - t**2 in the ring of t
+    to_outer = width[:, None] * np.cos(angle) ** 2
+    dt = weight * pi / 4 * width[:, None] * np.sin(angle) * np.cos(angle) / t
 
-    n = len(width)
-    places = np.arange(n)
-    same = (places == places[:, None])[:, None, :]
-    outside = (places >= places[:, None])[:, None, :]
+    # The axes of what follows are: ring i of the points t, number of the point in it, ring j of
+    # phi_j. The half-integral at t is one over the part of ring j outside t.
+    count = len(width)
+    rings = np.arange(count)
+    same = (rings == rings[:, None])[:, None, :]
+    outside = (rings >= rings[:, None])[:, None, :]
     # from the outer radius of ring i to that of ring j, in s**2; 0 where ring j lies inside
-    distance = _square_difference(b[:, None], np.maximum(b, b[:, None]))
-    outer = np.sqrt(distance[:, None, :] + to_outer[:, :, None])
-    inner = np.where(
-        same, 0.0, np.concatenate([np.zeros((n, RING_POINTS, 1)), outer[:, :, :-1]], 2)
+    distance = _square_difference(
+        outer_logit[:, None], np.maximum(outer_logit, outer_logit[:, None])
     )
-    start = np.where(same, t[:, :, None], np.where(outside, radius[:-1], 1.0))
-    length = np.where(same, (to_outer / (radius[1:, None] + t))[:, :, None], thick)
-    f = np.where(outside, np.where(same, to_outer[:, :, None], width) / (outer + inner), 0.0)
-    g = np.where(outside, np.log1p((length + f) / (start + inner)), 0.0)
-    f = (np.sqrt(dt)[:, :, None] * f).reshape(-1, n)
-    g = ((t * np.sqrt(dt))[:, :, None] * g).reshape(-1, n)
-    carried = np.tril(np.outer(thick, width / 2.0), -1)
-    carried[places, places] = thick**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
-    return RingOperators(logits, width / 2.0, f.T @ f / pi, g.T @ g / pi, carried)
+    u_outer = np.sqrt(distance[:, None, :] + to_outer[:, :, None])
+    u_inner = np.where(
+        same, 0.0, np.concatenate([np.zeros((count, PANEL_SAMPLES, 1)), u_outer[:, :, :-1]], 2)
+    )
+    # where ring j lies inside t, the radius 1 stands for any number but 0: the result is not used
+    inner_radius = np.where(same, t[:, :, None], np.where(outside, radius[:-1], 1.0))
+    length = np.where(same, (to_outer / (radius[1:, None] + t))[:, :, None], thickness)
+    extent = np.where(same, to_outer[:, :, None], width)
+    f = np.where(outside, extent / (u_outer + u_inner), 0.0)
+    g = np.where(outside, np.log1p((length + f) / (inner_radius + u_inner)), 0.0)
+    f_rows = (np.sqrt(dt)[:, :, None] * f).reshape(-1, count)
+    g_rows = ((t * np.sqrt(dt))[:, :, None] * g).reshape(-1, count)
+    coupling = np.tril(np.outer(thickness, width / 2.0), -1)
+    coupling[rings, rings] = thickness**2 * (radius[1:] + 2.0 * radius[:-1]) / 6
+    return RingOperators(
+        logits, width / 2.0, f_rows.T @ f_rows / pi, g_rows.T @ g_rows / pi, coupling
+    )

@@ -1,19 +1,25 @@
-r"""Galerkin projections of K1 and K2 on a disk.
+r"""Galerkin matrices of the normal operator N and the tangential operator T on a disk.
 
-With ``z = s**2`` the half-integral ``F(t) = 1/2 int_{t^2}^1 phi dz / sqrt(z - t^2)`` factors both
-kernels (docs/theory, Abel factorisation):
+N and T are the operators of docs/theory, with the elliptic kernels K1 and K2; s is the radius over
+that of the disk and ``z = s**2``. The half-integral ``F_phi(t) = 1/2 int_{t^2}^1 phi dz / sqrt(z -
+t^2)`` of a function phi factors both kernels (docs/theory, Abel factorisation):
 
-    <phi, N psi> = (1/pi) int F_phi F_psi dt           (normal, phi in p)
-    <s phi, T s psi> = (1/pi) int t^2 F_phi F_psi dt   (tangential, q = s u, phi in u)
+    <phi, N psi> = (1/pi) int F_phi F_psi dt           (phi and psi stand for pressures p)
+    <s phi, T s psi> = (1/pi) int t^2 F_phi F_psi dt   (phi and psi stand for shears q/s)
 
 so each matrix is a Gram matrix: symmetric and positive definite by construction, with no logarithm
-left to integrate. Spaces know nothing of compliance, friction or Poisson's ratio; by homogeneity
-they also serve a stick disk of any radius c, with ``compliance / c``.
+left to integrate. Spaces do not depend on compliance, friction or Poisson's ratio. The kernels are
+homogeneous, so that a space also serves a stick disk of any radius c, with ``compliance / c``.
 
-A disk is one part, with panels in the logarithm of the distance to its edge, or several, with
-panels graded to the breaks of a profile. Each is a disk, or one half of an annulus (`GradedMesh`);
-the centre is an end of one where a punch has a tip. Half-integrals between parts are those of
-`blocks`.
+A disk is one part, with panels in the logarithm of the distance to its edge, or it is divided into
+several parts at the breaks of the punch's profile, where a derivative of its height jumps. A part
+of several is a disk or one half of an annulus, with panels graded to one of its ends
+(`GradedMesh`). Where the punch has a tip, the centre is such an end. Half-integrals between parts
+are those of `blocks`.
+
+There are three numberings. *Coefficients* are all up to the highest degree, on every panel.
+*Functions* are those coefficients that are in use, since each panel has its own degree, part after
+part. *Unknowns* are the functions in another order: those of the coarser spaces come first.
 """
 
 from __future__ import annotations
@@ -38,11 +44,11 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 
 #: The partition of a disk that is one part.
-WHOLE = DiskPartition((), pointed=False)
+UNCUT_DISK = DiskPartition((), pointed=False)
 
 
 class Space(NodalSpace):
-    """Functions on a disk, in one part or in several, with the inner products of K1 or K2.
+    """Functions on a disk, in one part or in several, with the inner products of N or T.
 
     Parameters
     ----------
@@ -50,13 +56,14 @@ class Space(NodalSpace):
     spaces : tuple of DiscreteSpace
         Panels and degrees of every part.
     shear : bool
-        Whether the inner products are those of K2, with the mass ``int u v s**3 ds``, instead of
-        those of K1 with ``int phi psi s ds``.
+        Whether functions stand for shears q/s: the inner products are those of T, and the mass is
+        ``int phi psi s**3 ds``. Otherwise they stand for pressures, with N and ``int phi psi s
+        ds``.
 
     Attributes
     ----------
-    place : ndarray of int, shape (unknowns,)
-        Where the unknowns are among the functions in use, part by part.
+    function : ndarray of int, shape (unknowns,)
+        The function that each unknown is. The coefficient that it is is `index`.
 
     The other attributes are those of `NodalSpace`.
     """
@@ -74,39 +81,45 @@ class Space(NodalSpace):
         self.panels = order.panels
         self.index = order.index
         self.panel = order.panel
-        self.place = order.place
+        self.function = order.function
         self.coarsest_unknowns = order.coarsest_unknowns
         self.coarse_unknowns = order.coarse_unknowns
         self._nodes = nodes = [graded_nodes(*space) for space in spaces]
         points = [mesh.points(n.d) for mesh, n in zip(meshes, nodes, strict=True)]
-        # nodes that are graded to the rim of a disk have their distance from its centre, too
+        # t**2 of the nodes. On a disk graded to its rim it is taken from the distance 1 - d from
+        # the centre, which the nodes have to full relative accuracy: next to the centre the
+        # distance d from the rim has lost t**2.
         squares = [
             mesh.extent * n.rest if mesh.sign < 0 and mesh.extent == mesh.boundary.square else p.z
             for mesh, n, p in zip(meshes, nodes, points, strict=True)
         ]
         self.t = np.sqrt(np.concatenate(squares))
         self.y = np.concatenate([p.y for p in points])
-        self.past = np.concatenate(
+        self.past_break = np.concatenate(
             [
                 np.zeros(len(p.offset)) if last is CENTRE else -p.before(last)
                 for p, last in zip(points, parts.profile_breaks, strict=True)
             ]
         )
-        extents = [mesh.extent * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
-        self.weights = np.concatenate(extents) / (2.0 * self.t)
+        # weights of dz, and dt = dz / (2 t)
+        z_weights = [mesh.extent * n.weights for mesh, n in zip(meshes, nodes, strict=True)]
+        self.weights = np.concatenate(z_weights) / (2.0 * self.t)
         self.measure = self.weights / pi * (self.t**2 if shear else 1.0)
-        #: where the nodes of the parts are cut apart
+        #: where an array over all nodes is split into those of the parts
         self._cuts = np.cumsum([len(n.d) for n in nodes])[:-1]
 
     @cached_property
     def _operators(self) -> list[NodeOperators]:
-        """For every part the half-integrals, at its nodes, of all parts outside of them."""
+        """For every part the half-integrals at its nodes.
+
+        They are those of the functions on all parts that reach farther out than these nodes.
+        """
         sources = list(zip(self._meshes, self._spaces, strict=True))
         operators = []
         for (target, (_, node_degrees)), nodes in zip(sources, self._nodes, strict=True):
             blocks: dict[int, Block] = {}
             for k, (source, (_, degrees)) in enumerate(sources):
-                integrals = block(source, degrees, target, node_degrees, 1, differences=False)
+                integrals = block(source, degrees, target, node_degrees, side=1, differences=False)
                 if integrals is not None:
                     blocks[k] = integrals
             operators.append(NodeOperators(nodes, blocks))
@@ -135,18 +148,18 @@ class Space(NodalSpace):
         return self._order.permute(block_diag(*masses) if len(masses) > 1 else masses[0])
 
     def project(self, weighted: Array) -> Array:
-        """Return the sums of the half-integrals times weighted values, in order of `index`."""
+        """Return the sums of the half-integrals times weighted values, in the order of `index`."""
         rows = np.atleast_2d(weighted).T
         sums = np.zeros((self.unknowns, rows.shape[1]))
         for operators, on_part in zip(self._operators, np.split(rows, self._cuts), strict=True):
             for k, projected in operators.project(on_part):
                 sums[self._order.columns[k]] += projected
-        return np.asarray(sums[self._order.place].T.reshape(*weighted.shape[:-1], -1))
+        return np.asarray(sums[self._order.function].T.reshape(*weighted.shape[:-1], -1))
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
         values = np.empty((self.unknowns, 1))
-        values[self._order.place, 0] = coefficients[self.index]
+        values[self._order.function, 0] = coefficients[self.index]
         fields = [values[columns] for columns in self._order.columns]
         return np.concatenate([operators.values(fields)[:, 0] for operators in self._operators])
 
@@ -162,10 +175,10 @@ class Space(NodalSpace):
         modes : ndarray, shape (size, unknowns)
             Coefficients, zero outside the space.
         """
-        # the mass of a panel falls like its width: with unit diagonal it is well conditioned
+        # The mass of a panel falls like its extent. Scaled to unit diagonal it is well conditioned.
         scale = 1.0 / np.sqrt(self.mass.diagonal())
-        square = np.outer(scale, scale)
-        values, vectors = eigh(self.gram * square, self.mass * square)
+        scaling = np.outer(scale, scale)
+        values, vectors = eigh(self.gram * scaling, self.mass * scaling)
         modes = np.zeros((self.size, len(values)))
         modes[self.index] = vectors * scale[:, None]
         return np.maximum(values, 0.0), modes
@@ -176,21 +189,17 @@ class _Order:
 
     Attributes
     ----------
-    size, panels : int
-        Numbers of coefficients and of panels of all parts.
-    index, panel : ndarray of int, shape (unknowns,)
-        Where the unknowns are among the coefficients, and the panels that they belong to.
-    coarsest_unknowns, coarse_unknowns : int
-        Numbers of unknowns of the spaces with two degrees less on every panel, and with one less.
+    size, panels, index, panel, coarsest_unknowns, coarse_unknowns
+        As in `NodalSpace`.
     columns : list of slice
-        Where the functions of every part are, one part after the other.
-    place : ndarray of int, shape (unknowns,)
-        Where the unknowns are among the functions, one part after the other.
+        The functions of every part.
+    function : ndarray of int, shape (unknowns,)
+        The function that each unknown is.
     """
 
     def __init__(self, spaces: tuple[DiscreteSpace, ...]) -> None:
         self.size = sum(panels.size for panels, _ in spaces)
-        self.panels = sum(panels.panels for panels, _ in spaces)
+        self.panels = sum(panels.count for panels, _ in spaces)
         index = []
         panel = []
         starts = [0]
@@ -200,26 +209,27 @@ class _Order:
         for panels, degrees in spaces:
             functions = panels.functions(degrees)
             index.append(first_coefficient + functions)
-            # the tail counts as a panel of its own if there is one part, else to the last panel
-            last_panel = panels.panels - (len(spaces) > 1)
+            # The tail has a number of its own if there is one part. Of several parts it shares that
+            # of the last panel, so that the panels of all parts are numbered without gaps.
+            last_panel = panels.count - (len(spaces) > 1)
             panel_of_function = functions // (panels.degree + 1)
             panel.append(first_panel + np.minimum(panel_of_function, last_panel))
             top_degrees.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
             starts.append(starts[-1] + len(functions))
             first_coefficient += panels.size
-            first_panel += panels.panels
-        # in how many of the two coarser spaces a function is missing
-        missing = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
-        self.place = np.argsort(missing, kind="stable")
-        self.coarsest_unknowns = int((missing < 1).sum())
-        self.coarse_unknowns = int((missing < 2).sum())
-        self.columns = [slice(*ends) for ends in pairwise(starts)]
-        self.index = np.concatenate(index)[self.place]
-        self.panel = np.concatenate(panel)[self.place]
+            first_panel += panels.count
+        # the number of the coarser spaces, of two, that lack a function
+        lacking = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
+        self.function = np.argsort(lacking, kind="stable")
+        self.coarsest_unknowns = int((lacking < 1).sum())
+        self.coarse_unknowns = int((lacking < 2).sum())
+        self.columns = [slice(start, stop) for start, stop in pairwise(starts)]
+        self.index = np.concatenate(index)[self.function]
+        self.panel = np.concatenate(panel)[self.function]
 
     def permute(self, matrix: Array) -> Array:
-        """Return a matrix of the functions, one part after the other, in the order of unknowns."""
-        return matrix[np.ix_(self.place, self.place)]
+        """Return a matrix of the functions in the order of the unknowns."""
+        return matrix[np.ix_(self.function, self.function)]
 
 
 _order = bounded_cache("orders of functions")(_Order)
@@ -231,11 +241,11 @@ def disk_space(
 ) -> Space:
     """Return the space on these parts (cached where there are no breaks).
 
-    The same breaks seldom come again; of spaces with breaks only the blocks are cached.
+    Breaks lie at other radii in every scene. So of a space with breaks only the blocks are cached.
     """
     return (Space if parts.breaks else _space)(parts, spaces, shear=shear)
 
 
 def unit_space(panels: LogPanels, degrees: tuple[int, ...], *, shear: bool = False) -> Space:
     """Return the space on a disk in one part (cached)."""
-    return disk_space(WHOLE, (DiscreteSpace(panels, degrees),), shear=shear)
+    return disk_space(UNCUT_DISK, (DiscreteSpace(panels, degrees),), shear=shear)

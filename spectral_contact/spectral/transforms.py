@@ -1,4 +1,11 @@
-"""Abel integrals of a function at the sampling points of its own panels."""
+"""Abel integrals of a function at the sampling points of its own panels.
+
+d is the distance from the boundary, in extents of the part, and ``x = -ln d``. The *right* integral
+of a function psi is one over smaller distances, hence larger x, and the *left* one over larger
+distances (`abel`):
+
+    1/2 int_0^d psi(d') dd' / sqrt(d - d'),    1/2 int_d^1 psi(d') dd' / sqrt(d' - d).
+"""
 
 from __future__ import annotations
 
@@ -23,22 +30,23 @@ def sampled_series(panels: LogPanels, values: Array) -> LogSeries:
 
 
 def series_of(panels: LogPanels, coefficients: Array) -> LogSeries:
-    """Return the function that the coefficients stand for."""
+    """Return the function with these coefficients on the panels and the tail, (size,)."""
     tail = coefficients[-panels.tail_terms :]
-    form = panels.width, panels.power, panels.root_tail
-    return LogSeries(panels.table(coefficients), tail, *form)
+    return LogSeries(panels.table(coefficients), tail, panels.width, panels.power, panels.root_tail)
 
 
-class Transforms:
+class AbelTransforms:
     """Abel integrals of a function at the sampling points of its own panels, without a matrix.
 
-    In ``x`` they are convolutions: one row of blocks, kept for a set of panels, serves every panel
-    by a shift. Points are the panels', then the tail's.
+    But for a factor ``exp(-x/2)`` they are convolutions in x: the block from panel j to the points
+    of panel i depends on ``i - j`` alone. So one row of blocks serves every panel, shifted by whole
+    panels, and it is kept. The sampling points are those of the panels, farthest from the boundary
+    first, and then those of the tail.
 
     Parameters
     ----------
     panels : LogPanels
-        Without endpoint weight or root tail.
+        Without endpoint weight, and with a tail that is polynomial in d.
     """
 
     def __init__(self, panels: LogPanels) -> None:
@@ -46,55 +54,64 @@ class Transforms:
         self._x = panels.sampling()
 
     def abel_right(self, coefficients: Array) -> Array:
-        """Return the `abel_right` integral, (..., sampling points), of functions (..., size)."""
+        """Return the right integral, (..., sampling points), of functions (..., size)."""
         panels = self.panels
-        terms = self.panels.degree + 1
-        blocks, tail = self._right_blocks
-        count = panels.panels
+        terms = panels.degree + 1
+        blocks, tail_matrix = self._right_blocks
+        count = panels.count
         shape = coefficients.shape[:-1]
-        values = coefficients[..., count * terms :] @ tail.T
+        values = coefficients[..., count * terms :] @ tail_matrix.T
+        # The row of blocks leads from the last panel to the points of all panels. The j-th panel
+        # before the last one reaches the same points as far before its end, and the row leads
+        # there without its first j blocks.
         from_panels = coefficients[..., : count * terms].reshape(*shape, count, terms) @ blocks
         sums = from_panels[..., -1, :].copy()
-        size = sums.shape[-1]
+        points = sums.shape[-1]
         for j in range(1, count):
-            stop = size - j * panels.samples
-            sums[..., :stop] += from_panels[..., -1 - j, size - stop :]
-        values[..., :size] += np.exp(-0.5 * self._x).ravel() * sums
+            stop = points - j * panels.samples
+            sums[..., :stop] += from_panels[..., -1 - j, points - stop :]
+        values[..., :points] += np.exp(-0.5 * self._x).ravel() * sums
         return np.asarray(values)
 
     def abel_left(self, coefficients: Array) -> Array:
-        """Return the `abel_left` integral, (..., sampling points), of functions (..., size)."""
+        """Return the left integral, (..., sampling points), of functions (..., size)."""
         panels = self.panels
-        terms = self.panels.degree + 1
-        blocks, tail = self._left_blocks
-        count = panels.panels
+        terms = panels.degree + 1
+        blocks, tail_matrix = self._left_blocks
+        count = panels.count
         shape = coefficients.shape[:-1]
-        series = coefficients[..., : count * terms].reshape(*shape, count, terms)
-        scaled = series * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
+        panel_coefficients = coefficients[..., : count * terms].reshape(*shape, count, terms)
+        # the factor exp(-x/2) at the start of each panel; the rest of it is in the blocks
+        scaled = panel_coefficients * np.exp(-0.5 * panels.width * np.arange(count))[:, None]
+        # The row of blocks leads from the first panel to the points of all panels. Panel j reaches
+        # the points from its own on, and the row leads there without its last j blocks.
         from_panels = scaled @ blocks
         values = from_panels[..., 0, :].copy()
-        size = values.shape[-1]
+        points = values.shape[-1]
         for j in range(1, count):
             start = j * panels.samples
-            values[..., start:] += from_panels[..., j, : size - start]
-        return np.concatenate([values, coefficients @ tail.T], axis=-1)
+            values[..., start:] += from_panels[..., j, : points - start]
+        return np.concatenate([values, coefficients @ tail_matrix.T], axis=-1)
 
     @cached_property
     def _right_blocks(self) -> tuple[Array, Array]:
+        """The row of blocks, and the matrix from the tail's coefficients to all points."""
         panels = self.panels
         to_end = panels.width - self._x[0]
-        blocks = abel_right_blocks(to_end, panels.panels, panels.width, panels.degree)
+        blocks = abel_right_blocks(to_end, panels.count, panels.width, panels.degree)
         return _in_a_row(blocks[:, ::-1]), abel_right_tail(panels.sampling_distances, panels.end)
 
     @cached_property
     def _left_blocks(self) -> tuple[Array, Array]:
+        """The row of blocks, and the matrix from all coefficients to the points of the tail."""
         panels = self.panels
-        mesh = panels.panels, panels.width, panels.degree
-        blocks = abel_left_blocks(self._x[0], *mesh)
-        return _in_a_row(blocks), abel_left(panels.tail_sampling(), *mesh)
+        arguments = panels.count, panels.width, panels.degree
+        blocks = abel_left_blocks(self._x[0], *arguments)
+        return _in_a_row(blocks), abel_left(panels.tail_sampling(), *arguments)
 
 
-transforms = bounded_cache("Abel transforms", 12)(Transforms)
+#: `AbelTransforms`, cached.
+transforms = bounded_cache("Abel transforms", 12)(AbelTransforms)
 
 
 def _in_a_row(blocks: Array) -> Array:

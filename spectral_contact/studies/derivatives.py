@@ -15,10 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.equations.residuals import approach_slope
+from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import radii
 from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.scene_layer import refuse_layer
+from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import refuse_profile, refuse_unloaded
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -57,6 +59,9 @@ _ALL_STICKS: Final = "everything sticks"
 _BEGINS: Final = "one-sided, of full stick: slip begins here"
 _UNKNOWN: Final = "the zones are hardly known here"
 _RIGID: Final = "not computed without tangential compliance where zones move"
+#: What solutions with adhesion are differentiated by.
+_ADHESION: Final = "work_of_adhesion"
+_PULLS_OFF: Final = "not finite at pull-off"
 _SINGULAR: Final = "not computed on a smooth surface with coupling"
 _AT_ZERO: Final = "not finite at 0, where it grows like the logarithm"
 
@@ -153,12 +158,19 @@ def sensitivity(
     Raises
     ------
     SceneError
-        If it is no solution, or one under a profile; for a parameter that is not known, and for
-        radii that are not in [0, 1], or given twice.
+        If it is no solution, or one under a profile without adhesion; for a parameter that is not
+        known, and for radii that are not in [0, 1], or given twice.
     NotComputedError
         With elastic coupling, if no zones are found that obey the friction law.
     """
     scene = instance("solution", solution, Solution).scene
+    if scene.work_of_adhesion is not None:
+        if parameters is not None:
+            names("parameters", parameters, (_ADHESION,))
+        if s is not None or from_edge is not None:
+            told = "None with adhesion: scalars alone are differentiated"
+            raise SceneError("from_edge" if s is None else "s", from_edge if s is None else s, told)
+        return Sensitivity(scene, _by_adhesion(solution))
     known = _of_scene(scene)
     asked = known if parameters is None else names("parameters", parameters, known)
     refuse_profile(scene, "sensitivity")
@@ -170,6 +182,56 @@ def sensitivity(
         own = [PARAMETERS[known.index(name)] for name in asked]
         found = Sensitivity(scene, problem.derivatives(own), problem.fields(own))
     return found if scene.mismatch is None else _by_kappa(found)
+
+
+def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
+    """Return the derivatives of what is not given of load, approach and radius, by w.
+
+    With the pull d, the stiffness S at a fixed radius and K along the curve of states, they are
+
+        dP/dw = -S d/(2 w),  d delta/dw = -d/(2 w)                     at a given radius,
+        dP/dw = -d (S - K)/(2 w),  da/dw = d**2 (S - K)/(8 pi a w**2)  at a given approach,
+
+    where ``4 pi a w = d (S - K) d delta/da`` (docs/theory, Adhesion). At a given load the
+    derivative of the approach is that of the load over -K, and that of a has a factor ``S/K``.
+    """
+    scene, w = solution.scene, solution.scene.work_of_adhesion
+    assert w is not None
+    others = "load" if scene.load is None else "approach", "contact_radius"
+    if isinstance(scene.profile, Flat):  # whose radius does not change
+        return {(name, _ADHESION): Derivative(0.0, 0.0) for name in others}
+    a, stiffness, scales = solution.contact_radius, solution.stiffness, solution.error_scales
+    pull = (scales["approach"] - solution.approach) / 2.0
+    errors = {name: getattr(solution.error, name) or 0.0 for name in ("load", "approach")}
+    own = solution.error.stiffness or 0.0
+    off = errors["approach"] * scales["approach"] / pull + 2.0 * own + _ROUNDING
+    off += errors["load"] * scales["load"] / (stiffness * pull)
+    if scene.contact_radius is not None:
+        fixed = {"load": -stiffness * pull / (2.0 * w), "approach": -pull / (2.0 * w)}
+        return {(name, _ADHESION): Derivative(one, off) for name, one in fixed.items()}
+    try:
+        along = solution.stiffness_on_branch
+    except NotComputedError as error:
+        unknown = Derivative(math.nan, math.inf, error.reason)
+        return {(name, _ADHESION): unknown for name in others}
+    of_along = (solution.error.stiffness_on_branch or 0.0) * max(abs(along), stiffness)
+    softer = stiffness - along
+    if along == 0.0 if scene.approach is None else math.isinf(along):
+        unknown = Derivative(math.nan, math.inf, _PULLS_OFF)
+        return {(name, _ADHESION): unknown for name in others}
+    by_radius = pull**2 / (8.0 * math.pi * a * w**2)
+    if scene.approach is None:
+        share = stiffness / along - 1.0
+        values = pull * share / (2.0 * w), by_radius * stiffness * share
+        lost = 0.0 if math.isinf(along) else stiffness / along**2 / abs(share)
+        off += of_along * lost + 2.0 * own * (1.0 + 1.0 / abs(share))
+    else:
+        values = -pull * softer / (2.0 * w), by_radius * softer
+        off += (own * stiffness + of_along) / abs(softer)
+    return {
+        (name, _ADHESION): Derivative(one, 2.0 * off)
+        for name, one in zip(others, values, strict=True)
+    }
 
 
 def _of_scene(scene: Scene) -> tuple[str, ...]:
@@ -213,6 +275,8 @@ class _Slopes:
         self.own = Continuation(_TIGHT[0], wanted, _MOST_UNKNOWNS).solve(scene)
         zones = () if self.friction is None else self.own.zones
         self.kinds = tuple(zone.kind for zone in zones)
+        #: whether all slips, around a stick disk that is too small to be solved for
+        self.slips = self.kinds == ("slip",) and self.friction != 0.0
         self._known: tuple[SolutionSlopes, SolutionSlopes] | None = None
 
     @property
@@ -233,8 +297,7 @@ class _Slopes:
         return found
 
     def _derivative(self, quantity: str, name: str) -> Derivative:
-        scene = self.scene
-        if quantity == "approach" and not scene.couples:
+        if quantity == "approach" and not self._couples(name):
             return self._approach(name)
         known = self._known_number(quantity, name)
         if known is not None:
@@ -277,10 +340,23 @@ class _Slopes:
         value = approach_slope(lambda d: self.own.pressure(from_edge=d))
         return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + _ROUNDING)
 
+    def _couples(self, name: str) -> bool:
+        """Return whether a parameter moves pressure and approach by coupling.
+
+        Friction does so from none on, where there is no coupling yet.
+        """
+        first = name == "friction" and self.friction == 0.0 and self.scene.coupling
+        return self.scene.couples or first
+
     def _by_itself(self, name: str) -> tuple[float, str] | None:
         """Return what all derivatives by a parameter are and what is said of it, if known."""
         if self.friction == 0.0 and name != "friction":
             return 0.0, _ALL_SLIPS
+        uncoupled = name == "poisson_ratio" and not self.scene.couples
+        if self.slips and (name == "tangential_compliance" or uncoupled):
+            return 0.0, _ALL_SLIPS
+        if self.friction == 0.0:
+            return None
         if self.kinds == ("stick",) and name == "friction":
             return 0.0, self.note or _ALL_STICKS
         if getattr(self.scene, name) == 0.0 and name != "poisson_ratio":
@@ -289,11 +365,16 @@ class _Slopes:
 
     def _known_number(self, quantity: str, name: str) -> Derivative | None:
         """Return a derivative that follows without a system, or that there is none."""
-        if self.friction == 0.0 and name == "friction":
+        if self.friction == 0.0 and name == "friction" and quantity != "approach":
             # near the centre beta q = kappa s p / 2, which is f p at the rim
             rim = 2.0 * self.scene.tangential_compliance / self.scene.kappa
             value = 1.0 if quantity == "total_shear" else rim
             return Derivative(value, 0.0, "one-sided")
+        if self.slips and quantity == "stick_radius":
+            return Derivative(math.nan, math.inf, _UNKNOWN)
+        if self.slips and quantity == "total_shear":  # f, less what the disk lacks
+            error = self.own.error.total_shear or 0.0
+            return Derivative(float(name == "friction"), error, _ALL_SLIPS)
         if quantity == "stick_radius" and self.kinds == ("stick",):
             return Derivative(0.0, 0.0, self.note or _ALL_STICKS)
         known = self._by_itself(name)
@@ -327,11 +408,12 @@ class _Slopes:
 
     def _pressure(self, name: str) -> FieldDerivative:
         scene = self.scene
-        if not scene.couples and name != "normal_compliance":
+        couples = self._couples(name)
+        if not couples and name != "normal_compliance":
             return self._constant(0.0)
         if scene.normal_compliance == 0.0:
-            return self._constant(math.nan, _SINGULAR if scene.couples else _NOT_AT_ZERO)
-        known = self._by_itself(name) if scene.couples else None
+            return self._constant(math.nan, _SINGULAR if couples else _NOT_AT_ZERO)
+        known = self._by_itself(name) if couples else None
         return self._constant(*known) if known else self._compared("pressure", name)
 
     def _traction(self, name: str) -> FieldDerivative:
@@ -360,7 +442,8 @@ class _Slopes:
         known = np.isfinite(best)
         if quantity == "traction":
             known &= ~self._at_a_boundary(*both)
-        off = np.abs(best - other) / np.where(size > 0.0, size, 1.0)
+        differences = np.subtract(best, other, out=np.zeros(best.shape), where=known)
+        off = np.abs(differences) / np.where(size > 0.0, size, 1.0)
         share = _SAFETY * float(off[known].max(initial=0.0)) + 10.0 * _ROUNDING
         inherited = np.zeros(len(best))
         if name == "poisson_ratio" and quantity == "traction" and not self.scene.couples:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
-from spectral_contact.contact.tuning import ROUNDING, TRACTION_ROUNDING
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.spectral.cache import BoundedCache
 from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum
@@ -33,7 +33,7 @@ _STICK_DEGREES: Final = ((1e-8, 14), (0.0, 18))
 _EDGE_SAFETY, _CRITICAL_SAFETY = 4.0, 8.0
 #: Rounding of the edge ratio, 1.5e-13 with one LAPACK where the sample was 1e-14, and of the
 #: largest ratio, which is found among hundreds of places and their rounding.
-_EDGE_ROUNDING, _CRITICAL_ROUNDING = 100.0 * ROUNDING, TRACTION_ROUNDING
+_EDGE_ROUNDING, _CRITICAL_ROUNDING = 100.0 * ROUNDING, 110.0 * ROUNDING
 #: Rounding at the edge times the root of the tangential compliance, where the sample shows nothing
 #: if both degrees have it: up to 1.7 in 2000 scenes at degree 20.
 _THIN_ROUNDING = 3.0 * ROUNDING

@@ -19,6 +19,7 @@ import numpy as np
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST, WORTH, Curves, Placed, nodes_needed
+from spectral_contact.fields.shakedown import shakedown
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import Request, Served
 from spectral_contact.sweeps.sweep_parameters import Columns, Indices
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 #: What is proportional to kappa at the same ``f/kappa``.
 _AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
 #: What is known between solved frictions.
-_KNOWN: Final = _AS_KAPPA | {"approach", "stick_radius", "total_shear"}
+_KNOWN: Final = _AS_KAPPA | {"approach", "stick_radius", "total_shear", "shakedown_ratio"}
 
 
 def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
@@ -76,12 +77,19 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
         if curves.settled(request.rtol):
             values, errors = _disks(curves.where(np.log(ratio[inner])))
             values["total_shear"] *= friction[inner] * np.sign(columns.kappa[inner])
+            values["shakedown_ratio"], errors["shakedown_ratio"] = shakedown(
+                one.critical_friction / abs(one.scene.kappa),
+                one.error.critical_friction or 0.0,
+                ratio[inner],
+            )
             for name in frozenset(request.quantities) - frozenset(values):  # at any friction
                 scale = kappa[inner] / abs(one.scene.kappa) if name in _AS_KAPPA else 1.0
                 values[name] = np.full(size - 2, float(getattr(one, name))) * scale
                 errors[name] = np.full(size - 2, float(getattr(one.error, name)))
             asked = request.quantities
-            if all((errors[name] <= request.rtol).all() for name in asked):
+            # next to the critical friction the shakedown ratio has fewer digits, solved or not
+            bound = frozenset(asked) - {"shakedown_ratio"}
+            if all((errors[name] <= request.rtol).all() for name in bound):
                 mask[inner] = True
                 return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
         found = solver.at_radius(curves.next())
@@ -121,7 +129,8 @@ def _ends(ratio: Array, sticky: bool, solver: OnLine) -> _Ends | None:
         # an edge that full stick does not make slip: slip is inside, and a solution tells no more
         if sticky and alone and 0.0 < alone[0].edge_ratio < ratio[i] * abs(alone[0].scene.kappa):
             return False
-        found = solver.at_scene(i, ("stick_radius", "zones", *["edge_ratio"] * sticky))
+        more = "stick_radius", "zones", "critical_friction", *["edge_ratio"] * sticky
+        found = solver.at_scene(i, more)
         if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):
             return False
         alone[i] = found

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.fields import Array
+from spectral_contact.fields.shakedown import shakedown
+from spectral_contact.quantities import FULL_STICK_RATIOS
 from spectral_contact.sweeps.error_maps import certified_normal, certified_stick
 from spectral_contact.sweeps.request import Request, Served
 from spectral_contact.sweeps.sweep_parameters import Columns
@@ -15,7 +17,6 @@ from spectral_contact.sweeps.sweep_parameters import Columns
 Mask = NDArray[np.bool_]
 
 _NORMAL: Final = frozenset({"approach", "pressure"})
-_RATIOS: Final = frozenset({"edge_ratio", "critical_friction"})
 #: These need to know that there is no slip.
 _STICKING: Final = frozenset({"total_shear", "stick_radius"})
 #: Below this compliance the layers are so thin that pointwise values need what `solve` does for
@@ -29,15 +30,15 @@ def eligible(columns: Columns, request: Request) -> Mask:
     alpha, beta, friction = columns.values[1:4]
     mask: Mask = (alpha > 0.0) & ~columns.coupled & columns.at_largest_load
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
-    if asked & _RATIOS:
+    if asked & FULL_STICK_RATIOS:
         mask &= ~thin
     elif asked & _STICKING:  # whether there is slip hangs on the ratios, too
         mask &= ~thin | (friction == np.inf)
-    if not asked <= _NORMAL | _RATIOS | _STICKING:
+    if not asked <= _NORMAL | FULL_STICK_RATIOS | _STICKING:
         mask[:] = False
     if "pressure" in asked and not request.at_edge_alone:
         mask[:] = False
-    if asked & (_RATIOS | _STICKING):  # NaN, no friction, compares False
+    if asked & (FULL_STICK_RATIOS | _STICKING):  # NaN, no friction, compares False
         mask &= (beta > 0.0) & (columns.kappa != 0.0) & (friction >= 0.0)
     return mask
 
@@ -53,10 +54,12 @@ def served(columns: Columns, request: Request) -> Served:
         if asked & _NORMAL:
             _normal(some, values, errors)
         sure = np.ones(len(some), dtype=bool)
-        if asked & (_RATIOS | _STICKING):
+        if asked & (FULL_STICK_RATIOS | _STICKING):
             sure = _full_stick(some, request, values, errors)
         for name in asked:
-            sure &= errors[name] <= request.rtol
+            # next to the critical friction the shakedown ratio has fewer digits, solved or not
+            bound = "critical_friction" if name == "shakedown_ratio" else name
+            sure &= errors[bound] <= request.rtol
         mask[mask] = sure
         values = {name: values[name][sure] for name in asked}
         errors = {name: errors[name][sure] for name in asked}
@@ -85,8 +88,11 @@ def _full_stick(
     asked = frozenset(request.quantities)
     sticks = friction == np.inf
     doubtful = bool(asked & _STICKING) and not sticks.all()
-    if "critical_friction" in asked or doubtful:
+    if not asked.isdisjoint(("critical_friction", "shakedown_ratio")) or doubtful:
         critical, lost = stick.critical(alpha, beta, edge)
         values["critical_friction"], errors["critical_friction"] = kappa * critical, lost
+        values["shakedown_ratio"], errors["shakedown_ratio"] = shakedown(
+            kappa * critical, lost, friction
+        )
         sticks |= friction > kappa * critical * (1.0 + 2.0 * lost)
     return sticks if asked & _STICKING else np.ones(len(columns), dtype=bool)

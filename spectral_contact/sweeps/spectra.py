@@ -91,7 +91,7 @@ class StickSpectrum:
         own = self.modes[space.index]
         #: what a mode of the pressure demands of a mode of the traction, (tangential, normal)
         self.coupling = own.T @ space.moments(self._targets(space.y)).T
-        self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.place] @ own
+        self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.function] @ own
         tail = self.panels.tail_terms
         #: Legendre polynomials at -1
         self._signs = (-1.0) ** np.arange(degree + 1)

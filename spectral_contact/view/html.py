@@ -122,6 +122,9 @@ def of_gold(one: GoldSolution) -> str:
         value, error = getattr(one, name), getattr(one.error, name)
         if value is not None and error is not None:
             rows.append((name.replace("_", " "), str(value), f"{error:.1e}"))
+    if one.approach_bounds is not None:
+        lower, upper = one.approach_bounds
+        rows.append(("approach, proved", f"in [{lower}, {upper}]", ""))
     return _block(
         [of_scene(one.scene), table_html(rows), zones_svg(one.zones) if one.zones else ""]
     )

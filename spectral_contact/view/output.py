@@ -192,7 +192,8 @@ class Output(Suggesting):
         ----------
         parameters : iterable of str, optional
             Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
-            ``"poisson_ratio"``, dimensionless; by default all.
+            ``"poisson_ratio"``, dimensionless; by default all. With adhesion those of load,
+            approach and contact radius by ``"work_of_adhesion"``.
         s, from_edge : array_like, optional
             Radii in [0, 1], or distances from the edge, for derivatives of pressure and traction;
             by default there are none.
@@ -208,7 +209,8 @@ class Output(Suggesting):
         Raises
         ------
         SceneError
-            For another parameter, a radius outside [0, 1], or a scene with a profile.
+            For another parameter, a radius outside [0, 1], or a scene with a profile, unless it
+            has adhesion.
         NotComputedError
             With elastic coupling, if no zones are found that obey the friction law.
         """

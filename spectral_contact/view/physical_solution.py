@@ -152,6 +152,11 @@ class PhysicalSolution(choices.Suggesting):
         return self.solution.critical_friction
 
     @property
+    def shakedown_ratio(self) -> float:
+        """Lowest load over the largest one down to which cycles stop slipping, dimensionless."""
+        return self.solution.shakedown_ratio
+
+    @property
     def zones(self) -> tuple[Zone, ...]:
         """Stick and slip zones, radii in m."""
         a = self.radius

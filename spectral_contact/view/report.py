@@ -285,8 +285,8 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [(title, "value", "error estimate")]
     for row in rows:
         unit = "" if row.value is None else row.unit
-        value = f"{_digits(row.value, row.own_error)} {unit}".rstrip()
-        cells.append((row.label, value, "-" if row.value is None else _estimate(row.error)))
+        value = f"{digits_text(row.value, row.own_error)} {unit}".rstrip()
+        cells.append((row.label, value, "-" if row.value is None else estimate_text(row.error)))
     return cells
 
 
@@ -304,10 +304,14 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     for zone in zones:
         radii = (zone.inner, zone.outer, zone.outer_from_edge)
         cells.append(
-            (_zone_text(zone), *(_digits(r, estimate) for r in radii), _estimate(estimate))
+            (
+                _zone_text(zone),
+                *(digits_text(r, estimate) for r in radii),
+                estimate_text(estimate),
+            )
         )
     if solution.scene.physical is not None:
-        metres = (_digits(zone.outer, estimate) for zone in solution.physical.zones)
+        metres = (digits_text(zone.outer, estimate) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
     return cells
 
@@ -340,7 +344,7 @@ def _indented(text: str) -> str:
     return "\n".join(f"  {line}" for line in text.splitlines())
 
 
-def _digits(value: float | None, error: float | None) -> str:
+def digits_text(value: float | None, error: float | None) -> str:
     """Return a value with the digits that its error leaves it, and one more."""
     if value is None:
         return "none"
@@ -353,7 +357,8 @@ def _digits(value: float | None, error: float | None) -> str:
     return f"{value:.{min(digits, 17)}g}"
 
 
-def _estimate(error: float | None) -> str:
+def estimate_text(error: float | None) -> str:
+    """Return the estimate of an error; "-" if there is none."""
     if error is None:
         return "-"
     if error == 0.0:

@@ -24,8 +24,8 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
     known_pressure_parts = zone_problem.known_pressure_spaces
 
     def enlarged(space):
-        count = space.panels.panels + more
-        panels = replace(space.panels, panels=count, degree=degree)
+        count = space.panels.count + more
+        panels = replace(space.panels, count=count, degree=degree)
         return space._replace(panels=panels, degrees=(degree,) * count)
 
     def larger(layer, tolerance):
@@ -59,9 +59,9 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
 def condition_numbers() -> Iterator[dict[str, float]]:
     """Collect the condition of the last scaled matrix of each kind that the solver factors."""
     found: dict[str, float] = {}
-    last: dict[str, regularised.Regularised] = {}
+    last: dict[str, regularised.RegularisedProblem] = {}
     pairs: list[np.ndarray] = []
-    systems: list[factors.Factored] = []
+    systems: list[factors.FactoredSystem] = []
 
     class RecordedCholesky(Cholesky):
         def __init__(self, matrix):
@@ -69,19 +69,19 @@ def condition_numbers() -> Iterator[dict[str, float]]:
             pairs[:] = [matrix * scale * scale[:, None]]
             super().__init__(matrix)
 
-    class Recorded(regularised.Regularised):
+    class Recorded(regularised.RegularisedProblem):
         def __init__(self, space, compliance):
             super().__init__(space, compliance)
             last["T" if space.shear else "N"] = self
 
-    class RecordedSystem(factors.Factored):
+    class RecordedSystem(factors.FactoredSystem):
         def __init__(self, system):
             super().__init__(system)
             systems[:] = [self]
 
     with (
-        mock.patch.object(regularised, "Regularised", Recorded),
-        mock.patch.object(factors, "Factored", RecordedSystem),
+        mock.patch.object(regularised, "RegularisedProblem", Recorded),
+        mock.patch.object(factors, "FactoredSystem", RecordedSystem),
         mock.patch.object(factors, "Cholesky", RecordedCholesky),
     ):
         yield found

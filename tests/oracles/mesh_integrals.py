@@ -12,12 +12,12 @@ def half_integral(mesh, points):
     matrix = np.zeros((len(e), p.size))
     if mesh.sign < 0:
         rows = e > 0.0
-        matrix[rows] = abel_right(e[rows], p.panels, p.width, p.degree, p.power)
+        matrix[rows] = abel_right(e[rows], p.count, p.width, p.degree, p.power)
     else:
         rows = e >= 0.0
-        matrix[rows] = abel_exterior(e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_exterior(e[rows], p.count, p.width, p.degree)
         rows = (e < 0.0) & (e >= -1.0)
-        matrix[rows] = abel_left(-e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_left(-e[rows], p.count, p.width, p.degree)
     return matrix * np.sqrt(mesh.extent)
 
 
@@ -27,12 +27,12 @@ def inner_integral(mesh, points):
     matrix = np.zeros((len(e), p.size))
     if mesh.sign < 0:
         rows = e <= 0.0
-        matrix[rows] = abel_exterior(-e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_exterior(-e[rows], p.count, p.width, p.degree)
         rows = (e > 0.0) & (e <= 1.0)
-        matrix[rows] = abel_left(e[rows], p.panels, p.width, p.degree, p.power)
+        matrix[rows] = abel_left(e[rows], p.count, p.width, p.degree, p.power)
     else:
         rows = e < 0.0
-        matrix[rows] = abel_right(-e[rows], p.panels, p.width, p.degree)
+        matrix[rows] = abel_right(-e[rows], p.count, p.width, p.degree)
     return matrix * np.sqrt(mesh.extent)
 
 

@@ -117,7 +117,7 @@ def lift_case(resolution: DiscreteSpace, compliance: float, number: int) -> Case
         return 4 / mp.pi / mp.sqrt(d + shift)
 
     own = basis(panels, number, degrees, extra=lift)
-    order = [*range(panels.panels), TAIL]
+    order = [*range(panels.count), TAIL]
 
     def exact(density):
         column = mp.matrix(moments(own, density)[:2])

@@ -216,7 +216,7 @@ def basis(panels, number, degrees, place=None, extra=None):
     With `extra` one more function of ``d`` joins them.
     """
     width, power = mp.mpf(panels.width), mp.mpf(panels.power)
-    end = mp.exp(-panels.panels * width)
+    end = mp.exp(-panels.count * width)
     polynomials = [legendre(degree) for degree in degrees]
 
     def argument(d):
@@ -236,5 +236,5 @@ def basis(panels, number, degrees, place=None, extra=None):
 
 def rows(panels, number, degrees):
     """Return the places of these basis functions in the matrices."""
-    number = panels.panels if number < 0 else number
+    number = panels.count if number < 0 else number
     return [number * (panels.degree + 1) + k for k in degrees]

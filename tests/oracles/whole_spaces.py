@@ -8,7 +8,7 @@ from spectral_contact.spectral.spaces import Space, unit_space
 
 def whole_space(panels: LogPanels, kind: str = "normal") -> Space:
     """Return the space of K1 ("normal") or K2 ("tangential") with every degree."""
-    return unit_space(panels, (panels.degree,) * panels.panels, shear=kind == "tangential")
+    return unit_space(panels, (panels.degree,) * panels.count, shear=kind == "tangential")
 
 
 def ordered(space: Space, matrix: np.ndarray) -> np.ndarray:

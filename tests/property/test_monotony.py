@@ -27,7 +27,7 @@ BORROWED = 24
 
 meshes = st.builds(
     LogPanels,
-    panels=st.integers(2, 14),
+    count=st.integers(2, 14),
     width=st.sampled_from([1.0, 1.5, 2.0]),
     degree=st.integers(3, 16),
 )
@@ -37,14 +37,14 @@ meshes = st.builds(
 @given(meshes, powers_of_ten(-10, 6), st.data())
 def test_projections_are_symmetric_and_definite(panels, compliance, data):
     shear = data.draw(st.booleans())
-    space = unit_space(panels, (panels.degree,) * panels.panels, shear=shear)
+    space = unit_space(panels, (panels.degree,) * panels.count, shear=shear)
     gram, mass = space.gram, space.mass
     scale = 1 / np.sqrt(gram.diagonal())
     assert np.all(np.abs(gram - gram.T) * scale * scale[:, None] <= 1e-14)
     matrix = compliance * mass + gram
     scale = 1 / np.sqrt(matrix.diagonal())
     assert np.linalg.eigvalsh(matrix * scale * scale[:, None])[0] > 0
-    degrees = tuple(data.draw(st.integers(0, panels.degree)) for _ in range(panels.panels))
+    degrees = tuple(data.draw(st.integers(0, panels.degree)) for _ in range(panels.count))
     unit_space(panels, degrees, shear=shear).factor(compliance)  # raises if it is not
 
 
@@ -54,7 +54,7 @@ def test_the_approach_of_nested_spaces_decreases(compliance):
     panels = LogPanels(max(math.ceil((20 - math.log(compliance)) / 2), 2), 2.0, 10)
     approaches = []
     for degree in range(0, 10):
-        space = unit_space(panels, (degree,) * panels.panels)
+        space = unit_space(panels, (degree,) * panels.count)
         unit = space.factor(compliance).solve(2.0)
         moment = 2.0 * float(space.constant_moments @ unit[space.index])
         approaches.append(1.0 / (2.0 * math.pi * moment))

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from oracles.adhesive_rings import Rings
+from scipy.optimize import brentq
 
 from spectral_contact import (
     NotComputedError,
@@ -83,6 +84,28 @@ def test_famous_loads_of_pull_off_come_out():
     kendall = closed_forms.flat_pull_off(1.5, 0.2)
     assert flat.load == pytest.approx(kendall.load, rel=1e-14)
     assert flat.approach == pytest.approx(kendall.approach, rel=1e-14)
+
+
+@pytest.mark.parametrize("control", ["load", "approach"])
+@pytest.mark.parametrize("adhesion", [0.3, 10.0, 100.0])
+def test_a_sphere_comes_off_next_to_its_equator(adhesion, control):
+    """delta_0 = a artanh a, P_0 = 4 ((1 + a**2) artanh a - a), less pulls of the root of a."""
+
+    def rate(a):
+        approach = math.atanh(a) + a / (1.0 - a * a)
+        pull = math.sqrt(math.pi * adhesion / (8.0 * a))
+        return approach - pull if control == "approach" else approach - 1.5 * 2.0 * pull
+
+    a = brentq(rate, 1e-6, 1.0 - 1e-9, xtol=1e-15)
+    pull = math.sqrt(math.pi * a * adhesion / 2.0)
+    true = a * math.atanh(a) - pull
+    if control == "load":
+        true = 4.0 * ((1.0 + a * a) * math.atanh(a) - a) - 8.0 * a * pull
+    last = pull_off(sticky(0.0, adhesion, profiles.Sphere(1.0), load=0.0), control)
+    assert off(getattr(last, control), true, last.error_scales[control]) <= getattr(
+        last.error, control
+    )
+    assert abs(last.contact_radius / a - 1.0) <= last.error.contact_radius + 4e-16 < 1e-8
 
 
 def test_many_digits_on_a_smooth_surface_are_the_closed_form():

@@ -323,7 +323,7 @@ def test_an_estimate_that_one_tolerance_reaches_every_looser_one_does(scene, rto
 
 def test_next_to_the_critical_friction_the_error_of_the_slip_says_that_it_is_not_known():
     critical = solve(Scene(0.3, 0.5, 0.2, math.inf, coupling=True), 1e-12).critical_friction
-    just = solve(Scene(0.3, 0.5, 0.2, (1.0 - 1e-10) * critical, coupling=True), 1e-8)
+    just = solve(Scene(0.3, 0.5, 0.2, (1.0 - 1e-11) * critical, coupling=True), 1e-8)
     assert just.stick_radius == pytest.approx(1.0, abs=1e-9)
     assert just.error.slip > 0.01
 

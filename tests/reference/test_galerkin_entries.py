@@ -136,7 +136,7 @@ def test_mass_entries(kind, number):
 
 
 def test_mass_is_block_diagonal():
-    owner = np.minimum(np.arange(PLAIN.size) // (PLAIN.degree + 1), PLAIN.panels)
+    owner = np.minimum(np.arange(PLAIN.size) // (PLAIN.degree + 1), PLAIN.count)
     apart = owner[:, None] != owner
     for kind in KINDS:
         space = whole_space(PLAIN, kind)

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from spectral_contact import Scene, profiles, solve
+from spectral_contact import Scene, layers, profiles, solve
 from spectral_contact import closed_forms as exact
 from spectral_contact.equations.residuals import load as integrated_load
 from spectral_contact.equations.residuals import normal_displacement
@@ -143,6 +143,44 @@ def test_the_approach_of_a_rounded_flat_has_all_digits_past_its_corner(past):
         truth = a * (root - b * mp.acos(b / mp.mpf(a))) / mp.mpf(0.2)
         error = float(abs(solution.approach / truth - 1))
     assert error <= solution.error.approach < 1e-14
+
+
+#: Layer, and load and approach of a unit sphere, by `precise.reference` on meshes of its own. The
+#: half-integral has its pole as close as the equator; the second one is pulled.
+LAYER = {"normal_compliance": 0.1}
+PULLED = {"normal_compliance": 10.0, "work_of_adhesion": 0.1}
+LAW = {"layer": layers.PowerLaw(0.1, 2.0)}
+NEXT_TO_EQUATOR = {
+    "1e-15": (LAYER, 1e-15, 9.20260082790005795, 1.89329404932305394),
+    "adhesion": (PULLED, 1e-12, -0.233241729112977984, -0.439443237925986208),
+    "law": (LAW, 1e-9, 0.152869207833101377, 1.01373513343558437),
+}
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("name", NEXT_TO_EQUATOR)
+def test_a_layer_next_to_the_equator_of_a_sphere(name, rtol):
+    """Spaces that were not graded to the pole lacked up to 2e-6, above their estimates."""
+    given, short, load, approach = NEXT_TO_EQUATOR[name]
+    scene = Scene(0.3, profile=profiles.Sphere(1.0), contact_radius=1.0 - short, **given)
+    found = solve(scene, rtol, strict=False)
+    sizes = {"load": load, "approach": approach, **found.error_scales}
+    assert found.converged
+    assert abs(found.load - load) <= found.error.load * sizes["load"]
+    assert abs(found.approach - approach) <= found.error.approach * sizes["approach"]
+
+
+@pytest.mark.parametrize("name", ["1e-15", "law"])
+@pytest.mark.parametrize("known", ["load", "approach"])
+def test_what_a_radius_next_to_the_equator_adds_has_room(name, known):
+    """The slope of the pressure at the edge, which tells how far off the radius is, was too low."""
+    given, short, load, approach = NEXT_TO_EQUATOR[name]
+    values = {"load": load, "approach": approach}
+    scene = Scene(0.3, profile=profiles.Sphere(1.0), **{known: values[known]}, **given)
+    found = solve(scene, 1e-8, strict=False)
+    assert abs(found.contact_radius - (1.0 - short)) <= found.error.contact_radius + 1e-16
+    for one, value in values.items():
+        assert abs(getattr(found, one) / value - 1.0) <= getattr(found.error, one) + 1e-15, one
 
 
 def test_a_thin_layer_tends_to_hertz_as_its_series_says():

@@ -100,6 +100,16 @@ def test_a_kinked_profile_of_its_own_series():
     assert found.height(1.0) == b**2 / 2 + 1.5 * b
 
 
+def test_a_pulled_sphere_next_to_its_equator_has_no_gap_beyond_it():
+    """Meshes were not graded to the pole at the equator, and the gap looked at was the approach."""
+    sphere = {"profile": profiles.Sphere(1.0), "contact_radius": 1.0 - 1e-12}
+    scene = Scene(0.3, 10.0, work_of_adhesion=0.1, **sphere)
+    double = solve(scene, 1e-8)
+    for name in ("load", "approach"):
+        off = abs(getattr(double, name) - getattr(solved(scene), name))
+        assert off <= getattr(double.error, name) * double.error_scales[name]
+
+
 def test_what_it_does_not_know_is_refused(monkeypatch):
     with pytest.raises(NotComputedError, match="normal contact alone"):
         reference(Scene(0.3, 0.1, 0.1, 0.2, profile=profiles.Parabola(1.0), load=1.0))

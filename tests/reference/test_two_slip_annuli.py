@@ -43,7 +43,7 @@ def contact():
     """Return the pressure as normal contact hands it on."""
     points = PANELS.degree + 1
     g, _ = gauss_rule(points)
-    y = np.exp(-PANELS.width * (np.arange(PANELS.panels)[:, None] + (1.0 + g) / 2.0))
+    y = np.exp(-PANELS.width * (np.arange(PANELS.count)[:, None] + (1.0 + g) / 2.0))
     table = pressure(y / (1.0 + np.sqrt(1.0 - y))) @ legendre_expansion_matrix(points, points - 1).T
     tail = np.zeros(PANELS.tail_terms)
     tail[0] = 1.0 / np.pi

@@ -358,7 +358,7 @@ def test_a_plot(capsys, tmp_path):
         (["--nu", "0.3"], "unrecognized arguments: --nu 0.3; did you mean --poisson-ratio? (see "),
         (["--tol=1e-3"], "; did you mean --rtol? (see "),
         (["--quantites=approach"], "; did you mean --quantities? (see "),
-        (["--quantities", "aproach"], "critical_friction; did you mean approach?"),
+        (["--quantities", "aproach"], "shakedown_ratio; did you mean approach?"),
         (["more"], "more"),
         (["--radius", "1"], "SI input needs --youngs-modulus"),
         (["--load", "1"], "SI input needs --youngs-modulus and --poisson-ratio and --radius"),

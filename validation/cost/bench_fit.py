@@ -18,8 +18,9 @@ from time import process_time
 
 import numpy as np
 
-from spectral_contact import Scene, fit, layers, profiles
+from spectral_contact import Scene, fit, layers, profiles, pull_off
 from spectral_contact.calibration import IndentationData
+from spectral_contact.calibration.adhesive_fits import BranchLoads
 from spectral_contact.calibration.indentation_curve import curve_loads
 from spectral_contact.calibration.layered_fits import layered_loads
 from spectral_contact.layers.scene_layer import in_own_units
@@ -27,7 +28,7 @@ from spectral_contact.layers.scene_layer import in_own_units
 RESULTS = Path(__file__).parents[1] / "results"
 ROUNDS = 3
 MODULUS, RADIUS, COMPLIANCE = 4e3, 2.5e-6, 1e-10
-NOISE = 2e-11
+NOISE, ADHESION = 2e-11, 5e-5
 LAW = layers.Exponential(100.0, 2e-8)
 #: points, layer, free parameters, tolerance, goal in U
 CASES = (
@@ -42,6 +43,14 @@ CASES = (
         170.0,
     ),
     (10_000, "exponential", ("reduced_modulus", "zero_point"), 1e-6, None),
+    (10_000, "none, adhesion", ("reduced_modulus", "work_of_adhesion", "zero_point"), 1e-10, 170.0),
+    (
+        10_000,
+        "linear, adhesion",
+        ("reduced_modulus", "normal_compliance", "work_of_adhesion", "zero_point"),
+        1e-10,
+        170.0,
+    ),
 )
 _DENSE = np.random.default_rng(0).standard_normal((1000, 1000))
 _RIGHT = np.ones(1000)
@@ -58,10 +67,17 @@ def curve(points: int, layer: str, seed: int) -> IndentationData:
     """Return a noisy curve, a third of it in contact."""
     depth, quarter = np.linspace(-1e-6, 5e-7, points), MODULUS / 4.0
     tip = profiles.Sphere(RADIUS)
-    if layer == "exponential":
+    compliance = COMPLIANCE if "linear" in layer else 0.0
+    if "adhesion" in layer:
+        last = pull_off(start(layer)).physical.approach
+        load = np.zeros(points)
+        found = BranchLoads(tip, 1e-10).loads(
+            depth[depth >= last], compliance * quarter, ADHESION / quarter
+        )
+        load[depth >= last] = found.value
+    elif layer == "exponential":
         load = layered_loads(tip, in_own_units(LAW, quarter), depth, 1e-7).value
     else:
-        compliance = COMPLIANCE if layer == "linear" else 0.0
         load = curve_loads(tip, depth, compliance * quarter, 1e-10)[:, 0]
     noise = NOISE * np.random.default_rng(seed).standard_normal(points)
     return IndentationData(depth, quarter * load + noise)
@@ -70,9 +86,11 @@ def curve(points: int, layer: str, seed: int) -> IndentationData:
 def start(layer: str) -> Scene:
     """Return where a fit starts."""
     known = {"reduced_modulus": 2e3, "profile": profiles.Sphere(RADIUS), "load": 1e-9}
+    if "adhesion" in layer:
+        known |= {"work_of_adhesion": ADHESION}
     if layer == "exponential":
         return Scene.from_physical(**known, layer=LAW)
-    return Scene.from_physical(**known, normal_compliance=5e-11 * (layer == "linear"))
+    return Scene.from_physical(**known, normal_compliance=5e-11 * ("linear" in layer))
 
 
 def timed(points: int, layer: str, free: tuple[str, ...], rtol: float, seed: int) -> float:

@@ -52,11 +52,11 @@ class Truth(AdhesiveCurve):
         problem = Better(*given, pointwise=pointwise, adhesion=self.adhesion)
         return refine(problem, 1e-11, 20_000)
 
-    def glance(self, radius: float) -> Indentation:
+    def values_only(self, radius: float) -> Indentation:
         """Return the state of a radius."""
-        known = self._glances.get(radius)
+        known = self._values_only.get(radius)
         if known is None:
-            known = self._glances[radius] = value_of(self.at(radius))
+            known = self._values_only[radius] = value_of(self.at(radius))
         return known
 
 

@@ -25,7 +25,7 @@ COMPLIANCES = (0.5, 1e-2, 1e-4)
 def bracket(compliance: float, degree: int) -> tuple[float, float]:
     """Return both bounds from degree p."""
     panels = LogPanels(math.ceil((30.0 - math.log(compliance)) / 2.0), 2.0, max(DEGREES))
-    space = unit_space(panels, (degree,) * panels.panels)
+    space = unit_space(panels, (degree,) * panels.count)
     unit = space.factor(compliance).solve(2.0)
     moment = 2.0 * float(space.constant_moments @ unit[space.index])
     approach = 1.0 / (2.0 * math.pi * moment)

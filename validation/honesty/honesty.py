@@ -27,6 +27,7 @@ STRATA = {
     "profiles": ("profiles", "frictionless contact under profiles"),
     "adhesion": ("adhesion", "adhesive contact under profiles, and its pull-off"),
     "unloading": ("unloading", "the first unloading of flat punches"),
+    "cycles": ("cycles", "steady loops of a load that cycles"),
     "growing": ("growing", "friction under growing contacts"),
     "growing_together": ("growing_together", "the same with elastic coupling"),
     "layers": ("layers", "nonlinear layers"),

@@ -21,7 +21,7 @@ from honesty_table import Outcome, Stratum, command, decade, in_turn
 from spectral_contact import profiles
 from spectral_contact.contact import indented
 from spectral_contact.contact.contact_radius import find_radius
-from spectral_contact.contact.indented import glance, solve_indentation
+from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -96,7 +96,7 @@ def ratios(rng: np.random.Generator) -> Outcome:
             load=load,
             approach=approach,
             pointwise=True,
-            first=lambda a: glance(profile, a, compliance, tolerance, 20_000),
+            first=lambda a: values_only(profile, a, compliance, tolerance, 20_000),
         )
         value = searched.best.value if isinstance(searched, Refinement) else searched
         compared.append(_compared(value, truth, off))

@@ -53,7 +53,7 @@ MESHES = {
     "1e-6, weight": THIN._replace(panels=replace(THIN.panels, power=-0.5)),
     # half-integer powers fall too slowly to taper panels above a root tail
     "1e-6, root tail": DiscreteSpace(
-        replace(THIN.panels, panels=12, root_tail=True), (*THIN.degrees[:11], THIN.degrees[0])
+        replace(THIN.panels, count=12, root_tail=True), (*THIN.degrees[:11], THIN.degrees[0])
     ),
 }
 LIFTED = 1e-6

@@ -29,7 +29,7 @@ import numpy as np
 from bench_solve import dense_solve
 
 from spectral_contact import Scene, SpectralContactError, solve
-from spectral_contact.contact.active_set import RingLaw, RingLayout, ring_layout
+from spectral_contact.contact.active_set import RingLayout, RingSystem, ring_layout
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -67,12 +67,12 @@ def layout(scene: Scene, rings: int, splits: int = 2) -> RingLayout:
     assert scene.friction is not None
     compliances = scene.normal_compliance, scene.tangential_compliance
     parameters = Parameters(*compliances, scene.kappa, scene.friction)
-    return ring_layout(parameters, coupled=scene.coupling, rings=rings, splits=splits)
+    return ring_layout(parameters, coupled=scene.coupling, first_rings=rings, splits=splits)
 
 
 def counted(scene: Scene, rings: int, splits: int = 2) -> tuple[RingLayout, int]:
     """Return the zones of a scene on rings, and how many systems they take."""
-    with patch.object(RingLaw, "solve", autospec=True, side_effect=RingLaw.solve) as solved:
+    with patch.object(RingSystem, "solve", autospec=True, side_effect=RingSystem.solve) as solved:
         found = layout(scene, rings, splits)
     return found, solved.call_count
 
@@ -85,15 +85,15 @@ def compare(scene: Scene, solution: Any, rings: int, splits: int = 2) -> Row:
     row: Row = {
         "rings": rings,
         "splits": splits,
-        "used": len(found.on_rings.states),
+        "used": len(found.ring_state.states),
         "right": right,
     }
     row |= {
         "settled": found.converged,
-        "positive": found.on_rings.positive,
+        "positive": found.ring_state.pressure_is_positive,
         "iterations": systems,
     }
-    row["approach"] = found.on_rings.approach / solution.approach - 1.0
+    row["approach"] = found.ring_state.approach / solution.approach - 1.0
     if right:
         ends = [Radius(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]]
         pairs = zip(found.boundaries, ends, strict=True)
@@ -149,7 +149,7 @@ def onsets() -> list[Row]:
                 row: Row = {"kind": kind, "compliances": [alpha, beta], "coupled": coupled}
                 row |= {"rings": rings, "seen": [], "wrong": []}
                 above = layout(replace(stick, friction=1.01 * critical), rings)
-                row["shift"] = 1.01 * (1.0 - float(above.on_rings.margin.min())) - 1.0
+                row["shift"] = 1.01 * (1.0 - float(above.ring_state.margin.min())) - 1.0
                 for gap in GAPS:
                     below = layout(replace(stick, friction=critical * (1.0 - gap)), rings)
                     above = layout(replace(stick, friction=critical * (1.0 + gap)), rings)

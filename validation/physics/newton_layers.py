@@ -68,11 +68,11 @@ class Recorded:
 
     def __init__(self) -> None:
         self.sizes: list[list[float]] = []
-        solved, correction = LayeredNewton.solved, LayeredNewton._correction
+        solve, correction = LayeredNewton.solve, LayeredNewton._correction
 
         def run(newton, w, shift):
             self.sizes.append([])
-            return solved(newton, w, shift)
+            return solve(newton, w, shift)
 
         def correct(newton, w, at, shift):
             step = correction(newton, w, at, shift)
@@ -83,7 +83,7 @@ class Recorded:
             self.sizes[-1].append(float(np.abs(there - here).max()) / most)
             return step
 
-        LayeredNewton.solved, LayeredNewton._correction = run, correct
+        LayeredNewton.solve, LayeredNewton._correction = run, correct
 
 
 def main() -> None:

@@ -55,7 +55,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         metavar="A,B,...",
         default=_FREE,
         help="what to find (default: %(default)s): reduced-modulus, normal-compliance or the "
-        "numbers of a layer's law, zero-point, load-offset, tilt",
+        "numbers of a layer's law, zero-point, load-offset, tilt, and work-of-adhesion if given",
     )
     group.add_argument(
         "--rtol", type=number, default=1e-8, help="tolerance of the solves (default: %(default)s)"

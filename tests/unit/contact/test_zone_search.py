@@ -76,7 +76,8 @@ def test_narrow_zones_of_a_like_scene_are_not_tried():
 
 def test_a_disk_that_is_far_off_is_followed_by_one_that_is_not_predicted():
     """There was no other, and full stick took the place of slip with c = 0.66."""
-    far = Layout((36.8,), (0, 1), np.array([[0.26]]))
+    # the Jacobian leads away from the root
+    far = Layout((36.8,), (0, 1), np.array([[-0.26]]))
     outcome = uncoupled(0.4, 0.4, 0.5333, warm_start=far).outcome()
     predicted, other = outcome.trials
     assert predicted.verdict != HOLDS

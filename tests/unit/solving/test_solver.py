@@ -3,7 +3,7 @@
 import math
 import pickle
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import FrozenInstanceError, fields, replace
 
 import numpy as np
 import pytest
@@ -846,3 +846,31 @@ def test_friction_an_error_below_the_critical_leaves_no_violation_unexplained():
     assert error.violation <= (explained if unknown else error.slip)
     assert ("slip, of which no digit is known" in repr(solution)) == unknown
     assert ("slip: no digit is known" in solution.summary()) == unknown
+
+
+@pytest.mark.parametrize("ending", [Ending.CONVERGED, Ending.ROUNDING])
+def test_zones_that_only_a_looser_tolerance_finds_are_returned(monkeypatch, ending):
+    """They were given up, unless the zones were found again, for what is left without zones."""
+    run_of = solver._run
+
+    def hardly_found(scene, todo, rtol, *others):
+        run = run_of(scene, todo, rtol, *others)
+        solved = run.solution
+        known = Ending.ZONES if rtol < 1e-8 else ending
+
+        def solution(rtol=None):
+            return replace(solved(rtol), ending=known, converged=known is Ending.CONVERGED)
+
+        monkeypatch.setattr(run, "solution", solution)
+        return run
+
+    looser = solve(ROUGH, 1e-8)
+    monkeypatch.setattr(solver, "_run", hardly_found)
+    found = solve(ROUGH, 1e-9, strict=False)
+    assert (found.rtol, found.ending) == (1e-9, ending)
+    assert found.stick_radius == looser.stick_radius
+    assert found.error == looser.error
+    if ending is Ending.ROUNDING:
+        with pytest.raises(ConvergenceError, match="error estimate") as caught:
+            solve(ROUGH, 1e-9)
+        assert caught.value.solution.error == looser.error

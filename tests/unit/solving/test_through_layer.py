@@ -14,18 +14,18 @@ PRESSURES = (0.0, 0.714, 1.048, 28.29)
 def corrections(monkeypatch):
     """Return a list that takes the size of every linear system of Newton's method."""
     sizes = []
-    solved = LayeredNewton._solved
+    linear_step = LayeredNewton._linear_step
 
     def counted(self, *arguments):
         sizes.append(len(arguments[-1]))
-        return solved(self, *arguments)
+        return linear_step(self, *arguments)
 
-    monkeypatch.setattr(LayeredNewton, "_solved", counted)
+    monkeypatch.setattr(LayeredNewton, "_linear_step", counted)
     return sizes
 
 
 def test_newton_begins_at_the_contact_of_the_radius_before(corrections):
-    """Begun with the pressure of every point by itself, each radius took 60 corrections."""
+    """Each radius by itself, from the pressure of every point alone, took 60 corrections."""
     scene = Scene(
         0.3,
         layer=layers.Table(OVERCLOSURES, PRESSURES),

@@ -205,9 +205,9 @@ FAMILIES = pytest.mark.parametrize(
 def basis(mesh):
     """Return (column, function of the scaled distance, its interval) for some of the basis."""
     p = mesh.panels
-    h, end = mp.mpf(p.width), mp.exp(-p.panels * mp.mpf(p.width))
+    h, end = mp.mpf(p.width), mp.exp(-p.count * mp.mpf(p.width))
     chosen = []
-    for j in {0, p.panels - 1}:
+    for j in {0, p.count - 1}:
         for k in {0, 1, p.degree}:
             chosen.append(
                 (
@@ -217,14 +217,14 @@ def basis(mesh):
                 )
             )
     for k in range(p.tail_terms):
-        column = p.panels * (p.degree + 1) + k
+        column = p.count * (p.degree + 1) + k
         chosen.append((column, lambda d, k=k: mp.legendre(k, 2 * d / end - 1), (mp.mpf(0), end)))
     return chosen
 
 
 @FAMILIES
 def test_moments_with_smooth_densities(mesh):
-    moments = moments_on(mesh.panels, (mesh.panels.degree,) * mesh.panels.panels)
+    moments = moments_on(mesh.panels, (mesh.panels.degree,) * mesh.panels.count)
     points = mesh.points(moments.d)
     base, reach = square(mesh.boundary), mp.mpf(mesh.extent)
     for column, polynomial, ends in basis(mesh):

@@ -27,7 +27,7 @@ MESHES = pytest.mark.parametrize(
 
 def nodes_of(panels):
     """Return the nodes for every degree, and the weights of ``dt`` with ``d = 1 - t**2``."""
-    nodes = GradedNodes(panels, (panels.degree,) * panels.panels)
+    nodes = GradedNodes(panels, (panels.degree,) * panels.count)
     return nodes, nodes.weights / (2.0 * np.sqrt(nodes.rest))
 
 
@@ -45,7 +45,7 @@ def test_nodes_know_both_distances_and_those_to_the_ends(panels):
     assert np.all(np.diff(nodes.samples) < 0)
     to_start, to_end = np.concatenate(nodes.from_start), np.concatenate(ends(nodes))
     assert_allclose(to_start + to_end, panels.width, rtol=1e-15)
-    number = np.repeat(np.arange(panels.panels), [len(one) for one in ends(nodes)])
+    number = np.repeat(np.arange(panels.count), [len(one) for one in ends(nodes)])
     x = -np.log(nodes.d[: len(to_end)])
     assert_allclose(x + to_end, (number + 1) * panels.width, rtol=1e-15)
     assert np.all((to_end > 0) & (to_end < panels.width))
@@ -78,7 +78,7 @@ def test_nodes_integrate_products_of_roots_at_the_deep_ends(panels):
     # a half-integral is a polynomial times sqrt(distance to the deep end), plus another; squared
     nodes, weights = nodes_of(panels)
     h = mp.mpf(panels.width)
-    for j in {0, panels.panels - 1}:
+    for j in {0, panels.count - 1}:
         start = sum(len(one) for one in ends(nodes)[:j])
         part = slice(start, start + len(ends(nodes)[j]))
         for m in (1, 4 * panels.degree + 2):
@@ -114,10 +114,10 @@ def test_what_is_smooth_is_spread_from_samples_to_nodes():
 
 
 def test_charges_may_have_a_degree_for_each_panel():
-    d, form = np.array([1.0, 0.1, 1e-5]), (PANELS.panels, PANELS.width)
+    d, form = np.array([1.0, 0.1, 1e-5]), (PANELS.count, PANELS.width)
     used = PANELS.functions(DEGREES)
     for function in (exterior_with_decrement, opposite_end_decrement):
-        every = (PANELS.degree,) * PANELS.panels
+        every = (PANELS.degree,) * PANELS.count
         whole, few = (np.array(function(d, PANELS.width, one)) for one in (every, DEGREES))
         same = whole[..., used[: few.shape[-1]]]
         assert_allclose(few, same, rtol=1e-11, atol=1e-15)  # rounding of 1

@@ -6,7 +6,7 @@ from mpmath.ctx_mp import MPContext
 from numpy.testing import assert_allclose, assert_array_equal
 
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.tuning import ROOT_TERMS, TAIL_TERMS
+from spectral_contact.spectral.tuning import TAIL_TERMS
 
 mp = MPContext()
 mp.dps = 30
@@ -24,8 +24,8 @@ def test_sizes():
     assert panels.tail_terms == TAIL_TERMS
     assert panels.size == 5 * 8 + TAIL_TERMS
     rooted = LogPanels(5, 2.0, 7, root_tail=True)
-    assert rooted.tail_terms == ROOT_TERMS
-    assert rooted.size == 5 * 8 + ROOT_TERMS
+    assert rooted.tail_terms == 2 * TAIL_TERMS
+    assert rooted.size == 5 * 8 + 2 * TAIL_TERMS
 
 
 def test_panels_are_keys():
@@ -44,8 +44,8 @@ def test_panels_are_keys():
 @MESHES
 def test_sampling_points_lie_in_their_panels(panels):
     x = panels.sampling()
-    assert x.shape == (panels.panels, max(panels.degree + 5, 18))
-    assert_array_equal(np.floor(x / panels.width), np.arange(panels.panels)[:, None] + 0 * x)
+    assert x.shape == (panels.count, max(panels.degree + 5, 20))
+    assert_array_equal(np.floor(x / panels.width), np.arange(panels.count)[:, None] + 0 * x)
     assert np.all(np.diff(x, axis=1) > 0)
     d = panels.tail_sampling()
     assert len(d) > panels.tail_terms
@@ -59,7 +59,7 @@ def test_sampling_points_lie_in_their_panels(panels):
 @pytest.mark.parametrize("weights", [(1.0, 0.0), (0.0, 1.0), (0.5, -0.25)])
 def test_mass_of_the_first_panel(panels, weights):
     n = panels.degree
-    gram = panels.mass((n,) * panels.panels, *weights)[: n + 1, : n + 1]
+    gram = panels.mass((n,) * panels.count, *weights)[: n + 1, : n + 1]
     assert_allclose(gram, gram.T, atol=2e-16)
     h = mp.mpf(panels.width)
     for i, k in ((0, 0), (0, n), (1, n - 1), (n, n)):

@@ -54,7 +54,7 @@ def test_coarser_spaces_come_first_and_masses_are_of_their_parts():
     # the constants of all panels and tails add up to 1, whose mass is the half of the disk
     own = PANELS.functions(DEGREES)
     constants = np.zeros(PANELS.size)
-    constants[: PANELS.panels * 9 : 9] = constants[PANELS.panels * 9] = 1.0
-    assert constants[own].sum() == PANELS.panels + 1
+    constants[: PANELS.count * 9 : 9] = constants[PANELS.count * 9] = 1.0
+    assert constants[own].sum() == PANELS.count + 1
     ones = np.tile(constants, 3)[space.index]
     assert ones @ space.mass @ ones == pytest.approx(0.5, rel=1e-13)

@@ -13,7 +13,7 @@ from spectral_contact.fields.series import LogSeries
 from spectral_contact.spectral.blocks import disk_shear
 from spectral_contact.spectral.cache import BoundedCache, cache_sizes, clear_caches
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.spaces import WHOLE, Space, unit_space
+from spectral_contact.spectral.spaces import UNCUT_DISK, Space, unit_space
 
 mp = MPContext()
 mp.dps = 30
@@ -33,13 +33,13 @@ MESHES = pytest.mark.parametrize("panels", PANELS, ids=str)
 def constant(panels):
     """Return the coefficients of ``d**power``."""
     ones = np.zeros(panels.size)
-    ones[: panels.panels * (panels.degree + 1) : panels.degree + 1] = 1.0
+    ones[: panels.count * (panels.degree + 1) : panels.degree + 1] = 1.0
     ones[-panels.tail_terms] = 1.0
     return ones
 
 
 def series(panels, coefficients):
-    table = coefficients[: -panels.tail_terms].reshape(panels.panels, -1)
+    table = coefficients[: -panels.tail_terms].reshape(panels.count, -1)
     tail = coefficients[-panels.tail_terms :]
     return LogSeries(table, tail, panels.width, panels.power, panels.root_tail)
 
@@ -144,7 +144,7 @@ def test_weights_integrate_over_the_radius(panels):
 @MESHES
 def test_shear_moments(panels):
     # 2 pi int s u s ds = pi int u sqrt(1 - d) dd
-    moments = disk_shear(panels, (panels.degree,) * panels.panels)
+    moments = disk_shear(panels, (panels.degree,) * panels.count)
     exact = np.pi * special.beta(1 + panels.power, 1.5)
     assert_allclose(moments @ constant(panels), exact, rtol=3e-15)
     end = mp.exp(-mp.mpf(panels.width))
@@ -293,7 +293,7 @@ def test_the_approach_falls_as_the_space_grows(alpha):
 
 
 def test_an_indefinite_matrix_is_refused():
-    space = Space(WHOLE, ((LogPanels(2, 1.0, 3), (3, 3)),))
+    space = Space(UNCUT_DISK, ((LogPanels(2, 1.0, 3), (3, 3)),))
     space.mass = 1e3 * (1 - np.eye(space.unknowns))
     with pytest.raises(ArithmeticError, match="not positive definite at pivot 2"):
         space.factor(1.0)
@@ -482,5 +482,5 @@ def test_threads_solve_alike():
 
 
 def test_assembly_itself_is_repeatable():
-    first, second = (Space(WHOLE, ((LogPanels(3, 2.0, 5), (5, 4, 3)),)) for _ in range(2))
+    first, second = (Space(UNCUT_DISK, ((LogPanels(3, 2.0, 5), (5, 4, 3)),)) for _ in range(2))
     assert_array_equal(first.gram, second.gram)

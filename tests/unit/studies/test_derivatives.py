@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, SceneError, solve
+from spectral_contact import Scene, SceneError, profiles, pull_off, solve
 from spectral_contact.studies.derivatives import PARAMETERS
 
 STUCK = Scene(0.3, 0.5, 0.5, math.inf)
@@ -235,6 +235,47 @@ def test_the_first_friction():
     assert little.stick_radius / 1e-6 == pytest.approx(slope.value, rel=1e-4)
 
 
+#: Of the approach by the friction where all slips with coupling, by polynomials through solves.
+WHERE_ALL_SLIPS = {(0.1, 0.0, 1e-3): -0.0140601005465, (0.1, 0.1, 0.0): -0.014061724347}
+
+
+@pytest.mark.parametrize("scene", WHERE_ALL_SLIPS)
+def test_friction_moves_the_approach_where_all_slips_with_coupling(scene):
+    """Without friction it was said to be 0, exactly, and where all slips there was an error."""
+    true = WHERE_ALL_SLIPS[scene]
+    scene = Scene(0.3, *scene, coupling=True)
+    one = solve(scene, 1e-6, ["approach"]).sensitivity(["friction", "poisson_ratio"])
+    slope = one["approach", "friction"]
+    assert abs(slope.value / true - 1.0) <= slope.error + 2e-10  # the polynomials have ten digits
+    assert slope.error < 1e-11
+    # the product of kappa and friction is what counts
+    share = -0.25 / (1.0 - scene.poisson_ratio) ** 2 * scene.friction / scene.kappa
+    assert one["approach", "poisson_ratio"].value == pytest.approx(share * slope.value, rel=1e-12)
+    assert one["total_shear", "friction"].value == 1.0
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        Scene(0.3, 0.1, 0.1, 1e-18, coupling=True),
+        Scene(0.3, 0.1, 0.0, 1e-18),
+        Scene(0.3, 0.0, 0.0, 1e-18),
+    ],
+    ids=["coupled", "rough", "smooth"],
+)
+def test_how_a_disk_too_small_to_be_solved_for_moves_is_not_known(scene):
+    solution = solve(scene)
+    one = solution.sensitivity(["friction", "normal_compliance"], s=[0.5, 1.0])
+    assert [zone.kind for zone in solution.zones] == ["slip"]
+    assert math.isnan(one["stick_radius", "friction"].value)
+    assert one["stick_radius", "friction"].error == math.inf
+    assert one["total_shear", "friction"].value == 1.0
+    if scene.normal_compliance:
+        assert one["total_shear", "normal_compliance"].value == 0.0
+        traction = one.fields["traction", "friction"]
+        assert (np.abs(traction.value - solution.pressure([0.5, 1.0])) <= traction.error).all()
+
+
 def test_what_is_not_finite_is_said():
     smooth = solve(Scene(0.3, 0.0, 0.5, 0.05), 1e-3).sensitivity(["normal_compliance"])
     for quantity in ("approach", "stick_radius"):
@@ -330,3 +371,93 @@ def test_where_those_of_fields_are_not_known_they_say_so():
     assert found(SLIPPING).fields == {}
     with pytest.raises(SceneError, match=r"s = 1\.5"):
         solve(SLIPPING, 1e-3).sensitivity(s=1.5)
+
+
+#: Smooth contact of h = r**2/2 and h = r cot(theta) at a radius: approach and load, and their
+#: derivatives by the radius.
+SMOOTH = {
+    "parabola": (
+        profiles.Parabola(1.0),
+        lambda a: (a**2, 16.0 / 3.0 * a**3, 2.0 * a, 16.0 * a**2),
+    ),
+    "cone": (
+        profiles.Cone(1.2),
+        lambda a: tuple(
+            one / math.tan(1.2)
+            for one in (math.pi * a / 2.0, 2.0 * math.pi * a**2, math.pi / 2.0, 4.0 * math.pi * a)
+        ),
+    ),
+}
+
+
+@pytest.mark.parametrize("shape", SMOOTH)
+@pytest.mark.parametrize("given", ["contact_radius", "load", "approach"])
+def test_by_the_work_of_adhesion(shape, given):
+    """Johnson, Kendall and Roberts: delta = delta_0 - d, P = P_0 - 8 a d, d**2 = pi a w/2."""
+    profile, unpulled = SMOOTH[shape]
+    a, w = 1.2, 0.05
+    d = math.sqrt(math.pi * a * w / 2.0)
+    approach, load, approach_rate, load_rate = unpulled(a)
+    # derivatives by radius and by w of approach and load with adhesion
+    by_radius = approach_rate - d / (2.0 * a), load_rate - 12.0 * d
+    by_w = -d / (2.0 * w), -4.0 * a * d / w
+    exact = {"approach": by_w[0], "load": by_w[1]}
+    if given != "contact_radius":
+        held = ("approach", "load").index(given)
+        moved = -by_w[held] / by_radius[held]
+        other = 1 - held
+        exact = {
+            ("approach", "load")[other]: by_w[other] + by_radius[other] * moved,
+            "contact_radius": moved,
+        }
+    values = {"contact_radius": a, "approach": approach - d, "load": load - 8.0 * a * d}
+    scene = Scene(0.3, profile=profile, work_of_adhesion=w, **{given: values[given]})
+    found = solve(scene, 1e-11).sensitivity()
+    assert set(found.derivatives) == {(name, "work_of_adhesion") for name in exact}
+    for name, value in exact.items():
+        one = found[name, "work_of_adhesion"]
+        assert one.error < 1e-9
+        assert abs(one.value / value - 1.0) <= one.error + 4e-15
+
+
+@pytest.mark.parametrize("given", [{"load": -0.3, "branch": 1}, {"approach": 0.1}])
+def test_by_the_work_of_adhesion_on_a_layer(given):
+    scene = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), work_of_adhesion=0.2, **given)
+    found = solve(scene, 1e-11).sensitivity(["work_of_adhesion"])
+    step = 2e-3
+    for (name, _), one in found.derivatives.items():
+
+        def difference(step, name=name):
+            ends = (
+                getattr(solve(scene.replace(work_of_adhesion=0.2 * math.exp(h)), 1e-12), name)
+                for h in (step, -step)
+            )
+            return (next(ends) - next(ends)) / (2.0 * step) / 0.2
+
+        true = (4.0 * difference(step) - difference(2.0 * step)) / 3.0
+        assert one.value == pytest.approx(true, rel=1e-9)
+        assert one.error < 1e-8
+
+
+def test_with_adhesion_there_are_no_others():
+    scene = Scene(0.3, profile=profiles.Parabola(1.0), work_of_adhesion=0.2, load=0.0)
+    solution = solve(scene)
+    with pytest.raises(SceneError, match="work_of_adhesion"):
+        solution.sensitivity(["normal_compliance"])
+    with pytest.raises(SceneError, match="scalars alone"):
+        solution.sensitivity(s=0.5)
+
+
+def test_next_to_pull_off_it_has_fewer_digits():
+    scene = Scene(0.3, profile=profiles.Parabola(1.0), work_of_adhesion=0.2, load=0.0)
+    last = pull_off(scene, "approach")
+    at_fold = solve(scene.replace(load=None, approach=last.approach * (1.0 - 1e-6)), 1e-8)
+    far = solve(scene, 1e-8).sensitivity()["contact_radius", "work_of_adhesion"]
+    near = at_fold.sensitivity()["contact_radius", "work_of_adhesion"]
+    assert near.value > 10.0 * far.value
+    assert near.error > 10.0 * far.error
+
+
+def test_a_flat_punch_is_the_same_with_any_work_of_adhesion():
+    flat = Scene(0.3, 0.5, profile=profiles.Flat(1.0), work_of_adhesion=0.2, load=0.1)
+    assert solve(flat).sensitivity()["approach", "work_of_adhesion"].value == 0.0

@@ -11,6 +11,7 @@ from spectral_contact.contact.normal import solve_normal
 from spectral_contact.contact.zone_problem import _GivenRadius, solve_given_radius
 from spectral_contact.fields.curves import Placed
 from spectral_contact.fields.series import Radius
+from spectral_contact.quantities import FULL_STICK_RATIOS
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.sweeps import sweep
@@ -108,10 +109,21 @@ def test_other_poisson_ratios_are_on_the_same_line(work):
     for nu, f in ((0.1, 3), (0.2, 7), (0.3, 10), (0.3, 11)):
         own = found.sel(poisson_ratio=nu).isel(friction=f)
         truth = solve(Scene(nu, 0.5, 0.5, float(own.friction)), 1e-12)
-        for name in (*NUMBERS, "approach", "edge_ratio", "critical_friction"):
+        for name in (*NUMBERS, "approach", *sorted(FULL_STICK_RATIOS)):
             error = abs(float(own[name]) / getattr(truth, name) - 1.0)
             assert error <= float(own[f"{name}_error"]) + getattr(truth.error, name) + 1e-15
             assert own[f"{name}_error"] <= 1e-8
+
+
+def test_next_to_the_critical_friction_the_line_is_known_as_well(work):
+    critical = solve(Scene(0.3, 0.5, 0.5, 1.0), 1e-12, ("critical_friction",)).critical_friction
+    frictions = critical * np.linspace(0.3, 0.9995, 100)
+    found = sweep(Scene(0.3, 0.5, 0.5), friction=frictions, quantities=["shakedown_ratio"])
+    assert len(work) < 60
+    assert found.shakedown_ratio_error.max() > 1e-8
+    exact = (critical - frictions) / (critical + frictions)
+    off = np.abs(found.shakedown_ratio.values / exact - 1.0)
+    assert (off <= found.shakedown_ratio_error.values + 1e-11).all()
 
 
 def test_where_a_node_fails_the_scenes_are_solved_one_by_one(monkeypatch):

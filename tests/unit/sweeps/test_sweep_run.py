@@ -272,6 +272,7 @@ def random_compliances(count, low=-14.0, high=14.0, seed=0):
         (1.7898407193182815e-05, 0.000578126341820688),  # errors of a third of the estimate
         (2.2179200615552816e-06, 0.005779007720117387),  # the maximum is next to an end of a panel
         (10.0, 1.2e-6),  # degrees 16, 18 and 20 round alike at the edge
+        (5.4424555500076804e-08, 6.271459273939012e-06),  # an error of an eighth of the estimate
     ],
 )
 def test_ratios_are_honest_where_estimates_are_sharp(alpha, beta):
@@ -328,6 +329,18 @@ def test_two_decompositions_have_the_full_stick_of_solve(always_shared, rtol, lo
             own = float(found[f"{name}_error"][i])
             assert error <= own + getattr(solution.error, name) + 1e-15
             assert own <= rtol or found.ending[i] == "converged"
+
+
+def test_the_shakedown_ratio_of_the_spectra_is_that_of_solve(always_shared):
+    compliances, _ = random_compliances(12, -2.0, 2.0)
+    axes = {"tangential_compliance": np.sort(compliances), "friction": [0.0, 0.02, 0.1, np.inf]}
+    found = sweep(Scene(0.1, 0.3), **axes, quantities=["shakedown_ratio"])
+    for beta in axes["tangential_compliance"]:
+        for friction in axes["friction"]:
+            own = found.sel(tangential_compliance=beta, friction=friction)
+            truth = solve(Scene(0.1, 0.3, beta, friction), 1e-12, ["shakedown_ratio"])
+            error = float(own.shakedown_ratio_error) + truth.error.shakedown_ratio + 1e-15
+            assert abs(float(own.shakedown_ratio) - truth.shakedown_ratio) <= error
 
 
 GOLD_NAMES = {"approach": 1e-14, "total_shear": 1e-13, "edge_ratio": 1e-12}

@@ -53,6 +53,18 @@ def test_columns_free_parameters_and_no_picture(run, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_retraction_with_adhesion(run):
+    tip = ("--profile", "parabola", "--radius", "5 um", "--poisson-ratio", "0.5", "--plot", "none")
+    curve = ("--columns", "depth=1 [nm],load=2 [nN]", "--part", "retraction")
+    free = ("--free", "reduced-modulus,work-of-adhesion,zero-point,load-offset")
+    given = ("--work-of-adhesion", "0.1 mJ/m^2")
+    status, out, err = run("afm_adhesion.txt", *tip, *curve, *free, *given)
+    assert (status, err) == (0, "")
+    [adhesion] = [line.split() for line in out.splitlines() if line.startswith("work_of_adhesion")]
+    assert float(adhesion[1]) == pytest.approx(2e-4, rel=0.02)
+    assert "382 of 500 rows are in contact" in out
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

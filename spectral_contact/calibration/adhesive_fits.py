@@ -1,0 +1,455 @@
+r"""Fits with adhesion: loads of approaches on the branch of large contacts, with derivatives.
+
+A contact radius a has, without adhesion, a load ``P_0``, an approach ``delta_0`` and a stiffness S,
+and the work of adhesion w lowers both (docs/theory, Adhesion):
+
+    delta = delta_0 - d,   P = P_0 - S d,   d = sqrt(4 pi a w/S'),   S' = dS/da.
+
+None of ``P_0``, ``delta_0``, S and ``d/sqrt(w)`` depends on w. They are solved at few radii, and
+polynomials through their logarithms serve all depths of a curve and all w. Along the curve
+``d(U - pi a**2 w) = P ddelta``, so that at a fixed approach
+
+    dP/dw = -d(pi a**2)/ddelta,        dP/ddelta = S - d S' / (ddelta/da),
+
+and by the layer load and approach are differentiated at a fixed radius, by differences.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
+
+from spectral_contact.calibration.indentation_curve import OF_INSTRUMENT, CurveProblem
+from spectral_contact.calibration.indentation_data import IndentationData
+from spectral_contact.contact.adhesion import BY_APPROACH, BY_LOAD, AdhesiveCurve, NoState
+from spectral_contact.contact.contact_radius import RadiusScale, value_of
+from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields import Array
+from spectral_contact.profiles import Flat, Profile
+from spectral_contact.scene import Scene
+
+_MOST_UNKNOWNS: Final = 20_000
+#: Radii of a piece of the curve: numbers that are tried.
+_NODES: Final = (16, 24, 36, 54, 80)
+#: The range of radii that is solved is longer than the one wanted by this, in their logarithm.
+_SPARE: Final = 0.3
+#: How near to the flat part of a profile radii go, and to what share of the largest one where the
+#: contact shrinks to a point.
+_NEXT_TO_FLAT: Final = 1e-9
+_SMALLEST: Final = 1e-4
+#: Relative change of the layer for the differences, whose error is of the order of its square.
+_CHANGE: Final = 1e-3
+#: Share of approach and pull below which a difference or a rate of the two is rounding.
+_ROUNDED: Final = 1e-9
+#: Places at which a branch is sampled, and steps of Newton's method from there.
+_SAMPLES: Final = 400
+_STEPS: Final = 40
+#: Slope of the load beyond pull-off, over the stiffness at a fixed radius: data do not follow it,
+#: so that the search comes back.
+_STEEP: Final = 10.0
+#: How often the start is improved.
+_ROUNDS: Final = 3
+#: A drop of the load from one row to a shallower one that is pull-off, in standard deviations.
+_DROP: Final = 6.0
+#: Fewest rows before a drop, but one, that tell no contact from the steep end of a branch.
+_FEWEST: Final = 2
+
+
+class _AtRadii(NamedTuple):
+    """Functions of the radius at places, without adhesion; rates are by the place.
+
+    Attributes
+    ----------
+    radius, radius_rate : ndarray, shape (places,)
+    load, approach, stiffness, pull : ndarray, shape (places,)
+        The last one for a work of adhesion of 1.
+    approach_rate, pull_rate : ndarray, shape (places,)
+    """
+
+    radius: Array
+    radius_rate: Array
+    load: Array
+    approach: Array
+    stiffness: Array
+    pull: Array
+    approach_rate: Array
+    pull_rate: Array
+
+
+class _ContactFunctions:
+    """Polynomials through what some radii have without adhesion, between breaks of the profile.
+
+    Parameters
+    ----------
+    curve : AdhesiveCurve
+        Which solves.
+    low, high : float
+        Places of the radii (`RadiusScale`), the second one larger.
+    rtol : float
+
+    Raises
+    ------
+    ConvergenceError
+        If polynomials through 80 radii do not settle.
+    """
+
+    def __init__(self, curve: AdhesiveCurve, low: float, high: float, rtol: float) -> None:
+        self.low, self.high = low, high
+        self._curve, self._rtol = curve, rtol
+        self._scale = RadiusScale(curve.profile)
+        first, last = map(self._scale.radius, (low, high))
+        inside = [b for b in curve.profile.breaks if first < b < last]
+        self._ends = [low, *map(self._scale.place, inside), high]
+        self._terms = [self._settled(*ends) for ends in pairwise(self._ends)]
+
+    def _settled(self, low: float, high: float) -> Array:
+        for count in _NODES:
+            nodes = chebyshev.chebpts1(count)
+            places = (low + high) / 2.0 + (high - low) / 2.0 * nodes
+            radii = list(map(self._scale.radius, places.tolist()))
+            root = math.sqrt(self._curve.adhesion)
+            rows = []
+            error = 0.0
+            for one in self._curve.states(radii):
+                load, approach = one.load + one.stiffness * one.pull, one.approach + one.pull
+                rows.append([load, approach, one.stiffness, one.pull / root])
+                error = max(error, one.load_error, one.approach_error, one.stiffness_error)
+            terms = np.linalg.solve(chebyshev.chebvander(nodes, count - 1), np.log(rows))
+            if np.abs(terms[-3:]).max() <= max(self._rtol, 4.0 * error):
+                return np.asarray(terms)
+        told = f"loads of {self._curve.profile.brief} do not settle with {count} radii"
+        raise ConvergenceError(told, "loosen rtol.")
+
+    def at(self, places: Array) -> _AtRadii:
+        """Return the functions at places."""
+        values, rates = np.empty((2, len(places), 4))
+        piece = np.searchsorted(self._ends[1:-1], places)
+        for k, (low, high) in enumerate(pairwise(self._ends)):
+            here = piece == k
+            t = (2.0 * places[here] - low - high) / (high - low)
+            values[here] = chebyshev.chebval(t, self._terms[k]).T
+            slopes = chebyshev.chebval(t, chebyshev.chebder(self._terms[k])).T
+            rates[here] = slopes * (2.0 / (high - low))
+        load, approach, stiffness, pull = np.exp(values).T
+        radii = np.array(list(map(self._scale.radius, places.tolist())))
+        steps = np.array(list(map(self._scale.slope, radii.tolist())))
+        moved = (approach * rates[:, 1], pull * rates[:, 3])
+        return _AtRadii(radii, steps, load, approach, stiffness, pull, *moved)
+
+
+class AdhesiveLoads(NamedTuple):
+    """``L = P/E'`` of many approaches, with derivatives.
+
+    Attributes
+    ----------
+    value, by_approach : ndarray, shape (approaches,)
+    by_layer, by_adhesion : ndarray, shape (approaches,)
+        By the logarithms of ``alpha E'`` and ``w/E'``.
+    beyond : ndarray of bool, shape (approaches,)
+        Approaches at which the contact has come off. There the load falls on, along a line that is
+        steeper than any contact: a search needs somewhere to come back from.
+    """
+
+    value: Array
+    by_approach: Array
+    by_layer: Array
+    by_adhesion: Array
+    beyond: NDArray[np.bool_]
+
+
+class BranchLoads:
+    """Loads on the branch from large contacts, of a profile on any layer and with any adhesion.
+
+    Parameters
+    ----------
+    profile : Profile
+        Not flat.
+    rtol : float
+    """
+
+    def __init__(self, profile: Profile, rtol: float) -> None:
+        self.profile, self.rtol = profile, rtol
+        self._scale = RadiusScale(profile)
+        self._known: dict[float, _ContactFunctions] = {}
+
+    def loads(self, approaches: Array, layer: float, adhesion: float) -> AdhesiveLoads:
+        """Return the loads.
+
+        Parameters
+        ----------
+        approaches : ndarray, shape (approaches,)
+        layer, adhesion : float
+            ``alpha E'`` and ``w/E'``, lengths.
+
+        Raises
+        ------
+        SceneError
+            If the contact would grow to the end of the profile.
+        ConvergenceError
+            If the loads are not known to the tolerance.
+        """
+        curve = self.curve(layer, adhesion)
+        low, high = self._ends(curve, approaches)
+        root = math.sqrt(adhesion)
+        functions = self._functions(curve, low, high)
+        places = _places(functions, root, approaches, low, high)
+        one = functions.at(places)
+        pull = root * one.pull
+        resolved = _ROUNDED * (one.approach + pull)
+        # it is 0 at a fold, where the derivatives have no bound
+        rate = np.maximum(one.approach_rate - root * one.pull_rate, resolved)
+        softening = 4.0 * math.pi * adhesion * one.radius * one.radius_rate / pull  # d S'
+        beyond = approaches < one.approach - pull - resolved
+        slope = one.stiffness - softening / rate
+        by_adhesion = -2.0 * math.pi * adhesion * one.radius * one.radius_rate / rate
+        by_layer = np.zeros(len(approaches))
+        if layer > 0.0:
+            by_layer = self._by_layer(curve, (low, high), places, slope)
+        steep = _STEEP * one.stiffness
+        load = one.load - one.stiffness * pull
+        # the load at which the contact comes off is about proportional to the adhesion, and its
+        # approach to the power 2/3
+        off = load + steep * (approaches - one.approach + pull)
+        coming_off = load + 2.0 / 3.0 * steep * (pull - one.approach)
+        return AdhesiveLoads(
+            np.where(beyond, off, load),
+            np.where(beyond, steep, slope),
+            np.where(beyond, 0.0, by_layer),
+            np.where(beyond, coming_off, by_adhesion),
+            beyond,
+        )
+
+    def curve(self, layer: float, adhesion: float) -> AdhesiveCurve:
+        """Return the states of a layer and an adhesion by their radius."""
+        return AdhesiveCurve(self.profile, layer, adhesion, self.rtol, _MOST_UNKNOWNS)
+
+    def _ends(self, curve: AdhesiveCurve, approaches: Array) -> tuple[float, float]:
+        """Return places between which all approaches are that the branch has."""
+        try:
+            high = curve.top(BY_APPROACH, float(approaches.max()))
+        except NoState:
+            reach = self.profile.reach
+            told = f"such that the contact stays inside the profile, which ends at {reach:.6g}"
+            raise SceneError("depth", float(approaches.max()), told) from None
+        try:
+            low, _ = curve.stretch(BY_APPROACH, float(approaches.min()), 0)
+        except NoState:
+            fold = next(curve.folds(BY_APPROACH), None)
+            low = _SMALLEST * high if fold is None else fold.radius
+        low = max(low, self.profile.flat_part * (1.0 + _NEXT_TO_FLAT))
+        return self._scale.place(low), self._scale.place(high)
+
+    def _functions(self, curve: AdhesiveCurve, low: float, high: float) -> _ContactFunctions:
+        """Return functions of a layer that reach over some places; the last few are kept."""
+        layer = curve.compliance
+        known = self._known.get(layer)
+        if known is None or low < known.low or high > known.high:
+            if len(self._known) > 2:
+                self._known.clear()
+            known = _ContactFunctions(curve, low - _SPARE, high + _SPARE, self.rtol)
+            self._known[layer] = known
+        return known
+
+    def _by_layer(
+        self, curve: AdhesiveCurve, ends: tuple[float, float], places: Array, slope: Array
+    ) -> Array:
+        """Return derivatives of the loads by the logarithm of the layer, at fixed approaches."""
+        root = math.sqrt(curve.adhesion)
+        load, approach = np.zeros((2, len(places)))
+        for sign in (-1.0, 1.0):
+            layer = curve.compliance * math.exp(sign * _CHANGE)
+            changed = self.curve(layer, curve.adhesion)
+            one = _ContactFunctions(changed, *ends, self.rtol).at(places)
+            approach += sign * (one.approach - root * one.pull) / (2.0 * _CHANGE)
+            load += sign * (one.load - root * one.stiffness * one.pull) / (2.0 * _CHANGE)
+        return np.asarray(load - slope * approach)
+
+
+def _places(
+    functions: _ContactFunctions, root: float, approaches: Array, low: float, high: float
+) -> Array:
+    """Return the places of approaches; the first one of those that the branch does not have."""
+    samples = np.linspace(low, high, _SAMPLES)
+    one = functions.at(samples)
+    known = one.approach - root * one.pull
+    k = np.clip(np.searchsorted(known, approaches), 1, _SAMPLES - 1)
+    lower, upper = samples[k - 1].copy(), samples[k].copy()
+    share = (approaches - known[k - 1]) / (known[k] - known[k - 1])
+    places = lower + np.clip(share, 0.0, 1.0) * (upper - lower)
+    for _ in range(_STEPS):
+        one = functions.at(places)
+        off = one.approach - root * one.pull - approaches
+        upper = np.where(off > 0.0, places, upper)
+        lower = np.where(off > 0.0, lower, places)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = places - off / (one.approach_rate - root * one.pull_rate)
+        inside = (step >= lower) & (step <= upper)
+        moved = np.where(inside, step, (lower + upper) / 2.0)
+        still = np.abs(moved - places).max() < 1e-13 * (1.0 + abs(low) + abs(high))
+        places = moved
+        if still:
+            break
+    return np.where(approaches <= known[0], low, places)
+
+
+class AdhesiveProblem(CurveProblem):
+    """Residuals and derivatives by ln E*, ln alpha, ln w and the zero point.
+
+    Rows from the deepest one to the jump of the load at pull-off, or at the jump into contact, are
+    in contact; those beyond have no load.
+    """
+
+    @staticmethod
+    def parameters(scene: Scene) -> tuple[str, ...]:
+        """Return what can be free."""
+        return ("reduced_modulus", "normal_compliance", "work_of_adhesion", *OF_INSTRUMENT)
+
+    def __init__(
+        self, scene: Scene, data: IndentationData, free: tuple[str, ...], rtol: float
+    ) -> None:
+        super().__init__(scene, data, free, rtol)
+        if isinstance(self.profile, Flat):
+            told = "not flat: the load of a flat punch is a straight line, whatever the adhesion"
+            raise SceneError("profile", self.profile, told)
+        self.touching = self.depth >= self._first_depth()
+        self.lost = 0
+        for _ in range(_ROUNDS):
+            for name, improved in (
+                ("work_of_adhesion", self._first_adhesion),
+                ("zero_point", self._first_zero),
+                ("reduced_modulus", self._first_modulus),
+            ):
+                if name in free:
+                    self.start[free.index(name)] = improved()
+
+    def take_tolerance(self, rtol: float) -> None:
+        """Solve with another tolerance from now on."""
+        super().take_tolerance(rtol)
+        self.branch = BranchLoads(self.profile, rtol)
+
+    @staticmethod
+    def _of_layer(scene: Scene) -> dict[str, float]:
+        data = scene.physical
+        assert data is not None
+        assert data.work_of_adhesion is not None
+        return {
+            "normal_compliance": data.normal_compliance,
+            "work_of_adhesion": data.work_of_adhesion,
+        }
+
+    def _above(self) -> Array:
+        """Return the loads above the baseline."""
+        return self.load - (0.0 if self.line is None else self.line.at(self.depth))
+
+    def _first_depth(self) -> float:
+        """Return the smallest depth in contact: next to the largest drop, or past the baseline.
+
+        Without a baseline, which needs noise, loads before a drop are those of no contact if they
+        differ by less than half of it.
+        """
+        order = np.argsort(self.depth, kind="stable")
+        depth, load, sigma = (some[order] for some in (self.depth, self.load, self.sigma))
+        drops = load[:-1] - load[1:]
+        k = int(np.argmax(drops)) if len(drops) else 0
+        jumps = len(drops) > 0 and drops[k] > _DROP * math.hypot(sigma[k], sigma[k + 1])
+        if self.line is None:
+            jumps = jumps and k >= _FEWEST and np.ptp(load[: k + 1]) < drops[k] / 2.0
+        if jumps:
+            return float(depth[k + 1])
+        return float(depth[0]) if self.line is None else self.line.end
+
+    def _first_adhesion(self) -> float:
+        """Return where the search starts for the largest tension measured to be that of pull-off.
+
+        That grows as a power of the work of adhesion, which is taken from two values.
+        """
+        values = self.values(self.start)
+        given = values["work_of_adhesion"]
+        start = self.start[self.free.index("work_of_adhesion")]
+        measured = -float(self._above()[self.touching].min())
+
+        def tension(adhesion: float) -> float:
+            lengths = self._lengths(values | {"work_of_adhesion": adhesion})
+            fold = next(self.branch.curve(*lengths).folds(BY_LOAD), None)
+            quarter = values["reduced_modulus"] / 4.0
+            return 0.0 if fold is None else -fold.state.load * quarter
+
+        try:
+            pulls = tension(given), tension(2.0 * given)
+        except NoState:
+            return start
+        if measured <= 0.0 or not 0.0 < pulls[0] < pulls[1]:
+            return start
+        power = math.log2(pulls[1] / pulls[0])
+        return start + math.log(measured / pulls[0]) / power
+
+    def _first_modulus(self) -> float:
+        """Return where the search starts for the load of the deepest row to be that measured."""
+        values = self.values(self.start)
+        start = self.start[self.free.index("reduced_modulus")]
+        deepest = int(np.argmax(self.depth))
+        approach = self.depth[[deepest]] - values["zero_point"]
+        found = self.branch.loads(approach, *self._lengths(values))
+        load = values["reduced_modulus"] / 4.0 * float(found.value[0])
+        ratio = float(self._above()[deepest]) / load if load else 0.0
+        return start + math.log(ratio) if ratio > 0.0 else start
+
+    def _first_zero(self) -> float:
+        """Return the zero point that gives the start the depth at which the load is 0.
+
+        It is less where the contact of the start would come off too early.
+        """
+        curve = self.branch.curve(*self._lengths(self.values(self.start)))
+        first = float(self.depth[self.touching].min())
+        try:
+            found, _ = curve.find(BY_LOAD, 0.0, 0, pointwise=False)
+            fold = next(curve.folds(BY_LOAD), None)
+        except NoState:
+            return first
+        pulled = self.touching & (self._above() <= 0.0)
+        unloaded = float(self.depth[pulled].max()) if pulled.any() else first
+        last = value_of(found).approach if fold is None else fold.state.approach
+        return min(unloaded - value_of(found).approach, first - last)
+
+    @staticmethod
+    def _lengths(values: dict[str, float]) -> tuple[float, float]:
+        """Return ``alpha E'`` and ``w/E'`` [m]."""
+        quarter = values["reduced_modulus"] / 4.0
+        return values["normal_compliance"] * quarter, values["work_of_adhesion"] / quarter
+
+    def curve(self, values: dict[str, float], approach: Array) -> tuple[Array, Any]:
+        """Return the loads of all approaches, and their derivatives by name."""
+        quarter = values["reduced_modulus"] / 4.0
+        found = self.branch.loads(approach[self.touching], *self._lengths(values))
+        self.lost = int(found.beyond.sum())
+
+        def spread(some: Array) -> Array:
+            whole = np.zeros(len(approach))
+            whole[self.touching] = quarter * some
+            return whole
+
+        return spread(found.value), {
+            "reduced_modulus": spread(found.value + found.by_layer - found.by_adhesion),
+            "normal_compliance": spread(found.by_layer),
+            "work_of_adhesion": spread(found.by_adhesion),
+            "zero_point": -spread(found.by_approach),
+        }
+
+    def best(self, values: dict[str, float]) -> dict[str, Any]:
+        """Return layer and adhesion that fit best, as a scene takes them."""
+        return {name: values[name] for name in ("normal_compliance", "work_of_adhesion")}
+
+    def _doubts(self, residuals: Array) -> list[str]:
+        """Return what speaks against the fit, and which rows are in contact."""
+        found = super()._doubts(residuals)
+        rows = int(self.touching.sum())
+        first = float(self.depth[self.touching].min())
+        told = f"{rows} of {len(self.depth)} rows are in contact, from a depth of {first:.6g} m on"
+        if self.lost:
+            told += f"; at {self.lost} of them the fitted contact has come off"
+        return [told, *found]

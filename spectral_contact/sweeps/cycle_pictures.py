@@ -1,0 +1,88 @@
+"""Steady loops of a load that cycles, as figures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from spectral_contact.view.figures import (
+    BLUE,
+    GREEN,
+    SLIP_GREY,
+    VERMILION,
+    new_figure,
+    require,
+    scene_title,
+    style,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from spectral_contact.sweeps.cycle_result import SteadyCycle
+
+_POINTS = 400
+
+
+def plot_steady_cycle(cycle: SteadyCycle) -> Figure:
+    """Draw the loop of the total shear over the load, and the slip over the radius.
+
+    Parameters
+    ----------
+    cycle : SteadyCycle
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    MissingDependencyError
+        If matplotlib is not installed.
+    """
+    require()
+    with style():
+        figure = new_figure(figsize=(8.4, 3.6), layout="constrained")
+        loop, radius = figure.subplots(1, 2)
+        draw_loop(loop, cycle)
+        _draw_slip(radius, cycle)
+        figure.suptitle(f"{scene_title(cycle.scene)},   load from 1 to {cycle.lowest:.4g} and back")
+    return figure
+
+
+def draw_loop(axes: Axes, cycle: SteadyCycle) -> None:
+    """Draw total shear over load, the part of full stick aside: in proportion it encloses nothing.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    cycle : SteadyCycle
+    """
+    stick = cycle.states[-1].total_shear
+    branches = [("reloading", cycle.reloading, BLUE, "-")]
+    if cycle.unloading_dissipation is not None:
+        branches.insert(0, ("unloading", cycle.unloading, VERMILION, "--"))
+    for name, branch, colour, line in branches:
+        rest = branch.shear + (1.0 - branch.load) * stick
+        order = np.argsort(branch.load)
+        smooth = PchipInterpolator(branch.load[order], rest[order])
+        load = np.linspace(cycle.lowest, 1.0, _POINTS)
+        axes.plot(load, smooth(load), line, color=colour, label=name)
+    axes.set_xlabel("load over the largest load")
+    axes.set_ylabel("total shear beyond full stick [$P$]")
+    axes.legend()
+
+
+def _draw_slip(axes: Axes, cycle: SteadyCycle) -> None:
+    s = np.linspace(0.0, 1.0, _POINTS)
+    for zone in cycle.zones:
+        if zone.kind == "slip":
+            axes.axvspan(zone.inner, zone.outer, color=SLIP_GREY, linewidth=0.0)
+    axes.plot(s, cycle.slip_amplitude(s), color=GREEN)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlabel("radius $s = r/a$")
+    axes.set_ylabel(r"slip on either way [$4(1-\nu^2)P/(aE)$]")

@@ -1,0 +1,499 @@
+"""The steady loop of a load that cycles, as `steady_cycle` returns it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
+from spectral_contact.fields.evaluation import over_r, over_s
+from spectral_contact.io import checks
+from spectral_contact.io.choices import Suggesting, one_of
+from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution, Zone
+from spectral_contact.sweeps.forward_slip import admissible_tractions
+from spectral_contact.view.physical_solution import PhysicalSolution
+from spectral_contact.view.report import digits_text, estimate_text, scene_text, table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["CycleErrors", "LoopBranch", "PhysicalSteadyCycle", "SteadyCycle"]
+
+#: Where a traction is taken.
+_ENDS: Final = ("highest", "lowest")
+#: Why there is no number of the way down, if there is none.
+FORWARD = (
+    "the surface goes on to slip forward while the load falls, for which the law of the steady "
+    "loop has no room"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class CycleErrors:
+    """Estimates of relative errors of a steady loop; None where there is no number.
+
+    That of `slip_amplitude` is relative to its largest value, that of `traction` pointwise as in
+    `ErrorEstimates`.
+    """
+
+    shakedown_ratio: float
+    stick_radius: float | None
+    slip_amplitude: float | None
+    traction: float
+    reloading_dissipation: float
+    unloading_dissipation: float | None
+    dissipation: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoopBranch:
+    """Total shear over the load on the way down, or up.
+
+    Attributes
+    ----------
+    load : ndarray, shape (n,)
+        In the order of time.
+    shear : ndarray, shape (n,)
+        Total shear less that at the largest load, which hangs on how the load came on.
+    """
+
+    load: Array
+    shear: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class SteadyCycle(Suggesting):
+    """The steady loop of a load between 1 and `lowest`, in units of the largest load.
+
+    Built by `steady_cycle`; SI values are in `physical`. Energies are in units of
+    4 (1 - nu^2) P^2 / (a E), the largest load times the unit of displacements.
+
+    Attributes
+    ----------
+    scene : Scene
+        Of the largest load.
+    lowest : float
+        Lowest load over the largest one.
+    rtol : float
+    solution : Solution
+        Of unit load under the friction of the loop, ``f (1 + lowest)/(1 - lowest)``: its zones are
+        those of the loop, and its traction and slip times ``1 - lowest`` what changes.
+    states : tuple of Solution
+        Solutions at the frictions that the loop runs through, by rising friction, full stick last.
+    shakedown_ratio : float
+        As of `Solution`; loops that go no lower dissipate nothing.
+    reloading_dissipation, unloading_dissipation : float
+        Energy that friction dissipates while the load rises, and while it falls, in each cycle.
+        That of unloading is None where the surface goes on to slip forward while the load begins to
+        fall: the law has no room for that, and all else holds.
+    slack : float
+        How much room there is for a traction at the largest load with which nothing slips forward
+        while the load falls, relative to f p: negative where there is none.
+    error : CycleErrors
+    converged : bool
+        Whether the errors of what is dissipated are within `rtol`.
+    """
+
+    scene: Scene
+    lowest: float
+    rtol: float
+    solution: Solution
+    states: tuple[Solution, ...]
+    shakedown_ratio: float
+    reloading_dissipation: float
+    unloading_dissipation: float | None
+    slack: float
+    error: CycleErrors
+    converged: bool = False
+
+    @property
+    def dissipation(self) -> float | None:
+        """Energy that friction dissipates in each cycle; None where that of unloading is."""
+        if self.unloading_dissipation is None:
+            return None
+        return self.unloading_dissipation + self.reloading_dissipation
+
+    @property
+    def stick_radius(self) -> float:
+        """Outer radius of the zone at the centre that never slips, over the contact radius."""
+        return float(self.solution.stick_radius or 0.0)
+
+    @property
+    def zones(self) -> tuple[Zone, ...]:
+        """Zones that stick in the whole cycle, and zones that slip."""
+        return self.solution.zones
+
+    @property
+    def worst_error(self) -> float:
+        """Largest error estimate of what is dissipated."""
+        each = self.error.reloading_dissipation, self.error.unloading_dissipation
+        return max(one for one in each if one is not None)
+
+    @over_s
+    def slip_amplitude(
+        self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
+    ) -> Any:
+        """Evaluate how far the surface slips on either way; in a cycle it slips twice as far.
+
+        Parameters
+        ----------
+        s : array_like, optional
+            Dimensionless radii in [0, 1], any shape.
+        from_edge : array_like, optional
+            Instead of `s`: distances ``1 - s``.
+
+        Returns
+        -------
+        float or ndarray
+            Of the shape of the input, in the unit of `Solution.slip`, not negative.
+
+        Raises
+        ------
+        SceneError
+            For both or neither argument, or a radius outside [0, 1].
+        """
+        slip = self.solution.slip(**_given(s, from_edge))
+        return (1.0 - self.lowest) * np.abs(slip)[()]
+
+    @over_s
+    def traction_change(
+        self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
+    ) -> Any:
+        """Evaluate the traction at the largest load less that at the lowest one, anywhere.
+
+        Parameters, return value and errors are those of `slip_amplitude`.
+        """
+        return (1.0 - self.lowest) * self.solution.traction(**_given(s, from_edge))
+
+    def traction(
+        self,
+        s: ArrayLike | None = None,
+        at: str = "highest",
+        *,
+        from_edge: ArrayLike | None = None,
+    ) -> Any:
+        """Evaluate the traction at an end of the loop, where the surface slips.
+
+        It is ``f p`` at the largest load and ``-f lambda p`` at the lowest one. In stick it hangs
+        on how the load came on: it is NaN, and `traction_bounds` has its limits.
+
+        Parameters
+        ----------
+        s, from_edge : array_like, optional
+            As of `slip_amplitude`.
+        at : str
+            The load: ``"highest"`` or ``"lowest"``.
+
+        Returns
+        -------
+        float or ndarray
+            Of the shape of the input.
+
+        Raises
+        ------
+        SceneError
+            As `slip_amplitude`, or for another `at`.
+        """
+        one_of("at", at, _ENDS)
+        radius, distance = checks.radii(s, from_edge)
+        slips = np.zeros(radius.shape, dtype=bool)
+        for zone in self.zones:
+            if zone.kind == "slip":
+                slips |= (distance <= zone.inner_from_edge) & (distance >= zone.outer_from_edge)
+        limit = np.where(slips, self._limit(distance), np.nan)
+        return (limit if at == "highest" else -self.lowest * limit)[()]
+
+    def traction_bounds(
+        self,
+        s: ArrayLike | None = None,
+        at: str = "highest",
+        *,
+        from_edge: ArrayLike | None = None,
+    ) -> tuple[Any, Any]:
+        """Return what the traction at an end of the loop is at least, and at most.
+
+        Within these bounds the surface sticks, or slips back as in the loop, at all loads that were
+        solved; in slip both are the traction.
+
+        Parameters
+        ----------
+        s, at, from_edge
+            As of `traction`.
+
+        Returns
+        -------
+        tuple of float or ndarray
+
+        Raises
+        ------
+        SceneError
+            As `traction`.
+        NotComputedError
+            Where the surface goes on to slip forward while the load falls.
+        """
+        one_of("at", at, _ENDS)
+        self._require_unloading("traction_bounds")
+        _, distance = checks.radii(s, from_edge)
+        limit = np.abs(self._limit(distance))
+        low, high = admissible_tractions(self.states, self._friction, limit, distance)
+        if at == "lowest":
+            change = self.traction_change(from_edge=distance)
+            low = low - change
+            high = high - change
+        return low[()], high[()]
+
+    def _limit(self, from_edge: Array) -> Array:
+        """Return f p of the largest load, of the sign of kappa."""
+        signed = np.sign(self.scene.kappa) * self._friction
+        return np.asarray(signed * self.solution.pressure(from_edge=from_edge))
+
+    def _require_unloading(self, name: str) -> None:
+        if self.unloading_dissipation is None:
+            raise NotComputedError(name, FORWARD)
+
+    @property
+    def unloading(self) -> LoopBranch:
+        """Total shear on the way down.
+
+        Raises
+        ------
+        NotComputedError
+            Where the surface goes on to slip forward while the load falls.
+        """
+        self._require_unloading("unloading")
+        friction = self._friction
+        frictions = self._between()
+        load = np.array([1.0, *((frictions - friction) / (frictions + friction)), self.lowest])
+        return LoopBranch(load, (load - 1.0) * self._state_shears())
+
+    @property
+    def reloading(self) -> LoopBranch:
+        """Total shear on the way up."""
+        friction = self._friction
+        frictions = self._between()
+        rises = self.lowest * (frictions + friction) / (frictions - friction)
+        load = np.array([self.lowest, *rises, 1.0])
+        begin = (self.lowest - 1.0) * self.solution.total_shear
+        return LoopBranch(load, begin + (load - self.lowest) * self._state_shears())
+
+    @property
+    def _friction(self) -> float:
+        return float(self.scene.friction or 0.0)
+
+    def _between(self) -> Array:
+        """Return the frictions of the states between the loop and full stick, as they fall."""
+        return np.array([float(one.scene.friction or 0.0) for one in self.states[-2:0:-1]])
+
+    def _state_shears(self) -> Array:
+        """Return the total shears of the states, of full stick first."""
+        return np.array([one.total_shear for one in self.states[::-1]])
+
+    @property
+    def physical(self) -> PhysicalSteadyCycle:
+        """The same in m, N, Pa and J.
+
+        Raises
+        ------
+        NotComputedError
+            If the scene was not made by `Scene.from_physical`.
+        """
+        return PhysicalSteadyCycle(self)
+
+    def plot(self) -> Figure:
+        """Draw the loop of the total shear over the load, and the slip over the radius.
+
+        Raises
+        ------
+        MissingDependencyError
+            If matplotlib is not installed (extra: plot).
+        """
+        from spectral_contact.sweeps.cycle_pictures import plot_steady_cycle
+
+        return plot_steady_cycle(self)
+
+    def to_csv(self, path: str | os.PathLike[str], points: int = 200) -> None:
+        """Write slip amplitude and change of the traction over the radius.
+
+        Parameters
+        ----------
+        path : str or path-like
+        points : int
+            Radii, equally spaced.
+
+        Raises
+        ------
+        SolutionFileError
+            If the path cannot be written.
+        """
+        path, points = path_text(path), checks.whole("points", points, 2)
+        s = np.linspace(0.0, 1.0, points)
+        columns = {"s": s, "slip_amplitude": self.slip_amplitude(s)}
+        columns["traction_change"] = self.traction_change(s)
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [f"# {line}" for line in self.summary().splitlines()]
+        lines += [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+        with reported(path, "cannot be written"):
+            replace_file(path, ("\n".join(lines) + "\n").encode())
+
+    @property
+    def _numbers(self) -> list[_Printed]:
+        error = self.error
+        slip = float(self.slip_amplitude(1.0))
+        return [
+            _Printed("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
+            _Printed("stick radius", self.stick_radius, error.stick_radius),
+            _Printed("slip amplitude, edge", slip, error.slip_amplitude),
+            *_losses(self, error),
+        ]
+
+    def summary(self) -> str:
+        """Return the numbers with their errors as text, in SI units as well if there are any."""
+        load = f"load between 1 and {self.lowest!r} of the largest"
+        parts = [
+            f"{scene_text(self.scene)}\n{load}; rtol = {self.rtol!r}",
+            _table("quantity", self._numbers),
+        ]
+        if self.scene.physical is not None:
+            parts.append(str(self.physical))
+        if self.lowest >= self.shakedown_ratio:
+            parts.append("shaken down: nothing slips")
+        if self.unloading_dissipation is None:
+            parts.append(f"unloading is not known: {FORWARD}")
+        parts.append(f"converged: {'yes' if self.converged else 'no'}")
+        return "\n\n".join(parts)
+
+    def __str__(self) -> str:
+        return self.summary()
+
+    def __repr__(self) -> str:
+        numbers = f"stick_radius={self.stick_radius:.16g}"
+        if self.dissipation is None:
+            numbers += f" reloading_dissipation={self.reloading_dissipation:.16g}"
+            numbers += ", unloading is not known: the surface goes on to slip forward"
+        else:
+            numbers += f" dissipation={self.dissipation:.16g}"
+        return f"<SteadyCycle lowest={self.lowest:.6g} {numbers} converged={self.converged}>"
+
+
+class _Printed(NamedTuple):
+    """A number as it is printed."""
+
+    name: str
+    value: float | None
+    error: float | None
+    unit: str = ""
+
+
+def _losses(
+    cycle: SteadyCycle | PhysicalSteadyCycle, error: CycleErrors, unit: str = ""
+) -> list[_Printed]:
+    """Return what is dissipated, and of it what either way takes."""
+    return [
+        _Printed("dissipation", cycle.dissipation, error.dissipation, unit),
+        _Printed("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
+        _Printed("  reloading", cycle.reloading_dissipation, error.reloading_dissipation, unit),
+    ]
+
+
+def _table(title: str, numbers: list[_Printed]) -> str:
+    cells = [(title, "value", "error estimate")]
+    for one in numbers:
+        unit = f" {one.unit}" if one.unit and one.value is not None else ""
+        cells.append((one.name, digits_text(one.value, one.error) + unit, estimate_text(one.error)))
+    return table(cells)
+
+
+def _given(
+    radius: ArrayLike | None, from_edge: ArrayLike | None, name: str = "s"
+) -> dict[str, Any]:
+    """Return the arguments of a field."""
+    return {name: radius, "from_edge": from_edge}
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class PhysicalSteadyCycle(Suggesting):
+    """A steady loop in SI units: m, N, Pa and J.
+
+    Printed, it is the table of its numbers.
+    """
+
+    cycle: SteadyCycle
+
+    def __post_init__(self) -> None:
+        _ = self._unit  # refuses a scene without SI data
+
+    @property
+    def _unit(self) -> PhysicalSolution:
+        return PhysicalSolution(self.cycle.solution)
+
+    @property
+    def load(self) -> float:
+        """Largest load P [N]."""
+        return self._unit.load
+
+    @property
+    def lowest_load(self) -> float:
+        """Lowest load [N]."""
+        return self.cycle.lowest * self.load
+
+    @property
+    def stick_radius(self) -> float:
+        """Outer radius of the zone at the centre that never slips [m]."""
+        return self.cycle.stick_radius * self._unit.radius
+
+    @property
+    def _energy(self) -> float:
+        return self.load * self._unit.units.displacement
+
+    @property
+    def dissipation(self) -> float | None:
+        """Energy that friction dissipates in each cycle [J]; None where that of unloading is."""
+        value = self.cycle.dissipation
+        return None if value is None else value * self._energy
+
+    @property
+    def unloading_dissipation(self) -> float | None:
+        """Of it what the way down takes [J], or None."""
+        value = self.cycle.unloading_dissipation
+        return None if value is None else value * self._energy
+
+    @property
+    def reloading_dissipation(self) -> float:
+        """Of it what the way up takes [J]."""
+        return self.cycle.reloading_dissipation * self._energy
+
+    @over_r
+    def slip_amplitude(
+        self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
+    ) -> Any:
+        """Evaluate how far the surface slips on either way [m] at radii [m], or `from_edge` [m]."""
+        return (1.0 - self.cycle.lowest) * np.abs(self._unit.slip(**_given(r, from_edge, "r")))[()]
+
+    @over_r
+    def traction_change(
+        self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
+    ) -> Any:
+        """Evaluate the traction at the largest load less that at the lowest one [Pa]."""
+        return (1.0 - self.cycle.lowest) * self._unit.traction(**_given(r, from_edge, "r"))
+
+    def __str__(self) -> str:
+        error = self.cycle.error
+        slip = float(self.slip_amplitude(from_edge=0.0))
+        numbers = [
+            _Printed("largest load", self.load, 0.0, "N"),
+            _Printed("lowest load", self.lowest_load, 0.0, "N"),
+            _Printed("stick radius", self.stick_radius, error.stick_radius, "m"),
+            _Printed("slip amplitude, edge", slip, error.slip_amplitude, "m"),
+            *_losses(self, error, "J"),
+        ]
+        return _table("SI", numbers)
+
+    def __repr__(self) -> str:
+        return f"<PhysicalSteadyCycle of {self.cycle!r}>"

@@ -1,0 +1,240 @@
+"""The steady loop of a load that cycles under a flat punch, as partial slip under more friction.
+
+After some cycles between the largest load, 1, and the lowest one, lambda, the traction changes by
+``(1 - lambda) q*(f')`` from one to the other, where q* is that of unit load under the friction
+``f' = f (1 + lambda)/(1 - lambda)`` (docs/cycles). What is dissipated on the way are integrals of
+the mean slip over friction.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Final
+
+from spectral_contact.errors import ConvergenceError, SceneError
+from spectral_contact.fields.shakedown import shakedown
+from spectral_contact.io import checks
+from spectral_contact.io.choices import instance, suggesting
+from spectral_contact.profiles.control import refuse_unloaded
+from spectral_contact.records import Ending
+from spectral_contact.scene import Scene
+from spectral_contact.solution import Solution
+from spectral_contact.solving.solver import Continuation
+from spectral_contact.sweeps.cycle_result import CycleErrors, SteadyCycle
+from spectral_contact.sweeps.forward_slip import forward_slack, slack_rounding
+from spectral_contact.sweeps.mean_slip import ASKED, MeanSlipCurve, ValueWithError, mean_slip
+from spectral_contact.threads import one_thread
+
+_TOLERANCES: Final = "in [1e-11, 1e-2]"
+#: Tolerances of solves, over that of the dissipation: the first, and one closer.
+_CLOSER: Final = (0.1, 1e-3)
+#: How close to shakedown, over the whole range, loops of a family are that have all their digits.
+_LEAST_DISTANCE: Final = 1e-2
+#: The tightest tolerance of a solve.
+_TIGHTEST: Final = 1e-12
+
+
+@suggesting()
+def steady_cycle(
+    scene: Scene,
+    lowest: float,
+    *,
+    rtol: float = 1e-8,
+    max_unknowns: int = 20_000,
+    strict: bool = True,
+) -> SteadyCycle:
+    """Return the steady loop of a load that cycles between its largest value and a lower one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of the largest load: a flat punch with friction, without elastic coupling.
+    lowest : float
+        The lowest load over the largest one, ``0 < lowest < 1``. At 0 the contact opens and forgets
+        what was.
+    rtol : float
+        Bound on the relative error of what is dissipated, in [1e-11, 1e-2].
+    max_unknowns : int
+        As of `solve`.
+    strict : bool
+        Raise an error if the tolerance cannot be met (default); else return what was reached.
+
+    Returns
+    -------
+    SteadyCycle
+        From the shakedown ratio on nothing slips, and nothing is dissipated.
+
+    Raises
+    ------
+    SceneError
+        For an argument out of its range, or a scene with a profile, with elastic coupling or
+        without friction.
+    ConvergenceError
+        If the tolerance cannot be met; it carries the best cycle.
+
+    Examples
+    --------
+    >>> from spectral_contact import Scene, steady_cycle
+    >>> cycle = steady_cycle(Scene(0.1, 0.5, 0.5, 0.1), lowest=0.1, rtol=1e-6)
+    >>> print(f"{cycle.stick_radius:.6f} {cycle.dissipation:.6e}")
+    0.796332 1.196742e-04
+    """
+    scene, lowest = checked_cycle(scene, lowest)
+    rtol = checks.within("rtol", rtol, _TOLERANCES)
+    max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
+    strict = checks.flag("strict", strict)
+    with one_thread():
+        for share in _CLOSER:
+            tolerance = max(share * rtol, _TIGHTEST)
+            family = CycleFamily(scene, [lowest], rtol, tolerance, max_unknowns)
+            found = family.cycle(scene, lowest)
+            if found.converged or tolerance == _TIGHTEST:
+                break
+    if strict and not found.converged:
+        cause = f"the error estimate {found.worst_error:.1e} does not meet rtol = {rtol:.1e}"
+        raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", found)
+    return found
+
+
+def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
+    """Return a scene and a lowest load for which the law of steady loops holds, checked."""
+    refuse_unloaded(instance("scene", scene, Scene), "steady_cycle")
+    lowest = checks.real("lowest", lowest, allowed="a number between 0 and 1")
+    if not 0.0 < lowest < 1.0:
+        raise SceneError("lowest", lowest, "between 0 and 1, both excluded")
+    if scene.profile is not None:
+        raise SceneError("profile", scene.profile, "None: the law is that of a flat punch")
+    if scene.friction is None:
+        raise SceneError("friction", None, "a coefficient of friction")
+    if scene.couples:
+        raise SceneError("coupling", True, "False: with elastic coupling the law does not hold")
+    return scene, lowest
+
+
+class CycleFamily:
+    """Steady loops of scenes that differ in friction and in the lowest load alone.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its friction is the lowest of all.
+    lowest : sequence of float
+        The lowest loads that will be asked for.
+    rtol : float
+        Of the dissipation.
+    tolerance : float
+        Of the solves.
+    max_unknowns : int
+    highest_friction : float, optional
+        The largest friction that will be asked for; by default that of the scene.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        lowest: Sequence[float],
+        rtol: float,
+        tolerance: float,
+        max_unknowns: int,
+        highest_friction: float | None = None,
+    ) -> None:
+        assert scene.friction is not None
+        self._rtol, self._scene = rtol, scene
+        path = Continuation(tolerance, (*ASKED, "critical_friction"), max_unknowns)
+        self._solve: Callable[[float], Solution] = lambda f: path.solve(scene.replace(friction=f))
+        self._stick = self._solve(math.inf)
+        critical = self._stick.critical_friction
+        ends = scene.friction, highest_friction or scene.friction
+        frictions = [loop_friction(f, one) for f in ends for one in lowest]
+        slipping = [one for one in frictions if 0.0 < one < critical]
+        first = min(slipping, default=critical)
+        # of the loops next to shakedown, which dissipate less, the digits count as well
+        last = max(slipping, default=critical)
+        if critical < math.inf:
+            last = min(last, critical - _LEAST_DISTANCE * (critical - first))
+        scale = abs(scene.kappa) + first
+        self._curve = MeanSlipCurve(self._solve, first, last, critical, scale, rtol)
+
+    def cycle(self, scene: Scene, lowest: float) -> SteadyCycle:
+        """Return the steady loop of a scene with another friction."""
+        friction = scene.friction
+        assert friction is not None
+        largest = self._stick.critical_friction
+        critical_error = self._stick.error.critical_friction or 0.0
+        ratio, ratio_error = shakedown(largest, critical_error, friction)
+        loop_f = loop_friction(friction, lowest)
+        # at the shakedown ratio itself no digit of the slip is known, and it does not count
+        at_shakedown = largest * (1.0 - critical_error) <= loop_f < largest
+        loop = self._stick if at_shakedown else self._solve(loop_f)
+        between = [one for one in self._curve.states if (one.scene.friction or 0.0) > loop_f]
+        states = (loop, *between, self._stick)
+        if at_shakedown:
+            unloading = reloading = ValueWithError(0.0, 1.0)
+        else:
+            unloading, reloading = self._dissipated(friction, lowest, loop)
+        slack = forward_slack(states, friction)
+        known = slack >= -slack_rounding(states)
+        of_unloading = _relative(unloading) if known else None
+        found = SteadyCycle(
+            scene,
+            lowest,
+            self._rtol,
+            loop,
+            states,
+            float(ratio),
+            reloading.value,
+            unloading.value if known else None,
+            slack,
+            CycleErrors(
+                shakedown_ratio=float(ratio_error),
+                stick_radius=critical_error if at_shakedown else loop.error.stick_radius,
+                slip_amplitude=1.0 if at_shakedown else loop.error.slip,
+                traction=max(loop.error.traction or 0.0, loop.error.pressure or 0.0),
+                reloading_dissipation=_relative(reloading),
+                unloading_dissipation=of_unloading,
+                dissipation=None if of_unloading is None else _relative(_sum(unloading, reloading)),
+            ),
+        )
+        within = reloading.value == 0.0 or found.worst_error <= self._rtol
+        return replace(found, converged=loop.converged and within)
+
+    def _dissipated(
+        self, friction: float, lowest: float, loop: Solution
+    ) -> tuple[ValueWithError, ValueWithError]:
+        """Return what unloading and reloading dissipate, with absolute errors."""
+        mean = mean_slip(loop)
+        if mean.value == 0.0 or friction == 0.0:
+            return ValueWithError(0.0, 0.0), ValueWithError(0.0, 0.0)
+        loop_f = loop_friction(friction, lowest)
+        above = self._curve.integrate(
+            lambda f: 4.0 * friction**2 / (f + friction) ** 3, loop_f, loop_f + friction
+        )
+        below = self._curve.integrate(
+            lambda f: 4.0 * (lowest * friction) ** 2 / (f - friction) ** 3,
+            loop_f,
+            loop_f - friction,
+        )
+        whole = (1.0 - lowest) * mean.value
+        lost = math.inf if loop.ending is Ending.ZONES else whole * mean.error
+        return (
+            ValueWithError(
+                friction * (lowest * whole + above.value), friction * (lowest * lost + above.error)
+            ),
+            ValueWithError(friction * (whole - below.value), friction * (lost + below.error)),
+        )
+
+
+def _sum(one: ValueWithError, other: ValueWithError) -> ValueWithError:
+    return ValueWithError(one.value + other.value, one.error + other.error)
+
+
+def _relative(mean: ValueWithError) -> float:
+    """Return the absolute error of a mean over its value; of 0 it is 1 if it may be more."""
+    return mean.error / mean.value if mean.value > 0.0 else min(mean.error, 1.0)
+
+
+def loop_friction(friction: float, lowest: float) -> float:
+    """Return the friction under which unit load has the zones of a loop."""
+    return friction * (1.0 + lowest) / (1.0 - lowest)

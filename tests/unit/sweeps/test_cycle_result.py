@@ -1,0 +1,136 @@
+"""A steady loop as it is asked: fields, bounds, branches, SI units, text and files."""
+
+import functools
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+from spectral_contact import NotComputedError, Scene, SceneError, SolutionFileError, steady_cycle
+
+SCENE = Scene(0.1, 0.5, 0.5, 0.1)
+STEEL = Scene.from_physical(
+    youngs_modulus=210e9,
+    poisson_ratio=0.3,
+    radius=5e-3,
+    load=5e3,
+    normal_compliance=5e-15,
+    tangential_compliance=6e-15,
+    friction=0.15,
+)
+
+
+@functools.cache
+def loop(lowest=0.1, scene=SCENE):
+    return steady_cycle(scene, lowest, rtol=1e-2)
+
+
+def test_the_traction_is_known_where_the_surface_slips():
+    found = loop()
+    s = np.array([0.3, 0.79, 0.8, 0.95, 1.0])
+    limit = 0.1 * found.solution.pressure(s)
+    highest, lowest = (found.traction(s, at) for at in ("highest", "lowest"))
+    assert np.isnan(highest[:2]).all()
+    assert np.isnan(lowest[:2]).all()
+    assert highest[2:] == pytest.approx(limit[2:], rel=1e-14)
+    assert lowest[2:] == pytest.approx(-0.1 * limit[2:], rel=1e-14)
+    change = found.traction_change(s)
+    assert (highest - lowest)[2:] == pytest.approx(change[2:], rel=1e-4)
+
+
+def test_in_stick_the_traction_has_bounds():
+    found = loop()
+    s = np.array([0.3, 0.79, 0.8, 0.95])
+    for at, load in (("highest", 1.0), ("lowest", 0.1)):
+        low, high = found.traction_bounds(s, at)
+        assert (low[:2] < high[:2]).all()
+        limit = load * 0.1 * found.solution.pressure(s)
+        assert (np.maximum(-low, high) <= limit * (1.0 + 1e-4)).all()
+        assert low[2:] == pytest.approx(found.traction(s[2:], at), rel=1e-3)
+        assert high[2:] == pytest.approx(found.traction(s[2:], at), rel=1e-3)
+
+
+def test_the_branches_close_the_loop():
+    found = loop()
+    down, up = found.unloading, found.reloading
+    assert (down.load[0], down.load[-1]) == (1.0, 0.1) == (up.load[-1], up.load[0])
+    assert (np.diff(down.load) < 0.0).all()
+    assert (np.diff(up.load) > 0.0).all()
+    assert down.shear[0] == 0.0
+    assert up.shear[-1] == pytest.approx(0.0, abs=1e-15)
+    assert down.shear[-1] == up.shear[0] == -0.9 * found.solution.total_shear
+
+
+def test_where_forward_slip_goes_on_there_is_no_way_down():
+    found = loop(0.005)
+    for ask in (lambda: found.unloading, lambda: found.traction_bounds(0.5)):
+        with pytest.raises(NotComputedError, match="forward"):
+            ask()
+    assert len(found.reloading.load) > 2
+    assert found.slip_amplitude(1.0) > 0.0
+
+
+def test_si_units():
+    found = loop(0.2, STEEL)
+    physical = found.physical
+    assert (physical.load, physical.lowest_load) == (5e3, 1e3)
+    assert physical.stick_radius == found.stick_radius * 5e-3
+    unit = 4.0 * (1.0 - 0.3**2) * 5e3 / (5e-3 * 210e9)
+    for name in ("dissipation", "unloading_dissipation", "reloading_dissipation"):
+        value = getattr(found, name) * 5e3 * unit
+        assert getattr(physical, name) == pytest.approx(value, rel=1e-14)
+    assert physical.slip_amplitude(4.9e-3) == pytest.approx(found.slip_amplitude(0.98) * unit)
+    assert physical.traction_change(1e-3) == pytest.approx(
+        found.traction_change(0.2) * 5e3 / 5e-3**2
+    )
+    assert " J " in str(physical)
+    assert str(physical) in found.summary()
+    with pytest.raises(NotComputedError, match=r"Scene\.from_physical"):
+        _ = loop().physical
+
+
+def test_a_given_approach_has_a_load():
+    given = STEEL.physical
+    scene = Scene.from_physical(
+        youngs_modulus=given.youngs_modulus,
+        poisson_ratio=0.3,
+        radius=given.radius,
+        approach=loop(0.2, STEEL).solution.physical.approach,
+        normal_compliance=given.normal_compliance,
+        tangential_compliance=given.tangential_compliance,
+        friction=0.15,
+    )
+    found = loop(0.2, scene).physical
+    assert found.load == pytest.approx(5e3, rel=1e-3)
+    assert found.dissipation == pytest.approx(loop(0.2, STEEL).physical.dissipation, rel=1e-2)
+
+
+def test_it_is_printed_stored_and_pickled(tmp_path):
+    found = loop()
+    assert repr(found).startswith("<SteadyCycle lowest=0.1 stick_radius=0.796")
+    assert str(found) == found.summary()
+    assert "converged: yes" in found.summary()
+    path = tmp_path / "loop.csv"
+    found.to_csv(path, points=11)
+    lines = [one for one in path.read_text().splitlines() if not one.startswith("#")]
+    table = np.genfromtxt(lines, delimiter=",", names=True)
+    assert table.dtype.names == ("s", "slip_amplitude", "traction_change")
+    assert (table["slip_amplitude"] == found.slip_amplitude(table["s"])).all()
+    with pytest.raises(SolutionFileError):
+        found.to_csv(tmp_path / "nowhere" / "loop.csv")
+    again = pickle.loads(pickle.dumps(found))
+    assert again.dissipation == found.dissipation
+
+
+def test_bad_places_are_refused():
+    found = loop()
+    with pytest.raises(SceneError, match="at"):
+        found.traction(0.5, "middle")
+    with pytest.raises(SceneError):
+        found.slip_amplitude(1.5)
+    with pytest.raises(SceneError):
+        found.traction_bounds(0.5, from_edge=0.5)
+    with pytest.raises(AttributeError, match="did you mean dissipation"):
+        _ = found.disipation
+    assert math.isnan(found.traction(0.0))

@@ -1,0 +1,87 @@
+"""Enclose the approach of every gold scene of a flat punch without elastic coupling.
+
+Run as ``python validation/gold/prove_gold.py``.
+
+Writes the bounds, by `proof.enclose_approach` with 20 digits or as many as it has, into the gold
+tables as ``approach_bounds``, and validation/results/proved_gold.md. Fails if the approach of a
+table is not between its bounds.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+from make_gold import TABLES, layout
+
+from spectral_contact import ConvergenceError, Scene, gold, proof
+from spectral_contact.io.documents import replace_file
+from spectral_contact.view.progress import ProgressLine
+
+RESULTS = Path(__file__).parents[1] / "results"
+
+
+def enclosure(compliance: float) -> proof.Enclosure:
+    """Return the interval of a compliance, of 20 digits where they are reached."""
+    scene = Scene(0.3, compliance)
+    try:
+        return proof.enclose_approach(scene)
+    except ConvergenceError as error:
+        found: proof.Enclosure = error.solution
+        return found
+
+
+def main() -> None:
+    """Prove, and write tables and results."""
+    tables = {table.name: table for table in gold.tables()}
+    provable = [
+        one.scene.normal_compliance
+        for table in tables.values()
+        for one in table.solutions
+        if one.scene.profile is None and not one.scene.couples
+    ]
+    found = {}
+    with ProgressLine(None) as tell:
+        for count, compliance in enumerate(sorted(set(provable))):
+            tell(f"alpha = {compliance:g}", count / len(set(provable)))
+            found[compliance] = enclosure(compliance)
+    outside = []
+    for name, table in tables.items():
+        document = json.loads((TABLES / f"{name}.json").read_text(encoding="utf-8"))
+        for position, one in enumerate(table.solutions):
+            if one.scene.profile is not None or one.scene.couples:
+                continue
+            proved = found[one.scene.normal_compliance]
+            if one.approach not in proved:
+                outside.append(f"{name}: {one.name}")
+            entry = document["scenes"][position]
+            entry.pop("approach_bounds", None)
+            items = list(entry.items())
+            place = list(entry).index("approach") + 1
+            items.insert(place, ("approach_bounds", str(proved)[1:-1].split(", ")))
+            document["scenes"][position] = dict(items)
+        replace_file(str(TABLES / f"{name}.json"), (layout(document) + "\n").encode())
+    if outside:
+        sys.exit("not between the bounds: " + "; ".join(outside))
+    scenes = Counter(provable)
+    lines = [
+        f"{len(provable)} gold scenes of {len(found)} compliances: each approach is in its bounds.",
+        "",
+        "| α* | scenes | δ* is proved to be in | width over δ* | polynomials |",
+        "|---|---|---|---|---|",
+    ]
+    for compliance, proved in found.items():
+        width = f"{proved.width:.1e}" if proved.terms else "exact"
+        count = proved.terms or "closed form"
+        lines.append(f"| {compliance:g} | {scenes[compliance]} | {proved} | {width} | {count} |")
+    (RESULTS / "proved_gold.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+"""True errors of steady loops of the load against their estimates.
+
+A stratum of honesty.py. Scenes have random compliances, Poisson's ratios, frictions and lowest
+loads, from far below the shakedown ratio to above it, and tolerances. The truth is another
+quadrature: over the load, not over the friction, with Gauss points in the cube root of the distance
+from where slip begins, each of which is a solve of its own to a tighter tolerance, whose mean slip
+is a double exponential rule. Half of the points measure its error, which counts in the room.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from honesty_table import Outcome, Stratum, command, decade, in_turn
+
+from spectral_contact import NotComputedError, Scene, Solution, solve, steady_cycle
+
+#: Gauss points of the truth, and of the one that it is compared with.
+POINTS, FEWER = 32, 20
+#: The tolerance of its solves.
+CLOSE = 1e-11
+#: Every so many scenes have no tangential compliance, no normal one, or a loop that shakes down.
+BARE, SMOOTH, SHAKEN = 8, 15, 10
+#: Of the slip amplitude, over its largest value.
+RADII = 1.0 - np.array([1e-6, 1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.4])
+ROUNDING = 1e-14
+
+
+def mean_slip(solution: Solution) -> float:
+    """Return ``2 pi int p |u| s ds`` by a double exponential rule in every zone of slip."""
+    total = 0.0
+    step = 1.0 / 24.0
+    t = step * np.arange(-84, 85)
+    share = 1.0 / (1.0 + np.exp(-math.pi * np.sinh(t)))
+    weight = step * math.pi * np.cosh(t) * share * share[::-1]
+    for zone in solution.zones:
+        if zone.kind == "slip":
+            width = zone.inner_from_edge - zone.outer_from_edge
+            inner = zone.inner_from_edge - width * share
+            from_edge = np.where(t < 0.0, inner, zone.outer_from_edge + width * share[::-1])
+            slip = np.abs(solution.slip(from_edge=from_edge))
+            load = solution.pressure(from_edge=from_edge) * (1.0 - from_edge)
+            total += 2.0 * math.pi * width * float((weight * load) @ slip)
+    return total
+
+
+def dissipated(
+    scene: Scene, lowest: float, critical: float, points: int, mean: Callable[[float], float]
+) -> tuple[float, float]:
+    """Return what is dissipated while the load falls, and while it rises."""
+    f = scene.friction
+    assert f is not None
+    x, w = np.polynomial.legendre.leggauss(points)
+    v = (x + 1.0) / 2.0
+    weight = 3.0 * v**2 * w / 2.0
+    whole = (1.0 - lowest) * mean(f * (1.0 + lowest) / (1.0 - lowest))
+    ratio = (critical - f) / (critical + f) if critical < math.inf else 1.0
+    down = ratio - (ratio - lowest) * v**3
+    unloading = [(1.0 - one) * mean(f * (1.0 + one) / (1.0 - one)) for one in down]
+    begin = lowest / ratio
+    up = begin + (1.0 - begin) * v**3
+    reloading = [(one - lowest) * mean(f * (one + lowest) / (one - lowest)) for one in up]
+    return (
+        f * (lowest * whole + (ratio - lowest) * float(weight @ unloading)),
+        f * (whole - (1.0 - begin) * float(weight @ reloading)),
+    )
+
+
+def drawn(rng: np.random.Generator, number: int) -> tuple[Scene, float, float]:
+    """Return a scene, its critical friction, and a lowest load."""
+    alpha, beta = (decade(rng, -3.0, 1.0) for _ in range(2))
+    alpha = 0.0 if number % SMOOTH == 2 else alpha
+    beta = 0.0 if number % BARE == 1 else beta
+    stick = solve(Scene(rng.uniform(-0.2, 0.45), alpha, beta, math.inf), 1e-11)
+    critical = stick.critical_friction
+    most = critical if critical < math.inf else 4.0 * stick.scene.kappa
+    friction = most * rng.uniform(0.1, 0.95)
+    ratio = (critical - friction) / (critical + friction) if critical < math.inf else 0.9
+    share = rng.uniform(1.0, 1.5) if number % SHAKEN == 3 else 1.0 - decade(rng, -2.5, 0.0)
+    lowest = min(max(share, 0.02) * ratio, 0.98)
+    return stick.scene.replace(friction=friction), critical, lowest
+
+
+def ratios(rng: np.random.Generator, number: int) -> Outcome:
+    """Return the largest true errors over estimates of a loop."""
+    scene, critical, lowest = drawn(rng, number)
+    rtol = decade(rng, -7.0, -2.0)
+    label = f"{scene!r}, lowest = {lowest:.6g}, rtol = {rtol:.1e}"
+    found = steady_cycle(scene, lowest, rtol=rtol, strict=False)
+    close = scene.replace(friction=scene.friction * (1.0 + lowest) / (1.0 - lowest))
+    truth = solve(close, CLOSE, strict=False)
+    known: dict[float, float] = {}
+
+    def mean(friction: float) -> float:
+        if friction not in known:
+            one = solve(scene.replace(friction=friction), CLOSE, strict=False)
+            known[friction] = mean_slip(one)
+        return known[friction]
+
+    compared: dict[str, float] = {}
+    compared["stick_radius"] = abs(found.stick_radius / truth.stick_radius - 1.0) / (
+        (found.error.stick_radius or 0.0) + (truth.error.stick_radius or 0.0) + ROUNDING
+    )
+    slip, exact = found.slip_amplitude(RADII), (1.0 - lowest) * np.abs(truth.slip(RADII))
+    if exact.max() > 0.0:
+        room = (found.error.slip_amplitude or 0.0) + (truth.error.slip or 0.0) + ROUNDING
+        size = (1.0 - lowest) * np.abs(truth.slip(np.linspace(0.0, 1.0, 400))).max()
+        compared["slip_amplitude"] = float(np.abs(slip - exact).max()) / (size * room)
+    if found.reloading_dissipation == 0.0:
+        compared["nothing_is_lost"] = 0.0 if exact.max() == 0.0 else 2.0
+        return Outcome(compared, label, found.converged)
+    close_ones = dissipated(scene, lowest, critical, POINTS, mean)
+    others = dissipated(scene, lowest, critical, FEWER, mean)
+    for name, value, other in zip(("unloading", "reloading"), close_ones, others, strict=True):
+        of_found = getattr(found, f"{name}_dissipation")
+        estimate = getattr(found.error, f"{name}_dissipation")
+        if of_found is not None:
+            room = estimate + abs(other / value - 1.0) + 1e-10
+            compared[f"{name}_dissipation"] = abs(of_found / value - 1.0) / room
+    return Outcome(compared, label, found.converged)
+
+
+STRATA = {
+    "cycles": Stratum(
+        "Honesty of steady loops of the load", 60, in_turn(ratios, (NotComputedError,)), every=5
+    )
+}
+
+
+def main(name: str, arguments: Sequence[str]) -> bool:
+    """Run the stratum."""
+    return command(STRATA, name, arguments)
