@@ -178,8 +178,9 @@ class RingState:
 
         In contrast to the traction it has no kink at a boundary between stick and slip.
         """
-        moved = self.displacement - self.system.frozen
-        return self.traction - moved / self.system.self_compliance
+        return (
+            self.traction - (self.displacement - self.system.frozen) / self.system.self_compliance
+        )
 
     @property
     def margin(self) -> Array:
@@ -314,9 +315,12 @@ def ring_layout(
     for _ in range(splits):
         ring_state = solved(*_split(ring_state))
     if unloaded_to < 1.0:
-        rings = ring_state.system.rings
-        frozen = ring_state.displacement / unloaded_to
-        system = RingSystem(rings, parameters, coupled=False, frozen=frozen)
+        system = RingSystem(
+            ring_state.system.rings,
+            parameters,
+            coupled=False,
+            frozen=ring_state.displacement / unloaded_to,
+        )
         ring_state = solve_active_set(system, np.zeros_like(ring_state.states))
     zone_states = _without_spurious_zones(ring_state.states) if splits else ring_state.states
     last_rings, boundaries = _boundaries(replace(ring_state, states=zone_states))

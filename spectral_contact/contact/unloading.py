@@ -129,7 +129,7 @@ class UnloadedSearch(ZoneSearch):
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: stick at the centre, and memory further out."""
-        return zones.states[0] == 0 and len(zones.states) > 2
+        return zones.states[0] == 0 and len(zones.states) >= 3
 
     def problem(self, zones: Layout, tolerance: float) -> FreeBoundaryProblem:
         """Return the equations on these zones."""

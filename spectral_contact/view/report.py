@@ -304,11 +304,7 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
     for zone in zones:
         radii = (zone.inner, zone.outer, zone.outer_from_edge)
         cells.append(
-            (
-                _zone_text(zone),
-                *(digits_text(r, estimate) for r in radii),
-                estimate_text(estimate),
-            )
+            (_zone_text(zone), *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
         )
     if solution.scene.physical is not None:
         metres = (digits_text(zone.outer, estimate) for zone in solution.physical.zones)
