@@ -17,6 +17,7 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields.shakedown import shakedown
 from spectral_contact.io import checks
 from spectral_contact.io.choices import instance, suggesting
+from spectral_contact.profiles.control import refuse_unloaded
 from spectral_contact.records import Ending
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -99,7 +100,7 @@ def steady_cycle(
 
 def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
     """Return a scene and a lowest load for which the law of steady loops holds, checked."""
-    instance("scene", scene, Scene)
+    refuse_unloaded(instance("scene", scene, Scene), "steady_cycle")
     lowest = checks.real("lowest", lowest, allowed="a number between 0 and 1")
     if not 0.0 < lowest < 1.0:
         raise SceneError("lowest", lowest, "between 0 and 1, both excluded")
