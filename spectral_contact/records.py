@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import Radius
 from spectral_contact.io.choices import instance, one_of
 from spectral_contact.quantities import (
@@ -170,11 +171,15 @@ class Zone:
         Raises
         ------
         SceneError
-            If the kind is not stick or slip, or an end is no ``Radius``.
+            If the kind is not stick or slip, an end is no ``Radius``, the sense is not 1 or -1, or
+            the memory no bool.
         """
         one_of("kind", kind, ("stick", "slip"))
         for name, end in (("inner", inner), ("outer", outer)):
             instance(name, end, Radius)
+        if not isinstance(sense, int) or abs(sense) != 1:
+            raise SceneError("sense", sense, "1 or -1")
+        instance("memory", memory, bool)
         ends = inner.value, outer.value, inner.from_edge, outer.from_edge
         return cls(kind, *ends, sense=sense, memory=memory)
 

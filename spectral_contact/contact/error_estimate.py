@@ -43,6 +43,7 @@ from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
     JACOBIAN_RANGE,
     NEGLIGIBLE_FRACTION,
+    RIGID_TRACTION_ROUNDING,
     ROOT_EDGE_SAFETY,
     ROUNDING,
     TRACTION_ROUNDING,
@@ -53,6 +54,7 @@ from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import OffsetRadii, gap
 from spectral_contact.spectral.transforms import series_of
+from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -362,7 +364,7 @@ class ZoneEstimate:
             integral_floor += self.boundary_error
         field_floor = self.remaining + self.boundary_error
         pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
-        traction_error = max(fields.traction, TRACTION_ROUNDING) + field_floor
+        traction_error = max(fields.traction, self._traction_rounding) + field_floor
         boundary_errors = tuple(
             radius_errors(float(error), radius)
             for error, radius in zip(self.logit_errors, system.radii, strict=True)
@@ -395,6 +397,21 @@ class ZoneEstimate:
         if system.symmetric and not system.pressure_known:
             return self._with_energies(solution)
         return solution
+
+    @property
+    def _traction_rounding(self) -> float:
+        """The rounding of q/s at the centre, where it is largest.
+
+        It is larger where a small compliance hardly regularises the traction of a disk: in full
+        stick, or under a known pressure on the one stick disk.
+        """
+        radii = self.system.radii
+        compliance = self.system.parameters.beta
+        if radii:
+            compliance /= radii[0].value
+        disk = len(radii) <= (1 if self.system.pressure_known else 0)
+        rigid = disk and compliance < UNCORRECTED_COMPLIANCE
+        return RIGID_TRACTION_ROUNDING if rigid else TRACTION_ROUNDING
 
     @property
     def _shear_cancellation(self) -> float:

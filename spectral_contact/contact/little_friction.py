@@ -26,13 +26,13 @@ def regularising_radius(parameters: Parameters) -> Radius:
     like a power of s around the disk, and next to a disk of radius c its rounding error is like
     ``eps/c`` with the rounding error eps of doubles. The radius that keeps rounding and the error
     of the disk below the estimates is ``2 sqrt(eps) (kappa f)**(-1/3)``. It is so small that
-    CENTRAL_CLEARANCE times it is small, too.
+    CENTRAL_CLEARANCE times it is a sixteenth of the contact radius.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
         return Radius.from_logit(min_logit(parameters))
     c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
-    c = min(c, 1.0 / CENTRAL_CLEARANCE**2)
+    c = min(c, 1.0 / (4.0 * 4.0 * CENTRAL_CLEARANCE))
     return Radius(float(c), float(1.0 - c))
 
 

@@ -225,7 +225,8 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
         before = within[within < largest]
         after = within[within > largest]
         ends = [float(y[side]) for side in (*before[-1:], *after[:1])]
-        new_states = [0, int(np.sign(ratio[largest])), 0][: len(ends) + 1]
+        slip = int(np.sign(ratio[largest]))
+        new_states = [0] * len(before[-1:]) + [slip] + [0] * len(after[:1])
         states[zone : zone + 1] = new_states
         logits[zone:zone] = [logit_at(-log(end)) for end in ends]
         return Layout(tuple(logits), tuple(states))

@@ -42,7 +42,8 @@ _BITS: Final = 192
 #: Numbers of polynomials: the first one, doubled up to the last.
 _FEWEST_TERMS: Final = 256
 _MOST_TERMS: Final = 65536
-#: The residual is expanded in so many times as many polynomials, its tail is bounded.
+#: The residual is expanded in more polynomials than the solution, by this factor; the rest of it,
+#: its tail, is bounded.
 _EXPANDED: Final = 4
 #: Conjugate gradients leave a residual that adds this many digits less than asked for to the width.
 _SPARE_DIGITS: Final = 2
@@ -203,7 +204,7 @@ class _Residual(NamedTuple):
     products : list of arb
         ``<r, P_k>`` of the polynomials of the trial function.
     squared : arb
-        ``<r, r>``, at least.
+        A ball that contains ``<r, r>``.
     """
 
     products: list[Any]

@@ -2,8 +2,12 @@
 
 After some cycles between the largest load, 1, and the lowest one, lambda, the traction changes by
 ``(1 - lambda) q*(f')`` from one to the other, where q* is that of unit load under the friction
-``f' = f (1 + lambda)/(1 - lambda)`` (docs/cycles). What is dissipated on the way are integrals of
-the mean slip over friction.
+``f' = f (1 + lambda)/(1 - lambda)`` (docs/cycles). The dissipated energy is an integral, over the
+friction as variable, of the slip weighted by the pressure (`mean_slip`).
+
+R is the critical friction of full stick, from which on nothing slips; without tangential compliance
+it is infinite. The formula for the energy of unloading holds while nothing slips *forward*, in the
+sense of loading, as the load falls; the *slack* (`forward_slip`) is positive if that is so.
 """
 
 from __future__ import annotations
@@ -30,7 +34,8 @@ from spectral_contact.threads import one_thread
 _TOLERANCES: Final = "in [1e-11, 1e-2]"
 #: Tolerances of solves, over that of the dissipation: the first, and one closer.
 _CLOSER: Final = (0.1, 1e-3)
-#: How close to shakedown, over the whole range, loops of a family are that have all their digits.
+#: Loops whose distance from shakedown, over the range of the load, is above this have all their
+#: digits.
 _LEAST_DISTANCE: Final = 1e-2
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12

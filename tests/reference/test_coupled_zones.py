@@ -345,7 +345,7 @@ def test_stick_at_the_edge_is_found_or_there_is_room_for_it(rtol):
 
 def test_boundaries_that_do_not_settle_have_the_slopes_of_their_place():
     # secants between steps of rounding were ten times as steep, and the estimates as small
-    each = [next_to_the_second_threshold(BEGUN[1], rtol) for rtol in (1e-3, 1e-10)]
+    each = [next_to_the_second_threshold(BEGUN[1], rtol) for rtol in (1e-4, 1e-10)]
     widths = [one.zones[-1].inner_from_edge for one in each]
     for one, width in zip(each[:-1], widths[:-1], strict=True):
         assert abs(width / widths[-1] - 1.0) <= one.error.zones + each[-1].error.zones

@@ -107,11 +107,14 @@ ARGUMENTS: dict[str, Any] = {
     **{"first": profiles.Cone(1.0), "second": profiles.Parabola(1.0), "material": None},
     **{"series": ((0.5, 0.5),), "derivative": one, "knots": ()},
     **{"work_of_adhesion": 0.1, "contact": SmoothContact(0.5, 1.0), "points": 20},
+    **{"lowest": 0.9, "sense": 1, "memory": False},
 }
 #: By name of the callable's parameter, where the name alone does not say it.
 SPECIAL: dict[str, Any] = {
     "adhesion_cycle.scene": STICKY,
     "pull_off.scene": STICKY,
+    "damping_map.lowest": [0.9],
+    "damping_map.friction": [0.1],
     "asperities.greenwood_williamson.pressure": 1e7,
     "calibration.IndentationData.load": [1.0],
     "calibration.contact_depth.load": [1.0],

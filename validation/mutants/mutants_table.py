@@ -612,7 +612,7 @@ MUTANTS = (
     Mutant(
         "the shear of coupled slip has the error of its changes alone",
         f"{_CONTACT}/error_estimate.py",
-        "shear_error=self._shear_change() + integral_floor,",
+        "shear_error=self._shear_change() + integral_floor * self._shear_cancellation,",
         "shear_error=self._shear_change(),",
         _ESTIMATES,
     ),
