@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io import checks
-from spectral_contact.io.choices import suggesting
+from spectral_contact.io.choices import instance, suggesting
 from spectral_contact.scene import Scene
 from spectral_contact.sweeps.cycle_result import SteadyCycle
 from spectral_contact.sweeps.dataset import needed
@@ -77,8 +77,9 @@ def damping_map(
         If xarray is not installed (extra: sweep).
     """
     dataset = needed().Dataset
+    instance("scene", scene, Scene)
     loads = _axis("lowest", lowest)
-    given = getattr(scene, "friction", None) if friction is None else friction
+    given = scene.friction if friction is None else friction
     if given is None:
         raise SceneError("friction", None, "a coefficient of friction, or a list of them")
     frictions = _axis("friction", given)

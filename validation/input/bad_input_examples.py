@@ -114,7 +114,6 @@ SPECIAL: dict[str, Any] = {
     "adhesion_cycle.scene": STICKY,
     "pull_off.scene": STICKY,
     "damping_map.lowest": [0.9],
-    "damping_map.friction": [0.1],
     "asperities.greenwood_williamson.pressure": 1e7,
     "calibration.IndentationData.load": [1.0],
     "calibration.contact_depth.load": [1.0],
