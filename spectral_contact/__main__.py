@@ -42,7 +42,7 @@ from spectral_contact.view.cli import (
     study_command,
     sweep_command,
 )
-from spectral_contact.view.cli.options import NotSolved, UsageError, joined, number, whole
+from spectral_contact.view.cli.options import NotSolved, UsageError, add_limits, joined, number
 from spectral_contact.view.cli.profile_options import (
     add_any_scene,
     any_scene,
@@ -213,18 +213,7 @@ def _add_request(command: _Parser) -> None:
         metavar="A,B,...",
         help=f"what to compute (default: all): {', '.join(QUANTITIES)}",
     )
-    group.add_argument(
-        "--max-unknowns",
-        type=whole,
-        metavar="N",
-        default=20_000,
-        help="largest number of unknowns of one linear system (default: %(default)s)",
-    )
-    group.add_argument(
-        "--no-strict",
-        action="store_true",
-        help="if the tolerance cannot be met, print what was reached and exit with 0",
-    )
+    add_limits(group)
     group.add_argument(
         "--output",
         metavar="FILE",

@@ -17,6 +17,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from fits import PULLS_HEADER, pulls_row
 
 from spectral_contact import Scene, fit, profiles, pull_off, solve
 from spectral_contact.calibration import IndentationData
@@ -88,17 +89,14 @@ def main(curves: int = 400, seed: int = 1) -> None:
         f"{curves} noisy curves of {POINTS} points each, sigma estimated from the baseline. A pull "
         "is (fitted - true) over the standard deviation.",
         "",
-        "| contact | parameter | mean pull | root mean square | beyond 1.96 | largest |",
-        "|---|---|---|---|---|---|",
+        *PULLS_HEADER,
     ]
     for name, loads, layer in (
         ("smooth sphere", smooth_loads(), False),
         ("linear layer", layered_loads(), True),
     ):
         for parameter, some in pulls(loads, layer, curves, seed).items():
-            numbers = f"{some.mean():+.3f} | {np.sqrt(np.mean(some**2)):.3f}"
-            beyond = f"{np.mean(np.abs(some) > 1.96):.1%} | {np.abs(some).max():.2f}"
-            lines.append(f"| {name} | `{parameter}` | {numbers} | {beyond} |")
+            lines.append(pulls_row(name, parameter, some))
     (RESULTS / "honesty_adhesive_fits.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 

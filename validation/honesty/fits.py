@@ -22,6 +22,10 @@ TRUTH = {"reduced_modulus": 4e3, "zero_point": TOUCH, "load_offset": 1e-10, "til
 TIP = profiles.Parabola(2.5e-6)
 COMPLIANCE = 1e-10
 DEPTH = np.linspace(-1e-6, 5e-7, POINTS)
+PULLS_HEADER = (
+    "| contact | parameter | mean pull | root mean square | beyond 1.96 | largest |",
+    "|---|---|---|---|---|---|",
+)
 
 
 def smooth_loads() -> np.ndarray:
@@ -60,6 +64,14 @@ def pulls(loads: np.ndarray, layer: bool, curves: int, seed: int) -> dict[str, n
     return found
 
 
+def pulls_row(contact: str, parameter: str, some: np.ndarray) -> str:
+    """Return the row of a table of pulls, with the columns of `PULLS_HEADER`."""
+    beyond = np.mean(np.abs(some) > 1.96)
+    size = np.sqrt(np.mean(some**2))
+    cells = f"{some.mean():+.3f} | {size:.3f} | {beyond:.1%} | {np.abs(some).max():.2f}"
+    return f"| {contact} | `{parameter}` | {cells} |"
+
+
 def main(curves: int = 1000, seed: int = 1) -> None:
     """Fit all curves, and write the table."""
     lines = [
@@ -69,18 +81,14 @@ def main(curves: int = 1000, seed: int = 1) -> None:
         f"{POINTS} points, sigma estimated from the baseline. A pull is (fitted - true) over the",
         "standard deviation.",
         "",
-        "| contact | parameter | mean pull | root mean square | beyond 1.96 | largest |",
-        "|---|---|---|---|---|---|",
+        *PULLS_HEADER,
     ]
     for name, loads, layer in (
         ("smooth sphere", smooth_loads(), False),
         ("linear layer", layered_loads(), True),
     ):
         for parameter, some in pulls(loads, layer, curves, seed).items():
-            beyond = np.mean(np.abs(some) > 1.96)
-            size = np.sqrt(np.mean(some**2))
-            cells = f"{some.mean():+.3f} | {size:.3f} | {beyond:.1%} | {np.abs(some).max():.2f}"
-            lines.append(f"| {name} | `{parameter}` | {cells} |")
+            lines.append(pulls_row(name, parameter, some))
             print(lines[-1], flush=True)
     (RESULTS / "honesty_fits.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 

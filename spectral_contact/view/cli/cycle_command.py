@@ -8,7 +8,7 @@ from typing import Final
 from spectral_contact.sweeps.steady_cycle import steady_cycle
 from spectral_contact.view import plotting
 from spectral_contact.view.cli import scene_options
-from spectral_contact.view.cli.options import number, whole
+from spectral_contact.view.cli.options import add_limits, number
 from spectral_contact.view.cli.profile_options import any_scene
 
 #: Suffixes of `--output`.
@@ -32,18 +32,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         help="bound on the relative error of what is dissipated, 1e-11 to 1e-2 "
         "(default: %(default)s)",
     )
-    group.add_argument(
-        "--max-unknowns",
-        type=whole,
-        metavar="N",
-        default=20_000,
-        help="largest number of unknowns of one linear system (default: %(default)s)",
-    )
-    group.add_argument(
-        "--no-strict",
-        action="store_true",
-        help="if the tolerance cannot be met, print what was reached and exit with 0",
-    )
+    add_limits(group)
     group.add_argument(
         "--output",
         metavar="FILE",

@@ -54,6 +54,22 @@ def add_option(
     )
 
 
+def add_limits(group: argparse._ActionsContainer) -> None:
+    """Add the most unknowns of a linear system, and what a missed tolerance means."""
+    group.add_argument(
+        "--max-unknowns",
+        type=whole,
+        metavar="N",
+        default=20_000,
+        help="largest number of unknowns of one linear system (default: %(default)s)",
+    )
+    group.add_argument(
+        "--no-strict",
+        action="store_true",
+        help="if the tolerance cannot be met, print what was reached and exit with 0",
+    )
+
+
 def flag(name: str) -> str:
     """Return the option of a parameter."""
     name = _IMPERATIVES.get(name, name)
