@@ -34,6 +34,7 @@ from spectral_contact.profiles import Flat, Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 Contact = Refinement[Indentation]
+#: A space, and the fields that solve the problem in it.
 LayeredSolution = tuple[Form, LayeredFields]
 
 #: Largest number of steps.
@@ -118,7 +119,7 @@ class BentProblem(LayeredProblem):
         tolerance: float,
         *,
         pointwise: bool,
-        last: tuple[Form, LayeredFields] | None = None,
+        last: LayeredSolution | None = None,
         final: bool = False,
     ) -> None:
         super().__init__(setting, tolerance, pointwise=pointwise)
@@ -255,9 +256,9 @@ def _solve_bent(
 
 def _roughly_bent(
     setting: LayeredSetting, tolerance: float, max_unknowns: int, *, pointwise: bool
-) -> tuple[LayeredSetting, tuple[Form, LayeredFields] | None]:
+) -> tuple[LayeredSetting, LayeredSolution | None]:
     """Return the setting with the bends of a solution to a few digits, and that solution."""
-    last: tuple[Form, LayeredFields] | None = None
+    last: LayeredSolution | None = None
     for _ in range(_MAX_CHANGES):
         problem = BentProblem(
             setting, max(tolerance, _ROUGH_TOLERANCE), pointwise=pointwise, last=last

@@ -204,20 +204,11 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
     for zone in range(len(states) - 1, 0, -1):
         if 2 * zone not in system.known_displacement:
             continue
-        y, q, p = np.concatenate(
-            [
-                [
-                    system.parts[k].mesh.points(DISTANCES).y,
-                    np.sqrt(system.parts[k].mesh.points(DISTANCES).z) * solved.shears[k](DISTANCES),
-                    solved.pressures[k](DISTANCES),
-                ]
-                for k in (2 * zone - 1, 2 * zone)
-            ],
-            axis=1,
-        )
+        halves = (2 * zone - 1, 2 * zone)
+        y = np.concatenate([system.parts[k].mesh.points(DISTANCES).y for k in halves])
         outward = np.argsort(-y)
         y = y[outward]
-        ratio = (q / (system.parameters.friction * p))[outward]
+        ratio = np.concatenate([_friction_ratio(solved, k, DISTANCES) for k in halves])[outward]
         largest = int(np.argmax(np.abs(ratio)))
         within = np.flatnonzero(np.abs(ratio) <= 1.0)
         if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(within):
@@ -356,7 +347,7 @@ class Unloading:
             solved = self._search(exp(log_load), reversing=False).solve_zones(zones)
             zones = solved.layout
             logs.append(log_load)
-            margins.append(_reverse_margin(solved, friction))
+            margins.append(_reverse_margin(solved))
             if len(logs) > 1:
                 slope = (margins[-1] - margins[-2]) / (logs[-1] - logs[-2])
                 step = -margins[-1] / slope
@@ -371,18 +362,19 @@ class Unloading:
     def turning_ratio(self) -> LoadRatio:
         """The load ratio at which a slip zone ceases to grow at one of its boundaries.
 
-        Below the reverse ratio the width of the slip back, and so the growth of what it acts on,
-        goes like the distance from it or like the root of that, in which the root is looked for.
+        Below the reverse ratio the width of the slip back grows like the distance ``x`` of ln(load)
+        from there, or like ``sqrt(x)``, and the growth of other zones changes as it does. So the
+        turning ratio is found as a zero over ``sqrt(x)``.
         """
         reverse, zones = self._onset_of_reverse_slip
         top = log(reverse.value)
         start: Layout | None = None
 
-        def growth(root: float) -> ZoneGrowth:
+        def growth(root_x: float) -> ZoneGrowth:
             nonlocal start
-            if root == 0.0:
+            if root_x == 0.0:
                 return self._search(reverse.value).growth(zones)
-            load = exp(top - root * root)
+            load = exp(top - root_x**2)
             search = self._search(load, start=start, tolerance=JACOBIAN_FIELD_TOL)
             start = search.outcome().layout
             assert start is not None
@@ -391,10 +383,11 @@ class Unloading:
         below = sqrt(COARSE_TOL)
         while growth(below).least > 0.0:
             below *= 2.0
-        root = brentq(lambda root: growth(root).least, 0.0, below, xtol=JACOBIAN_FIELD_TOL)
-        slope = growth(root / 2.0).least / (3.0 * root * root / 4.0)
-        error = 2.0 * root * JACOBIAN_FIELD_TOL + 4.0 * growth(root).error / slope
-        return LoadRatio(exp(top - root * root), error + reverse.error)
+        zero = brentq(lambda root_x: growth(root_x).least, 0.0, below, xtol=JACOBIAN_FIELD_TOL)
+        # of the growth by x
+        slope = growth(zero / 2.0).least / (3.0 * zero**2 / 4.0)
+        error = 2.0 * zero * JACOBIAN_FIELD_TOL + 4.0 * growth(zero).error / slope
+        return LoadRatio(exp(top - zero**2), error + reverse.error)
 
 
 def _unrecorded(name: str, result: Any, begin: float) -> Any:
@@ -402,20 +395,21 @@ def _unrecorded(name: str, result: Any, begin: float) -> Any:
     return result.best.value if isinstance(result, Refinement) else result
 
 
-def _reverse_margin(solved: ZoneSolution, friction: float) -> float:
+def _friction_ratio(solved: ZoneSolution, part: int, distances: Array) -> Array:
+    """Return ``q/(f p)`` at distances from the boundary of a part, over its extent."""
+    s = np.sqrt(solved.system.parts[part].mesh.points(distances).z)
+    bound = solved.system.parameters.friction * solved.pressures[part](distances)
+    return np.asarray(s * solved.shears[part](distances) / bound)
+
+
+def _reverse_margin(solved: ZoneSolution) -> float:
     """Return the least ``q/(f p) + 1`` in the zones that stick with memory."""
-
-    def ratio(k: int, depths: Array) -> Array:
-        d = np.exp(-depths)
-        s = np.sqrt(solved.system.parts[k].mesh.points(d).z)
-        return np.asarray(s * solved.shears[k](d) / (friction * solved.pressures[k](d)))
-
     depths = -np.log(DISTANCES)
     least = inf
     for k in solved.system.known_displacement:
-        values = ratio(k, depths)
+        values = _friction_ratio(solved, k, DISTANCES)
         i = int(np.argmin(values))
         ends = depths[[max(i - 1, 0), min(i + 1, len(depths) - 1)]]
         around = np.linspace(ends[0], ends[1], SAMPLES)
-        least = min(least, float(ratio(k, around).min()))
+        least = min(least, float(_friction_ratio(solved, k, np.exp(-around)).min()))
     return least + 1.0
