@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from spectral_contact.solving.pull_off import pull_off as pull_off
     from spectral_contact.studies import compare as compare
     from spectral_contact.sweeps import sweep as sweep
+    from spectral_contact.sweeps.cycle_result import SteadyCycle as SteadyCycle
     from spectral_contact.sweeps.damping import damping_map as damping_map
     from spectral_contact.sweeps.steady_cycle import steady_cycle as steady_cycle
     from spectral_contact.view import plotting as plotting
@@ -78,6 +79,7 @@ __all__ = [
     "Solution",
     "SolutionFileError",
     "SpectralContactError",
+    "SteadyCycle",
     "StepState",
     "Work",
     "Zone",
@@ -115,6 +117,7 @@ _LAZY: dict[str, tuple[str, str | None]] = {
     **{name: (name, None) for name in ("gold", "precise", "studies", "testing")},
     "benchmarks": ("gold.benchmarks", None),
     "PhysicalSolution": ("view.physical_solution", "PhysicalSolution"),
+    "SteadyCycle": ("sweeps.cycle_result", "SteadyCycle"),
     "adhesion_cycle": ("solving.pull_off", "adhesion_cycle"),
     "compare": ("studies", "compare"),
     "damping_map": ("sweeps.damping", "damping_map"),

@@ -85,7 +85,7 @@ _PHYSICAL = Record(
     **_maybe_floats("separation punch_youngs_modulus punch_poisson_ratio reduced_modulus"),
     work_of_adhesion=Maybe(_FLOAT),
 )
-_SCENE = Record(
+SCENE: Final = Record(
     "Scene",
     Scene,
     {
@@ -223,7 +223,7 @@ SOLUTION: Final = Record(
     "Solution",
     Solution,
     {"grown": None},
-    scene=_SCENE,
+    scene=SCENE,
     rtol=_FLOAT,
     plan=_PLAN,
     error=_ERRORS,
@@ -248,7 +248,7 @@ RECORDS: Final = (
     SOLUTION,
     *PROFILES,
     *LAYERS,
-    *(_PHYSICAL, _SCENE, _PLANNED_STEP, _PLAN, _ZONE, _ERRORS, _REFINEMENT, _STEP_WORK, _WORK),
+    *(_PHYSICAL, SCENE, _PLANNED_STEP, _PLAN, _ZONE, _ERRORS, _REFINEMENT, _STEP_WORK, _WORK),
     *(_RADIUS, _LOG_SERIES, _WEIGHT, _PRESSURE, _DISK, _ANNULUS, _PIECE, _ZONAL, _HISTORY),
 )
 CHOICES: Final = (_STATE, _ENDING)

@@ -1,4 +1,6 @@
-"""Solutions as one ``.npz`` or ``.json`` file, or as JSON text: every double exactly, no pickle.
+"""Results as one ``.npz`` or ``.json`` file, or as JSON text: every double exactly, no pickle.
+
+A result is a solution, or another class with a `Document`.
 
 docs/file_format.md describes the files, `spectral_contact.io.schema` declares what is in them. The
 checksum is taken anew from what was loaded, so a file that was changed, by accident or by a
@@ -15,13 +17,13 @@ import sys
 from dataclasses import fields, is_dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.errors import SolutionFileError
-from spectral_contact.io.codecs import Arrays
+from spectral_contact.io.codecs import Arrays, Record
 from spectral_contact.io.documents import (
     Refused,
     check_keys,
@@ -34,42 +36,61 @@ from spectral_contact.io.documents import (
 from spectral_contact.io.schema import SOLUTION
 from spectral_contact.solution import Solution
 
-_SCHEMA: Final = "spectral_contact.solution"
 _VERSION: Final = 1
-_MEMBERS: Final = ("schema", "version", "library", "sha256", "solution")
+_MEMBERS: Final = ("schema", "version", "library", "sha256")
 _SUFFIXES: Final = (".npz", ".json")
 _INFINITIES: Final = ("inf", "-inf")
 
 
-def save(solution: Solution, path: str | os.PathLike[str]) -> None:
-    """Store a solution as `Solution.save` says."""
+class Document(NamedTuple):
+    """What a file holds: the name of the result, which is the tree's key, and the tree's root.
+
+    The schema is ``spectral_contact.`` and the name.
+    """
+
+    name: str
+    root: Record
+
+    @property
+    def schema(self) -> str:
+        """The schema's name."""
+        return f"spectral_contact.{self.name}"
+
+
+_SOLUTION: Final = Document("solution", SOLUTION)
+
+
+def save(result: Any, path: str | os.PathLike[str], document: Document = _SOLUTION) -> None:
+    """Store a result as `Solution.save` says."""
     source, suffix = _source(path)
     with reported(source, "cannot be written"):
-        replace_file(source, _npz(solution) if suffix == ".npz" else _json(solution).encode())
+        text = _npz if suffix == ".npz" else _json
+        replace_file(source, text(result, document))
 
 
-def load(path: str | os.PathLike[str]) -> Solution:
-    """Return the solution that `save` stored, as `Solution.load` says; its arrays are read-only."""
+def load(path: str | os.PathLike[str], document: Document = _SOLUTION) -> Any:
+    """Return the result that `save` stored, as `Solution.load` says; its arrays are read-only."""
     source, suffix = _source(path)
     with reported(source, "cannot be read"):
         content = Path(source).read_bytes()
-    with reported(source, f"damaged, or not a {suffix} file of a solution"):
+    with reported(source, f"damaged, or not a {suffix} file of a {document.name}"):
         if suffix == ".json":
-            return _unpack(json.loads(content.decode()), None)
+            return _unpack(json.loads(content.decode()), None, document)
         arrays = npz_members(content)
-        return _unpack(json.loads(arrays.pop("header").item()), arrays)
+        return _unpack(json.loads(arrays.pop("header").item()), arrays, document)
 
 
 def to_json(solution: Solution) -> str:
     """Return the text that `Solution.to_json` does, which is also what `save` writes."""
     with reported("solution", "cannot be written as JSON"):
-        return _json(solution)
+        return _json(solution, _SOLUTION).decode()
 
 
 def from_json(text: str) -> Solution:
     """Return the solution that `to_json` wrote; its arrays are read-only."""
     with reported("solution", "damaged, or not the JSON text of a solution"):
-        return _unpack(json.loads(text), None)
+        solution: Solution = _unpack(json.loads(text), None, _SOLUTION)
+    return solution
 
 
 def comparable(value: Any) -> object:
@@ -99,10 +120,10 @@ def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
     return source, suffix
 
 
-def _json(solution: Solution) -> str:
-    document, arrays = _pack(solution)
-    document["arrays"] = {name: _json_array(array) for name, array in arrays.items()}
-    return json.dumps(document, allow_nan=False)
+def _json(result: Any, document: Document) -> bytes:
+    packed, arrays = _pack(result, document)
+    packed["arrays"] = {name: _json_array(array) for name, array in arrays.items()}
+    return json.dumps(packed, allow_nan=False).encode()
 
 
 def _json_array(array: NDArray[np.float64]) -> dict[str, Any]:
@@ -118,37 +139,37 @@ def _from_json_array(body: Any) -> NDArray[np.float64]:
     return np.array([float(x) for x in body["data"]]).reshape(body["shape"])
 
 
-def _npz(solution: Solution) -> bytes:
-    document, arrays = _pack(solution)
-    members: dict[str, Any] = {"header": np.array(json.dumps(document, allow_nan=False)), **arrays}
+def _npz(result: Any, document: Document) -> bytes:
+    packed, arrays = _pack(result, document)
+    members: dict[str, Any] = {"header": np.array(json.dumps(packed, allow_nan=False)), **arrays}
     buffer = BytesIO()
     np.savez(buffer, **members)
     return buffer.getvalue()
 
 
-def _pack(solution: Solution) -> tuple[dict[str, Any], Arrays]:
+def _pack(result: Any, document: Document) -> tuple[dict[str, Any], Arrays]:
     """Return the document and the arrays that its tree names."""
-    if not isinstance(solution, Solution):
-        raise Refused(f"a {type(solution).__name__} is not a Solution")
+    if not document.root.holds(result):
+        raise Refused(f"a {type(result).__name__} is not {document.root.what}")
     arrays: Arrays = {}
-    tree = SOLUTION.encode(solution, "", arrays)
+    tree = document.root.encode(result, "", arrays)
     # Not by an import: the package imports the layers above.
     library = sys.modules["spectral_contact"].__version__
-    values = (_SCHEMA, _VERSION, library, _checksum(tree, arrays), tree)
-    return dict(zip(_MEMBERS, values, strict=True)), arrays
+    values = (document.schema, _VERSION, library, _checksum(tree, arrays))
+    return {**dict(zip(_MEMBERS, values, strict=True)), document.name: tree}, arrays
 
 
-def _unpack(document: Any, arrays: Arrays | None) -> Solution:
-    """Return the solution; without `arrays` they are in the document."""
-    check_schema(document, "solution", _SCHEMA, _VERSION)
+def _unpack(packed: Any, arrays: Arrays | None, document: Document) -> Any:
+    """Return the result; without `arrays` they are in the document."""
+    check_schema(packed, document.name, document.schema, _VERSION)
     if arrays is None:
-        arrays = {name: _from_json_array(body) for name, body in document.pop("arrays", {}).items()}
-    check_keys("the header", document, _MEMBERS)
-    tree, used = document["solution"], Arrays()
-    solution: Solution = SOLUTION.decode(tree, "", arrays, used)
-    if _checksum(tree, used) != document["sha256"] or used.keys() != arrays.keys():
+        arrays = {name: _from_json_array(body) for name, body in packed.pop("arrays", {}).items()}
+    check_keys("the header", packed, (*_MEMBERS, document.name))
+    tree, used = packed[document.name], Arrays()
+    result = document.root.decode(tree, "", arrays, used)
+    if _checksum(tree, used) != packed["sha256"] or used.keys() != arrays.keys():
         raise Refused("its checksum is not that of its contents: it was changed or damaged")
-    return solution
+    return result
 
 
 def _checksum(tree: Any, arrays: Arrays) -> str:

@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
 from spectral_contact.fields.evaluation import over_r, over_s
-from spectral_contact.io import checks
+from spectral_contact.io import checks, storage
 from spectral_contact.io.choices import Suggesting, one_of
+from spectral_contact.io.codecs import Float, Maybe, Plain, Record, Several
 from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.io.schema import SCENE, SOLUTION
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution, Zone
 from spectral_contact.sweeps.forward_slip import admissible_tractions
@@ -82,11 +84,9 @@ class SteadyCycle(Suggesting):
     lowest : float
         Lowest load over the largest one.
     rtol : float
-    solution : Solution
-        Of unit load under the friction of the loop, ``f (1 + lowest)/(1 - lowest)``: its zones are
-        those of the loop, and its traction and slip times ``1 - lowest`` what changes.
     states : tuple of Solution
-        Solutions at the frictions that the loop runs through, by rising friction, full stick last.
+        Solutions of unit load at the frictions that the loop runs through, by rising friction: that
+        of the loop first, full stick last.
     shakedown_ratio : float
         As of `Solution`; loops that go no lower dissipate nothing.
     reloading_dissipation, unloading_dissipation : float
@@ -104,7 +104,6 @@ class SteadyCycle(Suggesting):
     scene: Scene
     lowest: float
     rtol: float
-    solution: Solution
     states: tuple[Solution, ...]
     shakedown_ratio: float
     reloading_dissipation: float
@@ -112,6 +111,15 @@ class SteadyCycle(Suggesting):
     slack: float
     error: CycleErrors
     converged: bool = False
+
+    @property
+    def solution(self) -> Solution:
+        """Solution of unit load under the friction of the loop, ``f (1 + lowest)/(1 - lowest)``.
+
+        Its zones are those of the loop. Its traction and slip, times ``1 - lowest``, are the
+        changes from one end of the loop to the other.
+        """
+        return self.states[0]
 
     @property
     def dissipation(self) -> float | None:
@@ -342,6 +350,28 @@ class SteadyCycle(Suggesting):
         with reported(path, "cannot be written"):
             replace_file(path, ("\n".join(lines) + "\n").encode())
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Store the cycle, with its states, in one ``.npz`` or ``.json`` file, every value exactly.
+
+        Raises
+        ------
+        SolutionFileError
+            For another suffix, or a path that cannot be written.
+        """
+        storage.save(self, path, _DOCUMENT)
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> SteadyCycle:
+        """Return the cycle that `save` stored.
+
+        Raises
+        ------
+        SolutionFileError
+            For a file that is not there, not ours, damaged, or of another version.
+        """
+        cycle: SteadyCycle = storage.load(path, _DOCUMENT)
+        return cycle
+
     @property
     def _numbers(self) -> list[_Printed]:
         error = self.error
@@ -380,6 +410,38 @@ class SteadyCycle(Suggesting):
         else:
             numbers += f" dissipation={self.dissipation:.16g}"
         return f"<SteadyCycle lowest={self.lowest:.6g} {numbers} converged={self.converged}>"
+
+
+_NUMBER: Final = Maybe(Float())
+_ERRORS: Final = Record(
+    "CycleErrors",
+    CycleErrors,
+    shakedown_ratio=Float(),
+    stick_radius=_NUMBER,
+    slip_amplitude=_NUMBER,
+    traction=Float(),
+    reloading_dissipation=Float(),
+    unloading_dissipation=_NUMBER,
+    dissipation=_NUMBER,
+)
+#: What a file of a cycle holds (docs/file_format.md).
+_DOCUMENT: Final = storage.Document(
+    "cycle",
+    Record(
+        "SteadyCycle",
+        SteadyCycle,
+        scene=SCENE,
+        lowest=Float(),
+        rtol=Float(),
+        states=Several(SOLUTION),
+        shakedown_ratio=Float(),
+        reloading_dissipation=Float(),
+        unloading_dissipation=_NUMBER,
+        slack=Float(),
+        error=_ERRORS,
+        converged=Plain(bool, "true or false"),
+    ),
+)
 
 
 class _Printed(NamedTuple):

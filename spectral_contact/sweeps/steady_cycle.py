@@ -186,7 +186,6 @@ class CycleFamily:
             scene,
             lowest,
             self._rtol,
-            loop,
             states,
             float(ratio),
             reloading.value,

@@ -80,7 +80,8 @@ def _loaded(path: str | os.PathLike[str]) -> Solution:
     """
     from spectral_contact.io import storage
 
-    return storage.load(path)
+    solution: Solution = storage.load(path)
+    return solution
 
 
 class Output(Suggesting):

@@ -12,7 +12,7 @@ from spectral_contact.view.cli.options import add_limits, number
 from spectral_contact.view.cli.profile_options import any_scene
 
 #: Suffixes of `--output`.
-OUTPUTS: Final = (".csv",)
+OUTPUTS: Final = (".npz", ".json", ".csv")
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
@@ -36,7 +36,8 @@ def add_options(command: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--output",
         metavar="FILE",
-        help="store slip amplitude and change of the traction over the radius: .csv",
+        help="store the cycle: .npz, .json; or slip amplitude and change of the traction over the "
+        "radius: .csv",
     )
     group.add_argument(
         "--plot",
@@ -57,7 +58,8 @@ def run(arguments: argparse.Namespace) -> str:
         strict=not arguments.no_strict,
     )
     if arguments.output is not None:
-        cycle.to_csv(arguments.output)
+        store = cycle.to_csv if arguments.output.lower().endswith(".csv") else cycle.save
+        store(arguments.output)
     if arguments.plot is not None:
         plotting.save(cycle.plot(), arguments.plot)
     remarks = scene_options.defaults(arguments)  # a profile has been refused

@@ -606,7 +606,7 @@ def test_npz_files_with_changed_members_are_refused(members, tmp_path):
 def content(suffix, name="frictionless smooth"):
     if suffix == ".json":
         return solved(name).to_json().encode()
-    return storage._npz(solved(name))
+    return storage._npz(solved(name), storage._SOLUTION)
 
 
 FOREIGN = {

@@ -3,11 +3,21 @@
 import functools
 import math
 import pickle
+from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from spectral_contact import NotComputedError, Scene, SceneError, SolutionFileError, steady_cycle
+from spectral_contact import (
+    NotComputedError,
+    Scene,
+    SceneError,
+    Solution,
+    SolutionFileError,
+    SteadyCycle,
+    steady_cycle,
+)
 
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 STEEL = Scene.from_physical(
@@ -121,6 +131,41 @@ def test_it_is_printed_stored_and_pickled(tmp_path):
         found.to_csv(tmp_path / "nowhere" / "loop.csv")
     again = pickle.loads(pickle.dumps(found))
     assert again.dissipation == found.dissipation
+
+
+def test_a_file_has_all_of_it(tmp_path):
+    for found, suffix in ((loop(0.2, STEEL), "npz"), (loop(0.5), "json")):
+        path = tmp_path / f"loop.{suffix}"
+        found.save(path)
+        again = SteadyCycle.load(path)
+        for one in fields(found):
+            assert getattr(again, one.name) == getattr(found, one.name)
+        assert str(again) == str(found)
+
+
+def test_a_file_of_something_else_is_refused(tmp_path):
+    path = tmp_path / "loop.json"
+    loop(0.5).save(path)
+    with pytest.raises(SolutionFileError, match="not a solution"):
+        Solution.load(path)
+    path.write_text(path.read_text().replace('"lowest": 0.5', '"lowest": 0.6'))
+    with pytest.raises(SolutionFileError, match="changed"):
+        SteadyCycle.load(path)
+    loop(0.5).solution.save(path)
+    with pytest.raises(SolutionFileError, match="not a cycle"):
+        SteadyCycle.load(path)
+    with pytest.raises(SolutionFileError, match="suffix"):
+        loop(0.5).save(tmp_path / "loop.txt")
+
+
+def test_files_of_the_first_version_load():
+    path = Path(__file__).parents[2] / "data" / "cycles" / "shaken_down.json"
+    found = SteadyCycle.load(path)
+    assert found.scene == SCENE
+    assert (found.lowest, found.rtol, found.dissipation) == (0.5, 1e-2, 0.0)
+    assert found.shakedown_ratio == float.fromhex("0x1.c717402cc4ab1p-3")
+    assert found.slack == float.fromhex("0x1.6db900e72ed32p-1")
+    assert found.traction_change(0.5) == float.fromhex("0x1.6078fda3e512fp-7")
 
 
 def test_bad_places_are_refused():
