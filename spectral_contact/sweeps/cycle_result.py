@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 __all__ = ["CycleErrors", "LoopBranch", "PhysicalSteadyCycle", "SteadyCycle"]
 
-#: Where a traction is taken.
+#: The ends of a loop.
 _ENDS: Final = ("highest", "lowest")
-#: Why there is no number of the way down, if there is none.
+#: Why there are no numbers of unloading, if there are none.
 FORWARD = (
-    "the surface goes on to slip forward while the load falls, for which the law of the steady "
-    "loop has no room"
+    "the surface goes on to slip forward while the load falls, which the formulas for unloading "
+    "exclude"
 )
 
 
@@ -63,7 +63,7 @@ class LoopBranch:
     load : ndarray, shape (n,)
         In the order of time.
     shear : ndarray, shape (n,)
-        Total shear less that at the largest load, which hangs on how the load came on.
+        Total shear less that at the largest load, which depends on how the load was applied.
     """
 
     load: Array
@@ -90,12 +90,13 @@ class SteadyCycle(Suggesting):
     shakedown_ratio : float
         As of `Solution`; loops that go no lower dissipate nothing.
     reloading_dissipation, unloading_dissipation : float
-        Energy that friction dissipates while the load rises, and while it falls, in each cycle.
-        That of unloading is None where the surface goes on to slip forward while the load begins to
-        fall: the law has no room for that, and all else holds.
+        Energy that friction dissipates in each cycle while the load rises, and while it falls. That
+        of unloading is None where the surface goes on to slip forward while the load begins to
+        fall: its formula does not hold then. The other numbers do.
     slack : float
-        How much room there is for a traction at the largest load with which nothing slips forward
-        while the load falls, relative to f p: negative where there is none.
+        Least difference of the upper and the lower bound of `traction_bounds` at the largest load,
+        over f p. It is negative if the surface slips forward while the load falls, since no
+        traction is within the bounds then.
     error : CycleErrors
     converged : bool
         Whether the errors of what is dissipated are within `rtol`.
@@ -148,7 +149,7 @@ class SteadyCycle(Suggesting):
     def slip_amplitude(
         self, s: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
     ) -> Any:
-        """Evaluate how far the surface slips on either way; in a cycle it slips twice as far.
+        """Evaluate how far the surface slips while the load rises, and back while it falls.
 
         Parameters
         ----------
@@ -167,7 +168,7 @@ class SteadyCycle(Suggesting):
         SceneError
             For both or neither argument, or a radius outside [0, 1].
         """
-        slip = self.solution.slip(**_given(s, from_edge))
+        slip = self.solution.slip(**_place(s, from_edge))
         return (1.0 - self.lowest) * np.abs(slip)[()]
 
     @over_s
@@ -178,7 +179,7 @@ class SteadyCycle(Suggesting):
 
         Parameters, return value and errors are those of `slip_amplitude`.
         """
-        return (1.0 - self.lowest) * self.solution.traction(**_given(s, from_edge))
+        return (1.0 - self.lowest) * self.solution.traction(**_place(s, from_edge))
 
     def traction(
         self,
@@ -189,8 +190,8 @@ class SteadyCycle(Suggesting):
     ) -> Any:
         """Evaluate the traction at an end of the loop, where the surface slips.
 
-        It is ``f p`` at the largest load and ``-f lambda p`` at the lowest one. In stick it hangs
-        on how the load came on: it is NaN, and `traction_bounds` has its limits.
+        It is ``f p`` at the largest load and ``-f lambda p`` at the lowest one. In stick it depends
+        on how the load was applied: it is NaN, and `traction_bounds` has its bounds.
 
         Parameters
         ----------
@@ -215,7 +216,7 @@ class SteadyCycle(Suggesting):
         for zone in self.zones:
             if zone.kind == "slip":
                 slips |= (distance <= zone.inner_from_edge) & (distance >= zone.outer_from_edge)
-        limit = np.where(slips, self._limit(distance), np.nan)
+        limit = np.where(slips, self._friction_bound(distance), np.nan)
         return (limit if at == "highest" else -self.lowest * limit)[()]
 
     def traction_bounds(
@@ -225,10 +226,10 @@ class SteadyCycle(Suggesting):
         *,
         from_edge: ArrayLike | None = None,
     ) -> tuple[Any, Any]:
-        """Return what the traction at an end of the loop is at least, and at most.
+        """Return a lower and an upper bound of the traction at an end of the loop.
 
-        Within these bounds the surface sticks, or slips back as in the loop, at all loads that were
-        solved; in slip both are the traction.
+        With any traction within them the surface sticks, or slips back as in the loop, at all loads
+        that were solved. Where the surface slips both are the traction.
 
         Parameters
         ----------
@@ -249,7 +250,7 @@ class SteadyCycle(Suggesting):
         one_of("at", at, _ENDS)
         self._require_unloading("traction_bounds")
         _, distance = checks.radii(s, from_edge)
-        limit = np.abs(self._limit(distance))
+        limit = np.abs(self._friction_bound(distance))
         low, high = admissible_tractions(self.states, self._friction, limit, distance)
         if at == "lowest":
             change = self.traction_change(from_edge=distance)
@@ -257,7 +258,7 @@ class SteadyCycle(Suggesting):
             high = high - change
         return low[()], high[()]
 
-    def _limit(self, from_edge: Array) -> Array:
+    def _friction_bound(self, from_edge: Array) -> Array:
         """Return f p of the largest load, of the sign of kappa."""
         signed = np.sign(self.scene.kappa) * self._friction
         return np.asarray(signed * self.solution.pressure(from_edge=from_edge))
@@ -277,7 +278,7 @@ class SteadyCycle(Suggesting):
         """
         self._require_unloading("unloading")
         friction = self._friction
-        frictions = self._between()
+        frictions = self._frictions_between()
         load = np.array([1.0, *((frictions - friction) / (frictions + friction)), self.lowest])
         return LoopBranch(load, (load - 1.0) * self._state_shears())
 
@@ -285,7 +286,7 @@ class SteadyCycle(Suggesting):
     def reloading(self) -> LoopBranch:
         """Total shear on the way up."""
         friction = self._friction
-        frictions = self._between()
+        frictions = self._frictions_between()
         rises = self.lowest * (frictions + friction) / (frictions - friction)
         load = np.array([self.lowest, *rises, 1.0])
         begin = (self.lowest - 1.0) * self.solution.total_shear
@@ -295,7 +296,7 @@ class SteadyCycle(Suggesting):
     def _friction(self) -> float:
         return float(self.scene.friction or 0.0)
 
-    def _between(self) -> Array:
+    def _frictions_between(self) -> Array:
         """Return the frictions of the states between the loop and full stick, as they fall."""
         return np.array([float(one.scene.friction or 0.0) for one in self.states[-2:0:-1]])
 
@@ -373,14 +374,14 @@ class SteadyCycle(Suggesting):
         return cycle
 
     @property
-    def _numbers(self) -> list[_Printed]:
+    def _rows(self) -> list[_Row]:
         error = self.error
         slip = float(self.slip_amplitude(1.0))
         return [
-            _Printed("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
-            _Printed("stick radius", self.stick_radius, error.stick_radius),
-            _Printed("slip amplitude, edge", slip, error.slip_amplitude),
-            *_losses(self, error),
+            _Row("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
+            _Row("stick radius", self.stick_radius, error.stick_radius),
+            _Row("slip amplitude, edge", slip, error.slip_amplitude),
+            *_dissipation_rows(self, error),
         ]
 
     def summary(self) -> str:
@@ -388,7 +389,7 @@ class SteadyCycle(Suggesting):
         load = f"load between 1 and {self.lowest!r} of the largest"
         parts = [
             f"{scene_text(self.scene)}\n{load}; rtol = {self.rtol!r}",
-            _table("quantity", self._numbers),
+            _table("quantity", self._rows),
         ]
         if self.scene.physical is not None:
             parts.append(str(self.physical))
@@ -444,8 +445,8 @@ _DOCUMENT: Final = storage.Document(
 )
 
 
-class _Printed(NamedTuple):
-    """A number as it is printed."""
+class _Row(NamedTuple):
+    """A line of a table: a number with its error estimate."""
 
     name: str
     value: float | None
@@ -453,18 +454,18 @@ class _Printed(NamedTuple):
     unit: str = ""
 
 
-def _losses(
+def _dissipation_rows(
     cycle: SteadyCycle | PhysicalSteadyCycle, error: CycleErrors, unit: str = ""
-) -> list[_Printed]:
-    """Return what is dissipated, and of it what either way takes."""
+) -> list[_Row]:
+    """Return the lines of the dissipation, and of unloading and reloading in it."""
     return [
-        _Printed("dissipation", cycle.dissipation, error.dissipation, unit),
-        _Printed("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
-        _Printed("  reloading", cycle.reloading_dissipation, error.reloading_dissipation, unit),
+        _Row("dissipation", cycle.dissipation, error.dissipation, unit),
+        _Row("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
+        _Row("  reloading", cycle.reloading_dissipation, error.reloading_dissipation, unit),
     ]
 
 
-def _table(title: str, numbers: list[_Printed]) -> str:
+def _table(title: str, numbers: list[_Row]) -> str:
     cells = [(title, "value", "error estimate")]
     for one in numbers:
         unit = f" {one.unit}" if one.unit and one.value is not None else ""
@@ -472,10 +473,10 @@ def _table(title: str, numbers: list[_Printed]) -> str:
     return table(cells)
 
 
-def _given(
+def _place(
     radius: ArrayLike | None, from_edge: ArrayLike | None, name: str = "s"
 ) -> dict[str, Any]:
-    """Return the arguments of a field."""
+    """Return places as the arguments that fields of a solution take."""
     return {name: radius, "from_edge": from_edge}
 
 
@@ -489,16 +490,16 @@ class PhysicalSteadyCycle(Suggesting):
     cycle: SteadyCycle
 
     def __post_init__(self) -> None:
-        _ = self._unit  # refuses a scene without SI data
+        _ = self._loop  # refuses a scene without SI data
 
     @property
-    def _unit(self) -> PhysicalSolution:
+    def _loop(self) -> PhysicalSolution:
         return PhysicalSolution(self.cycle.solution)
 
     @property
     def load(self) -> float:
         """Largest load P [N]."""
-        return self._unit.load
+        return self._loop.load
 
     @property
     def lowest_load(self) -> float:
@@ -508,11 +509,11 @@ class PhysicalSteadyCycle(Suggesting):
     @property
     def stick_radius(self) -> float:
         """Outer radius of the zone at the centre that never slips [m]."""
-        return self.cycle.stick_radius * self._unit.radius
+        return self.cycle.stick_radius * self._loop.radius
 
     @property
     def _energy(self) -> float:
-        return self.load * self._unit.units.displacement
+        return self.load * self._loop.units.displacement
 
     @property
     def dissipation(self) -> float | None:
@@ -535,25 +536,25 @@ class PhysicalSteadyCycle(Suggesting):
     def slip_amplitude(
         self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
     ) -> Any:
-        """Evaluate how far the surface slips on either way [m] at radii [m], or `from_edge` [m]."""
-        return (1.0 - self.cycle.lowest) * np.abs(self._unit.slip(**_given(r, from_edge, "r")))[()]
+        """Evaluate how far the surface slips to and fro [m] at radii [m], or `from_edge` [m]."""
+        return (1.0 - self.cycle.lowest) * np.abs(self._loop.slip(**_place(r, from_edge, "r")))[()]
 
     @over_r
     def traction_change(
         self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None
     ) -> Any:
         """Evaluate the traction at the largest load less that at the lowest one [Pa]."""
-        return (1.0 - self.cycle.lowest) * self._unit.traction(**_given(r, from_edge, "r"))
+        return (1.0 - self.cycle.lowest) * self._loop.traction(**_place(r, from_edge, "r"))
 
     def __str__(self) -> str:
         error = self.cycle.error
         slip = float(self.slip_amplitude(from_edge=0.0))
         numbers = [
-            _Printed("largest load", self.load, 0.0, "N"),
-            _Printed("lowest load", self.lowest_load, 0.0, "N"),
-            _Printed("stick radius", self.stick_radius, error.stick_radius, "m"),
-            _Printed("slip amplitude, edge", slip, error.slip_amplitude, "m"),
-            *_losses(self, error, "J"),
+            _Row("largest load", self.load, 0.0, "N"),
+            _Row("lowest load", self.lowest_load, 0.0, "N"),
+            _Row("stick radius", self.stick_radius, error.stick_radius, "m"),
+            _Row("slip amplitude, edge", slip, error.slip_amplitude, "m"),
+            *_dissipation_rows(self, error, "J"),
         ]
         return _table("SI", numbers)
 

@@ -32,13 +32,13 @@ from spectral_contact.sweeps.mean_slip import ASKED, MeanSlipCurve, ValueWithErr
 from spectral_contact.threads import one_thread
 
 _TOLERANCES: Final = "in [1e-11, 1e-2]"
-#: Tolerances of solves, over that of the dissipation: the first, and one closer.
-_CLOSER: Final = (0.1, 1e-3)
-#: Loops whose distance from shakedown, over the range of the load, is above this have all their
-#: digits.
-_LEAST_DISTANCE: Final = 1e-2
+#: Tolerances of the solves over that of the dissipation, tried in turn.
+_SOLVE_TOLERANCES: Final = (0.1, 1e-3)
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
+#: Loops that dissipate next to nothing may have fewer digits: those with a friction so close to the
+#: critical one, over the distance of the deepest loop from there.
+_NEAR_SHAKEDOWN: Final = 1e-2
 
 
 @suggesting()
@@ -91,8 +91,8 @@ def steady_cycle(
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     strict = checks.flag("strict", strict)
     with one_thread():
-        for share in _CLOSER:
-            tolerance = max(share * rtol, _TIGHTEST)
+        for factor in _SOLVE_TOLERANCES:
+            tolerance = max(factor * rtol, _TIGHTEST)
             family = CycleFamily(scene, [lowest], rtol, tolerance, max_unknowns)
             found = family.cycle(scene, lowest)
             if found.converged or tolerance == _TIGHTEST:
@@ -152,44 +152,44 @@ class CycleFamily:
         self._stick = self._solve(math.inf)
         critical = self._stick.critical_friction
         ends = scene.friction, highest_friction or scene.friction
-        frictions = [loop_friction(f, one) for f in ends for one in lowest]
-        slipping = [one for one in frictions if 0.0 < one < critical]
-        first = min(slipping, default=critical)
-        # of the loops next to shakedown, which dissipate less, the digits count as well
-        last = max(slipping, default=critical)
+        frictions = [loop_friction(f, load) for f in ends for load in lowest]
+        slipping = [f for f in frictions if 0.0 < f < critical]
+        least = min(slipping, default=critical)
+        largest = max(slipping, default=critical)
         if critical < math.inf:
-            last = min(last, critical - _LEAST_DISTANCE * (critical - first))
-        scale = abs(scene.kappa) + first
-        self._curve = MeanSlipCurve(self._solve, first, last, critical, scale, rtol)
+            largest = min(largest, critical - _NEAR_SHAKEDOWN * (critical - least))
+        scale = abs(scene.kappa) + least
+        self._curve = MeanSlipCurve(self._solve, least, largest, critical, scale, rtol)
 
     def cycle(self, scene: Scene, lowest: float) -> SteadyCycle:
         """Return the steady loop of a scene with another friction."""
         friction = scene.friction
         assert friction is not None
-        largest = self._stick.critical_friction
+        critical = self._stick.critical_friction
         critical_error = self._stick.error.critical_friction or 0.0
-        ratio, ratio_error = shakedown(largest, critical_error, friction)
+        ratio, ratio_error = shakedown(critical, critical_error, friction)
         loop_f = loop_friction(friction, lowest)
-        # at the shakedown ratio itself no digit of the slip is known, and it does not count
-        at_shakedown = largest * (1.0 - critical_error) <= loop_f < largest
+        # within the error of the critical friction no digit of the slip is known
+        at_shakedown = critical * (1.0 - critical_error) <= loop_f < critical
         loop = self._stick if at_shakedown else self._solve(loop_f)
-        between = [one for one in self._curve.states if (one.scene.friction or 0.0) > loop_f]
-        states = (loop, *between, self._stick)
+        above = [state for state in self._curve.states if (state.scene.friction or 0.0) > loop_f]
+        states = (loop, *above, self._stick)
         if at_shakedown:
             unloading = reloading = ValueWithError(0.0, 1.0)
         else:
             unloading, reloading = self._dissipated(friction, lowest, loop)
         slack = forward_slack(states, friction)
-        known = slack >= -slack_rounding(states)
-        of_unloading = _relative(unloading) if known else None
-        found = SteadyCycle(
+        nothing_slips_forward = slack >= -slack_rounding(states)
+        unloading_error = _relative(unloading) if nothing_slips_forward else None
+        total_error = _relative(_sum(unloading, reloading)) if nothing_slips_forward else None
+        cycle = SteadyCycle(
             scene,
             lowest,
             self._rtol,
             states,
             float(ratio),
             reloading.value,
-            unloading.value if known else None,
+            unloading.value if nothing_slips_forward else None,
             slack,
             CycleErrors(
                 shakedown_ratio=float(ratio_error),
@@ -197,46 +197,53 @@ class CycleFamily:
                 slip_amplitude=1.0 if at_shakedown else loop.error.slip,
                 traction=max(loop.error.traction or 0.0, loop.error.pressure or 0.0),
                 reloading_dissipation=_relative(reloading),
-                unloading_dissipation=of_unloading,
-                dissipation=None if of_unloading is None else _relative(_sum(unloading, reloading)),
+                unloading_dissipation=unloading_error,
+                dissipation=total_error,
             ),
         )
-        within = reloading.value == 0.0 or found.worst_error <= self._rtol
-        return replace(found, converged=loop.converged and within)
+        within = reloading.value == 0.0 or cycle.worst_error <= self._rtol
+        return replace(cycle, converged=loop.converged and within)
 
     def _dissipated(
         self, friction: float, lowest: float, loop: Solution
     ) -> tuple[ValueWithError, ValueWithError]:
-        """Return what unloading and reloading dissipate, with absolute errors."""
+        """Return what unloading and reloading dissipate, with absolute errors.
+
+        These are W_down and W_up of docs/cycles, with the friction f as variable of the integrals.
+        """
         mean = mean_slip(loop)
         if mean.value == 0.0 or friction == 0.0:
             return ValueWithError(0.0, 0.0), ValueWithError(0.0, 0.0)
         loop_f = loop_friction(friction, lowest)
-        above = self._curve.integrate(
+        unloading = self._curve.integrate(
             lambda f: 4.0 * friction**2 / (f + friction) ** 3, loop_f, loop_f + friction
         )
-        below = self._curve.integrate(
+        reloading = self._curve.integrate(
             lambda f: 4.0 * (lowest * friction) ** 2 / (f - friction) ** 3,
             loop_f,
             loop_f - friction,
         )
-        whole = (1.0 - lowest) * mean.value
-        lost = math.inf if loop.ending is Ending.ZONES else whole * mean.error
+        # the term at the end of the loop, (1 - lambda) A(f')
+        end = (1.0 - lowest) * mean.value
+        end_error = math.inf if loop.ending is Ending.ZONES else end * mean.error
         return (
             ValueWithError(
-                friction * (lowest * whole + above.value), friction * (lowest * lost + above.error)
+                friction * (lowest * end + unloading.value),
+                friction * (lowest * end_error + unloading.error),
             ),
-            ValueWithError(friction * (whole - below.value), friction * (lost + below.error)),
+            ValueWithError(
+                friction * (end - reloading.value), friction * (end_error + reloading.error)
+            ),
         )
 
 
-def _sum(one: ValueWithError, other: ValueWithError) -> ValueWithError:
-    return ValueWithError(one.value + other.value, one.error + other.error)
+def _sum(first: ValueWithError, second: ValueWithError) -> ValueWithError:
+    return ValueWithError(first.value + second.value, first.error + second.error)
 
 
-def _relative(mean: ValueWithError) -> float:
-    """Return the absolute error of a mean over its value; of 0 it is 1 if it may be more."""
-    return mean.error / mean.value if mean.value > 0.0 else min(mean.error, 1.0)
+def _relative(energy: ValueWithError) -> float:
+    """Return the error of an energy over its value; of the value 0 the error, and 1 at most."""
+    return energy.error / energy.value if energy.value > 0.0 else min(energy.error, 1.0)
 
 
 def loop_friction(friction: float, lowest: float) -> float:

@@ -1,10 +1,11 @@
 """Break the library in one place at a time, and see whether the tests notice.
 
 Run as ``python validation/mutants/mutants.py [--jobs N] [words ...]``; words choose the mutants
-whose file or fault has one of them. All of them together write validation/results/mutants.json and
-.md. Each mutant is one text of one file replaced by another, in a copy of the tree, and the tests
-that are to fail then. Before, the same tests must pass without any mutant. A text that is not there
-exactly once, tests that cannot be run and a mutant that lives end the script with status 1.
+whose file or fault has one of them. Their rows in validation/results/mutants.json and .md are
+written anew; the others stay, as long as the table has their faults. Each mutant is one text of one
+file replaced by another, in a copy of the tree, and the tests that are to fail then. Before, the
+same tests must pass without any mutant. A text that is not there exactly once, tests that cannot be
+run and a mutant that lives end the script with status 1.
 """
 
 from __future__ import annotations
@@ -120,11 +121,12 @@ def tried(mutant: Mutant, copy: Path) -> Outcome:
 
 
 def report(mutants: Sequence[Mutant], outcomes: Sequence[Outcome]) -> None:
-    """Write the results."""
-    rows: list[dict[str, Any]] = [
-        {**mutant._asdict(), "killer": outcome.killer}
-        for mutant, outcome in zip(mutants, outcomes, strict=True)
-    ]
+    """Write the rows of these mutants, among those of the others that there are."""
+    known = json.loads((RESULTS / "mutants.json").read_text(encoding="utf-8"))["rows"]
+    by_fault: dict[str, dict[str, Any]] = {row["fault"]: row for row in known}
+    for mutant, outcome in zip(mutants, outcomes, strict=True):
+        by_fault[mutant.fault] = {**mutant._asdict(), "killer": outcome.killer}
+    rows = [by_fault[one.fault] for one in MUTANTS if one.fault in by_fault]
     found = {
         "schema": "spectral_contact.validation.mutants",
         "version": 1,
@@ -195,8 +197,7 @@ def main(arguments: Sequence[str]) -> int:
                 print(f"{outcome.seconds:6.1f} s  {mutant.fault}: {end}", flush=True)
     alive = sum(not outcome.killer for outcome in outcomes)
     print(f"{len(mutants) - alive} of {len(mutants)} killed in {perf_counter() - begin:.0f} s")
-    if not options.words:
-        report(mutants, outcomes)
+    report(mutants, outcomes)
     return 1 if alive else 0
 
 

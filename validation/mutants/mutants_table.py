@@ -56,6 +56,8 @@ _ENDINGS = f"{_UNIT}/solving/test_run.py"
 _EXACT = f"{_REFERENCE}/test_closed_forms.py"
 _SOLVER = f"{_UNIT}/solving/test_solver.py"
 _ESTIMATES = f"{_REFERENCE}/test_estimates.py"
+_UNLOADING = f"{_UNIT}/contact/test_unloading.py"
+_CYCLES = f"{_UNIT}/sweeps/test_steady_cycle.py -k numbers_of_the_theory"
 _GOLD = f"{_UNIT}/gold/test_table_loader.py"
 _PROPERTY = "tests/property/test_solutions.py"
 _DIGITS = f"{_UNIT}/profiles/test_profiles.py -k keep_their_digits"
@@ -442,7 +444,7 @@ MUTANTS = (
     Mutant(
         "a changed solution is loaded",
         f"{_PACKAGE}/io/storage.py",
-        '_checksum(tree, used) != document["sha256"] or ',
+        '_checksum(tree, used) != packed["sha256"] or ',
         "",
         f"{_UNIT}/io/test_storage.py -k changed_documents",
     ),
@@ -755,6 +757,70 @@ MUTANTS = (
         "exact <= LARGEST_COMPLIANCE:\n        return float(exact)",
         "exact < LARGEST_COMPLIANCE:\n        return float(exact)",
         f"{_UNIT}/test_scene.py -k ends_of_the_range",
+    ),
+    # unloading and cycles of the load
+    Mutant(
+        "the displacement that stick keeps is not over the load",
+        f"{_CONTACT}/unloading.py",
+        "1.0 / load_ratio, self._slip_error / load_ratio",
+        "load_ratio, self._slip_error / load_ratio",
+        _UNLOADING,
+    ),
+    Mutant(
+        "slip that is missing has the sense opposite to the traction",
+        f"{_CONTACT}/unloading.py",
+        "np.sign(ratio[largest])",
+        "-np.sign(ratio[largest])",
+        _UNLOADING,
+    ),
+    Mutant(
+        "loads above the turning ratio depend on the history",
+        f"{_CONTACT}/unloading.py",
+        "if turning.value > load_ratio:",
+        "if turning.value < load_ratio:",
+        _UNLOADING,
+    ),
+    Mutant(
+        "slip back begins where the traction is friction times pressure forward",
+        f"{_CONTACT}/unloading.py",
+        "return least + 1.0",
+        "return least - 1.0",
+        _UNLOADING,
+    ),
+    Mutant(
+        "a loop has the friction of its scene",
+        f"{_PACKAGE}/sweeps/steady_cycle.py",
+        "return friction * (1.0 + lowest) / (1.0 - lowest)",
+        "return friction",
+        _CYCLES,
+    ),
+    Mutant(
+        "the weight of unloading falls with the square of friction",
+        f"{_PACKAGE}/sweeps/steady_cycle.py",
+        "/ (f + friction) ** 3",
+        "/ (f + friction) ** 2",
+        _CYCLES,
+    ),
+    Mutant(
+        "reloading dissipates what it would without stick",
+        f"{_PACKAGE}/sweeps/steady_cycle.py",
+        "friction * (end - reloading.value)",
+        "friction * end",
+        _CYCLES,
+    ),
+    Mutant(
+        "a traction may be below what slips forward",
+        f"{_PACKAGE}/sweeps/forward_slip.py",
+        "low = np.maximum(low, change - load * limit)",
+        "low = np.minimum(low, change - load * limit)",
+        f"{_UNIT}/sweeps/test_forward_slip.py -k room_down",
+    ),
+    Mutant(
+        "reloading begins at the shear of the largest load",
+        f"{_PACKAGE}/sweeps/cycle_result.py",
+        "begin = (self.lowest - 1.0) * self.solution.total_shear",
+        "begin = 0.0",
+        f"{_UNIT}/sweeps/test_cycle_result.py -k close_the_loop",
     ),
 )
 

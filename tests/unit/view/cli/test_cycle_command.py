@@ -2,7 +2,7 @@
 
 import pytest
 
-from spectral_contact import Scene, steady_cycle
+from spectral_contact import Scene, SteadyCycle, steady_cycle
 from spectral_contact.__main__ import main
 
 OPTIONS = ["cycle", "--lowest", "0.15", "--rtol", "1e-2"]
@@ -18,6 +18,12 @@ def test_it_prints_the_loop_and_writes_files(capsys, tmp_path):
     assert table.read_text().splitlines()[-1].startswith("1.0,")
 
 
+def test_it_stores_the_loop(capsys, tmp_path):
+    path = tmp_path / "loop.NPZ"
+    assert main(["cycle", "--lowest", "0.9", "--rtol", "1e-2", "--output", str(path)]) == 0
+    assert capsys.readouterr().out == f"{SteadyCycle.load(path)}\n"
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -25,7 +31,7 @@ def test_it_prints_the_loop_and_writes_files(capsys, tmp_path):
         (["--lowest", "1.5"], "--lowest = 1.5"),
         (["--lowest", "0.5", "--coupling"], "--coupling = True"),
         (["--lowest", "0.5", "--friction", "none"], "--friction = None"),
-        (["--lowest", "0.5", "--output", "loop.json"], "the suffix must be one of .csv"),
+        (["--lowest", "0.5", "--output", "loop.txt"], "the suffix must be one of .npz, .json, .csv"),
         (
             ["--lowest", "0.5", "--profile", "sphere", "--radius", "1", "--load", "1"],
             "--profile",
