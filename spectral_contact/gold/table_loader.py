@@ -35,6 +35,8 @@ _PRESSED: Final = ("contact_radius", "load", "stiffness", "indentation_work")
 #: What else it has where the approach is proved (docs/proved): two decimals that enclose it.
 _PROVED: Final = "approach_bounds"
 _ENTRY_KEYS: Final = ("name", "scene", "library", "digits", *_VALUES, "points", "error")
+#: What else a zone has below the largest load.
+_HISTORY: Final = ("sense", "memory")
 _SIDES: Final = ("inner", "outer", "inner_from_edge", "outer_from_edge")
 _ERRORS: Final = (*_VALUES, "pressure", "traction")
 _FEWEST_DIGITS, _MOST_DIGITS = 15, 60
@@ -93,8 +95,9 @@ class GoldSolution:
         Name of its table.
     error : ErrorEstimates
         Certified relative errors: `zones` that of every boundary, from the centre and from the
-        edge, `pressure` and `traction` that at every point, in the sense of `Solution.error`. None
-        where there is no value, and 0 of what is 0 by definition.
+        edge, `pressure` and `traction` that at every point, in the sense of `Solution.error`: that
+        of the traction is relative to ``f p`` in zones with memory. None where there is no value,
+        and 0 of what is 0 by definition.
     """
 
     name: str
@@ -292,6 +295,7 @@ class _GoldEntry:
         self.where, self.body, self.mp = where, body, mp
         self.digits: int = body["digits"]
         self.pressed = _PRESSED[0] in body
+        self.unloaded = isinstance(body["scene"], dict) and "unloaded_to" in body["scene"]
 
     def solution(self, table: str) -> GoldSolution:
         """Return the record."""
@@ -326,8 +330,9 @@ class _GoldEntry:
         more += ("layer",) * layered
         adhesive = isinstance(body, dict) and "work_of_adhesion" in body
         more += ("work_of_adhesion", "branch") * adhesive
-        check_keys(where, body, (*_PARAMETERS, *more))
+        check_keys(where, body, (*_PARAMETERS, *more, *("unloaded_to",) * self.unloaded))
         numbers = (*_PARAMETERS, *CONTROLS * self.pressed, *("work_of_adhesion",) * adhesive)
+        numbers += ("unloaded_to",) * self.unloaded
         values: dict[str, Any] = {
             name: None
             if body[name] is None and name in ("friction", *CONTROLS)
@@ -362,7 +367,7 @@ class _GoldEntry:
         before = "0", "1"
         for i, zone in enumerate(_list(self.where, self.body, "zones")):
             where = f"{self.where}, zone {i + 1}"
-            check_keys(where, zone, ("kind", *_SIDES))
+            check_keys(where, zone, ("kind", *_SIDES, *_HISTORY * self.unloaded))
             if zone["kind"] not in ("stick", "slip"):
                 raise Refused(f'{where}: "kind" is {shown(zone["kind"])}, not stick or slip')
             numbers = [self._number(where, zone, side) for side in _SIDES]
@@ -370,7 +375,10 @@ class _GoldEntry:
             if [numbers[0], numbers[2]] != start:
                 raise Refused(f"{where}: it does not begin where the zone before it ends")
             before = zone["outer"], zone["outer_from_edge"]
-            zones.append(Zone(zone["kind"], *numbers))
+            history = {name: zone[name] for name in _HISTORY * self.unloaded}
+            if history and (history["sense"] not in (1, -1) or type(history["memory"]) is not bool):
+                raise Refused(f'{where}: "sense" is 1 or -1, and "memory" true or false')
+            zones.append(Zone(zone["kind"], *numbers, **history))
         if zones and (zones[-1].outer != 1 or zones[-1].outer_from_edge != 0):
             raise Refused(f"{self.where}: its zones do not end at the edge")
         return tuple(zones)

@@ -50,6 +50,14 @@ def errors(double, true):
             pairs = zip(values, true.points, strict=True)
             found[name] = worst(against_size(value, point, mean) for value, point in pairs)
             continue
+        if name == "traction" and true.scene.unloaded_to < 1.0:
+            friction = true.scene.friction
+            found[name] = worst(
+                float(abs(value - point.traction)) / float(size(point, true, friction))
+                for value, point in zip(values, true.points, strict=True)
+                if point.traction
+            )
+            continue
         if any(min(point.pressure, point.traction) < 0 for point in true.points):
             found[name] = worst(map(against_both(name, true.scene), values, true.points))
             continue
@@ -83,6 +91,14 @@ def unmet(double, true, rtol):
 def worst(several):
     """Return the largest; what is no number is larger than all."""
     return float(np.max(list(several)))
+
+
+def size(point, true, friction):
+    """Return what the error of q is relative to: q, or f p where the surface sticks with memory."""
+    [zone] = [
+        one for one in true.zones if one.outer_from_edge <= point.from_edge < one.inner_from_edge
+    ]
+    return friction * point.pressure if zone.memory else abs(point.traction)
 
 
 def against_size(value, point, mean):

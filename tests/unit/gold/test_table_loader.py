@@ -114,6 +114,15 @@ def test_stick_radius_by_zones():
     assert found["nu=0.3 alpha=0.5 beta=0.5 f=0"].stick_radius == 0
 
 
+def test_zones_below_the_largest_load_have_sense_and_memory(tmp_path):
+    table = document("unloading")
+    found = gold.load(written(tmp_path, table)).solutions[0]
+    assert found.scene.unloaded_to == 0.8
+    assert [(zone.sense, zone.memory) for zone in found.zones][1:] == [(1, False), (1, True)]
+    for key, to in (("sense", 2), ("memory", 1), ("sense", None)):
+        assert "sense" in refusal(written(tmp_path, altered(table, *SCENE, "zones", 1, key, to=to)))
+
+
 def test_a_coupled_record_has_its_opening():
     body = document("coupled_equal")["scenes"]
     found = {s.name: s for table in gold.tables() for s in table.solutions}

@@ -31,7 +31,10 @@ def test_it_stores_the_loop(capsys, tmp_path):
         (["--lowest", "1.5"], "--lowest = 1.5"),
         (["--lowest", "0.5", "--coupling"], "--coupling = True"),
         (["--lowest", "0.5", "--friction", "none"], "--friction = None"),
-        (["--lowest", "0.5", "--output", "loop.txt"], "the suffix must be one of .npz, .json, .csv"),
+        (
+            ["--lowest", "0.5", "--output", "loop.txt"],
+            "must be one of .npz, .json, .csv",
+        ),
         (
             ["--lowest", "0.5", "--profile", "sphere", "--radius", "1", "--load", "1"],
             "--profile",
