@@ -179,7 +179,7 @@ def _optional(parameter: str, values: object, high: float) -> Array:
     )
 
 
-class _Law(NamedTuple):
+class _FittedLaw(NamedTuple):
     """A law through the first points, the sum of its squared deviations, and Bayes's criterion."""
 
     kind: str
@@ -191,7 +191,7 @@ class _Law(NamedTuple):
     score: float
 
 
-def _laws(numbers: Array, logs: Array) -> list[_Law]:
+def _laws(numbers: Array, logs: Array) -> list[_FittedLaw]:
     """Return every law that the points allow, through all of them or those before a plateau."""
     total, found = len(logs), []
     for count in (total, *range(total - _FEWEST_ON_PLATEAU, _FEWEST - 1, -1)):
@@ -212,5 +212,5 @@ def _laws(numbers: Array, logs: Array) -> list[_Law]:
             score = total * math.log(scatter) + parameters * math.log(total)
             error = math.sqrt(covariance[0, 0])
             intercept = float(height - slope * centre)
-            found.append(_Law(kind, count, float(slope), error, intercept, squares, score))
+            found.append(_FittedLaw(kind, count, float(slope), error, intercept, squares, score))
     return found
