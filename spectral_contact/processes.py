@@ -66,7 +66,8 @@ def guarded(run: Callable[[], int]) -> int:
 def failed(message: str, status: int) -> int:
     """Say on one line of stderr what went wrong, and return the exit status."""
     try:
-        print(f"{PROGRAM}: {' '.join(message.split())}", file=sys.stderr, flush=True)
+        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")
+        sys.stderr.flush()
     except OSError:  # the status says it as well
         _silence(sys.stderr)
     return status
