@@ -16,7 +16,7 @@ from threading import Thread, current_thread, main_thread
 from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor, Future
+    from concurrent.futures import Executor
 
 __all__ = [
     "PROGRAM",
@@ -44,9 +44,11 @@ def guarded(run: Callable[[], int]) -> int:
 
     Ctrl-C and TERM end it in one line, and a stdout that is closed ends it in silence.
     """
-    _open_streams()
+    # a process that was started without stdout or stderr has None
+    sys.stdout = sys.stdout or _nowhere()
+    sys.stderr = sys.stderr or _nowhere()
     status = 0
-    with _signals_as_errors():
+    with _handled({signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate}):
         try:
             status = run()
             sys.stdout.flush()
@@ -71,66 +73,6 @@ def failed(message: str, status: int) -> int:
     return status
 
 
-# --- signals --------------------------------------------------------------------------------------
-
-
-def quiet_imports() -> None:
-    """Let Ctrl-C end the command line in one line while it is still importing.
-
-    In other programs, and where Ctrl-C is ignored, nothing is changed. `guarded` takes over
-    from here.
-    """
-    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if _is_command_line() and usual and current_thread() is main_thread():
-        # not by an exception: extension modules turn it into a failed import
-        signal.signal(signal.SIGINT, _leave)
-
-
-def _is_command_line() -> bool:
-    words = [word for word in sys.orig_argv[1:] if not word.startswith("-")]
-    return bool(words) and Path(words[0]).stem in (PROGRAM, "spectral_contact")  # script, or -m
-
-
-def _leave(*_: object) -> NoReturn:
-    with suppress(OSError):
-        os.write(2, f"{PROGRAM}: interrupted\n".encode())
-    os._exit(130)
-
-
-@contextmanager
-def _signals_as_errors() -> Iterator[None]:
-    """Raise `KeyboardInterrupt` at Ctrl-C and `Terminated` at TERM, unless they are ignored."""
-    before: dict[signal.Signals, Any] = {}
-    if current_thread() is main_thread():
-        for number, handler in (
-            (signal.SIGINT, signal.default_int_handler),
-            (signal.SIGTERM, _terminate),
-        ):
-            # what is ignored, as in the background of a script, or is not Python's, stays
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, handler)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
-def _terminate(*_: object) -> NoReturn:
-    raise Terminated
-
-
-# --- streams --------------------------------------------------------------------------------------
-
-
-def _open_streams() -> None:
-    """Give a process that was started without stdout or stderr one that swallows everything."""
-    if sys.stdout is None:
-        sys.stdout = _nowhere()
-    if sys.stderr is None:
-        sys.stderr = _nowhere()
-
-
 def _nowhere() -> TextIO:
     return open(os.devnull, "w", encoding="utf-8")
 
@@ -144,6 +86,42 @@ def _silence(stream: TextIO) -> None:
         os.dup2(nowhere.fileno(), stream.fileno())
 
 
+# --- signals --------------------------------------------------------------------------------------
+
+
+def quiet_imports() -> None:
+    """Let Ctrl-C end the command line without a traceback while it is still importing.
+
+    In other programs, and where Ctrl-C is ignored, nothing is changed. `guarded` takes over
+    from here.
+    """
+    words = [word for word in sys.orig_argv[1:] if not word.startswith("-")]
+    command_line = words and Path(words[0]).stem in (PROGRAM, "spectral_contact")  # script, or -m
+    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if command_line and usual and current_thread() is main_thread():
+        # not by an exception: extension modules turn it into a failed import
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+@contextmanager
+def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
+    """Let the main thread handle signals so, unless they are ignored, or not Python's."""
+    before: dict[signal.Signals, Any] = {}
+    if current_thread() is main_thread():
+        for number, handler in handlers.items():
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                before[number] = signal.signal(number, handler)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _terminate(*_: object) -> NoReturn:
+    raise Terminated
+
+
 # --- workers --------------------------------------------------------------------------------------
 
 
@@ -151,58 +129,33 @@ def _silence(stream: TextIO) -> None:
 def workers(count: int) -> Iterator[Executor | None]:
     """Yield an executor of so many processes, None for a single one.
 
-    The processes do not survive this one, however it ends, and leave Ctrl-C to it. If an error or
-    an interrupt leaves the context, their work is not waited for.
+    The processes do not survive this one, however it ends, and ignore Ctrl-C, which a terminal
+    sends to all of them. If an error or an interrupt leaves the context, their work is not waited
+    for.
     """
     if count == 1:
         yield None
         return
     import multiprocessing  # not before the first Ctrl-C can be answered
     from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import resource_tracker
 
-    class Pool(ProcessPoolExecutor):
-        def submit(self, *arguments: Any, **keywords: Any) -> Future[Any]:
-            with _deaf():  # a worker is started here, as long as all others are busy
-                return super().submit(*arguments, **keywords)
-
-    if sys.platform != "win32":
-        resource_tracker.ensure_running()  # else the first worker's start does, and ends `_deaf`
     others = multiprocessing.active_children()
-    pool = Pool(count, multiprocessing.get_context("spawn"), _begin_worker, (os.getpid(),))
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, context, end_with_parent, (os.getpid(),))
+    with _handled({signal.SIGINT: signal.SIG_IGN}):  # which processes inherit
+        for _ in range(count):
+            pool.submit(int)  # starts a process, as long as all others are busy
     try:
         yield pool
     except BaseException:
         # the pool drops what is called off before it hears that a worker is gone: Python 3.11 has
         # a traceback for what was called off and lost its worker, too
         pool.shutdown(wait=False, cancel_futures=True)
-        own = [one for one in multiprocessing.active_children() if one not in others]
-        for process in own:
+        for process in {*multiprocessing.active_children()}.difference(others):
             process.terminate()
-        for process in own:
-            process.join()
         raise
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def _deaf() -> Iterator[None]:
-    """Keep Ctrl-C waiting; processes that are started meanwhile never hear of it."""
-    if sys.platform == "win32":
-        yield
-        return
-    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-
-
-def _begin_worker(parent: int) -> None:
-    """Leave Ctrl-C, which the terminal sends to all processes, to the parent, and end with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Windows, which has no `_deaf`
-    end_with_parent(parent)
 
 
 def end_with_parent(number: int) -> None:
@@ -218,18 +171,15 @@ def end_with_parent(number: int) -> None:
 
     parent = parent_process()
     if parent is not None and parent.pid == number:
-        _follow(os.getpid())
+        _follow(parent)
 
 
 @cache
-def _follow(_: int) -> None:
-    """Begin to wait for the end of the parent, once in each process."""
-    from multiprocessing import parent_process
+def _follow(parent: Any) -> None:
+    """Begin to wait for the end of the parent."""
+    Thread(target=_end_after, args=(parent,), daemon=True).start()
 
-    def wait() -> None:
-        parent = parent_process()
-        if parent is not None:
-            parent.join()
-            os._exit(1)
 
-    Thread(target=wait, daemon=True).start()
+def _end_after(parent: Any) -> NoReturn:
+    parent.join()
+    os._exit(1)

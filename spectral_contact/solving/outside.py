@@ -19,7 +19,7 @@ from scipy.special import ellipkm1
 
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import LogSeries, Radius
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule, graded_rule, legendre_expansion_matrix
 
 if TYPE_CHECKING:
@@ -30,8 +30,6 @@ _PANELS, _WIDTH, _POINTS = 36, 2.0, 16
 #: Quadrature of the pressure towards the boundary of a zone, where it is almost smooth: points,
 #: panels and their ratio. Towards the edge it is at the distances at which the surface is seen.
 _BOUNDARY = 12, 16, 0.15
-
-_KERNELS: BoundedCache[str, Array] = BoundedCache("outside a flat punch", 1)
 
 
 def outside_displacement(flat: Solution) -> LogSeries:
@@ -48,7 +46,7 @@ def outside_displacement(flat: Solution) -> LogSeries:
     y, weights = _quadrature(inner)
     s = np.sqrt(1.0 - y)
     strength = weights * field(s, y / (1.0 + s)) / (2.0 * math.pi * flat.approach)
-    kernel = _kernel(y) if inner else _KERNELS.get("one zone", lambda: _kernel(y))
+    kernel = _kernel(y) if inner else _kernel_of_one_zone()
     values = (kernel @ strength).reshape(_PANELS, _POINTS)
     table = values @ legendre_expansion_matrix(_POINTS, _POINTS - 1).T
     return LogSeries(table, np.array([table[-1].sum()]), _WIDTH)
@@ -58,6 +56,12 @@ def reached(series: list[LogSeries], ahead: Array) -> Array:
     """Return ``omega`` of several punches, ``ahead`` in ``ln r`` of their radius, (punches, n)."""
     distance = -np.expm1(-2.0 * ahead)
     return LogSeries.several(series, distance) * np.exp(-ahead)
+
+
+@bounded_cache("outside a flat punch", 1)
+def _kernel_of_one_zone() -> Array:
+    """Return `_kernel` without boundaries of zones inside (cached)."""
+    return _kernel(_quadrature([])[0])
 
 
 def _kernel(y: Array) -> Array:

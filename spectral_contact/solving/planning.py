@@ -33,10 +33,8 @@ from spectral_contact.solution import (
     StepState,
 )
 from spectral_contact.solving.asked import asked_quantities
-from spectral_contact.spectral.cache import BoundedCache
 
 _NO_FRICTION = "the scene has no friction coefficient"
-_PLANS: BoundedCache[tuple[frozenset[str], tuple[object, ...]], Plan] = BoundedCache("plans", 64)
 
 
 @suggesting()
@@ -62,31 +60,16 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         For a name that is no quantity.
     """
     shaped = instance("scene", scene, Scene).profile is not None
-    adhesive, friction = scene.work_of_adhesion is not None, scene.friction
+    adhesive = scene.work_of_adhesion is not None
     unloaded = scene.unloaded_to < 1.0
     asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive, unloaded=unloaded)
-    kind: tuple[object, ...] = (
-        friction if friction in (None, 0.0, math.inf) else "finite",
-        _undriven(scene),
-        scene.normal_compliance == 0.0,
-        scene.tangential_compliance == 0.0,
-        scene.coupling,
-        unloaded,
-    )
-    if shaped:  # only then there may be a layer
-        kind = *kind, scene.layer is None, endless(scene), isinstance(scene.profile, Flat), adhesive
-    return _PLANS.get((asked, kind), lambda: _plan(scene, asked))
-
-
-def _plan(scene: Scene, asked: frozenset[str]) -> Plan:
-    """Return the plan for quantities; all that it depends on is of what kind a scene is."""
     missing: dict[str, str] = {
         name: "it was not asked for" for name in _present(scene) if name not in asked
     }
     if scene.friction is None:
         for name in ("slip", *sorted(FULL_STICK_RATIOS)):
             missing[name] = _NO_FRICTION
-        if scene.unloaded_to < 1.0:
+        if unloaded:
             missing.update(dict.fromkeys(UNLOADED_QUANTITIES, _NO_FRICTION))
     elif scene.profile is not None:
         flat = isinstance(scene.profile, Flat)

@@ -46,12 +46,10 @@ NODE_STEP = 16
 #: ``python validation/peers/naive.py``.
 UNCORRECTED_COMPLIANCE = 0.1
 
-#: Entries of at least this many bytes, one MiB, are large. Together all caches hold at most
-#: MAX_CACHE_BYTES when they are counted, which takes 3 ms: whenever large entries of a quarter of
-#: that were made. Measured as the memory of a long sweep:
-#: ``python validation/cost/memory.py``.
-LARGE_BYTES = 2**20
-MAX_CACHE_BYTES = 256 * LARGE_BYTES
+#: All caches are emptied if they hold more bytes than this, 256 MiB, when they are counted:
+#: whenever entries of a quarter of that were made, as it takes 3 ms. Measured as the memory of a
+#: long sweep: ``python validation/cost/memory.py``.
+MAX_CACHE_BYTES = 256 * 2**20
 #: A cache keeps this many entries unless another number is given where it is made. Integrals of
 #: parts at their own nodes need most: slip inside has 5 parts in some ten spaces. Measured as the
 #: memory of a long sweep: ``python validation/cost/memory.py``.

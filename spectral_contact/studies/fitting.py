@@ -53,7 +53,7 @@ class Rate:
         The points that the law is fitted to. Not used are those that are missing, rounding, or
         below what the truth can tell, and the plateau at the end.
     residuals : dict
-        Root mean square of the deviations of ln(error) on these points, for every kind.
+        Root mean square of the deviations of ln(error) on these points, by kind.
     log_factor : float
         Logarithm of the factor of the law: error = factor * ``N**-value`` and so on.
     """
@@ -144,88 +144,73 @@ def fit_rate(
     from scipy.special import stdtrit
 
     share = within("confidence", confidence, "in (0, 1)")
-    least = real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True)
+    least = max(real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True), _ROUNDING)
     counts = _optional("unknowns", unknowns, _MOST)
     found = _optional("errors", errors, math.inf)
     if len(counts) != len(found):
         raise SceneError("unknowns, errors", (unknowns, errors), "lists of the same length")
-    used = _above(counts, found, max(least, _ROUNDING))
-    numbers = np.array([counts[i] for i in used], dtype=float)
-    logs = np.log(np.array([found[i] for i in used], dtype=float))
-    if len(used) < _FEWEST or np.ptp(numbers) == 0.0:
+    there = np.flatnonzero((counts > 0.0) & (found < math.inf))
+    # rounding scatters once it is reached
+    reached = np.logical_or.accumulate(found[there] <= least)
+    used = there[found[there] > np.where(reached, 10.0 * least, least)]
+    laws = _laws(counts[used], np.log(found[used]))
+    if not laws:
         return None
-    count = _before_plateau(numbers, logs)
-    numbers, logs = numbers[:count], logs[:count]
-    lines = {kind: _line(scale(numbers), logs) for kind, scale in _MODELS.items()}
-    kind = min(lines, key=lambda name: lines[name].squares)
-    line, x = lines[kind], _MODELS[kind](numbers)
-    variance = line.squares / (count - 2) / np.sum((x - x.mean()) ** 2)
-    half = stdtrit(count - 2, 0.5 + share / 2.0) * math.sqrt(variance)
+    best = min(laws, key=lambda law: law.score)
+    rivals = [law for law in laws if law.points == best.points]
+    half = stdtrit(best.points - 2, 0.5 + share / 2.0) * best.slope_error
     with np.errstate(over="ignore"):
-        law = np.positive if kind == "algebraic" else np.exp
-        low, value, high = (float(law(-line.slope + step)) for step in (-half, 0.0, half))
-    residuals = {name: math.sqrt(one.squares / count) for name, one in lines.items()}
-    return Rate(kind, value, (low, high), share, used[:count], residuals, line.intercept)
+        rate = np.positive if best.kind == "algebraic" else np.exp
+        low, value, high = (float(rate(-best.slope + step)) for step in (-half, 0.0, half))
+    residuals = {law.kind: math.sqrt(law.squares / law.points) for law in rivals}
+    shown = tuple(map(int, used[: best.points]))
+    return Rate(best.kind, value, (low, high), share, shown, residuals, best.intercept)
 
 
-def _optional(parameter: str, values: object, high: float) -> list[float | None]:
-    """Return numbers of [0, high], and None where there is none."""
+def _optional(parameter: str, values: object, high: float) -> Array:
+    """Return numbers of [0, high], NaN where there is none."""
     allowed = ">= 0 or None" if high == math.inf else f"in [0, {high:g}] or None"
     limits: dict[str, Any] = {"low": 0.0, "high": high, "infinite_ok": True}
-    given = listed(parameter, values, "numbers")
-    return [
-        None if one is None else real(parameter, one, allowed=allowed, **limits) for one in given
-    ]
+    return np.array(
+        [
+            math.nan if one is None else real(parameter, one, allowed=allowed, **limits)
+            for one in listed(parameter, values, "numbers")
+        ]
+    )
 
 
-def _above(
-    unknowns: Sequence[float | None], errors: Sequence[float | None], least: float
-) -> tuple[int, ...]:
-    """Return the points whose error says something."""
-    kept, reached = [], False
-    for i, (n, e) in enumerate(zip(unknowns, errors, strict=True)):
-        if not n or e is None or e == math.inf:
-            continue
-        if e <= least:
-            reached = True
-        elif e > (10.0 * least if reached else least):  # rounding scatters once it is reached
-            kept.append(i)
-    return tuple(kept)
+class _FittedLaw(NamedTuple):
+    """A law through the first points, the sum of its squared deviations, and Bayes's criterion."""
 
-
-class _Line(NamedTuple):
-    """The line of least squares through points, and the sum of the squares of what it misses."""
-
+    kind: str
+    points: int
     slope: float
+    slope_error: float
     intercept: float
     squares: float
+    score: float
 
 
-def _line(x: Array, y: Array) -> _Line:
-    centre = x.mean()  # else a narrow range of large x would cost digits
-    slope, height = (float(one) for one in np.polyfit(x - centre, y, 1))
-    squares = float(np.sum((y - height - slope * (x - centre)) ** 2))
-    return _Line(slope, height - slope * centre, squares)
-
-
-def _before_plateau(numbers: Array, logs: Array) -> int:
-    """Return how many points come before the plateau at the end; all, if there is none."""
-    total = len(logs)
-    best, found = math.inf, total
+def _laws(numbers: Array, logs: Array) -> list[_FittedLaw]:
+    """Return every law that the points allow, through all of them or those before a plateau."""
+    total, found = len(logs), []
     for count in (total, *range(total - _FEWEST_ON_PLATEAU, _FEWEST - 1, -1)):
-        if np.ptp(numbers[:count]) == 0.0:
+        if count < _FEWEST or np.ptp(numbers[:count]) == 0.0:
             continue
-        rest = logs[count:]
-        for scale in _MODELS.values():
-            x = scale(numbers)
-            slope, intercept, squares = _line(x[:count], logs[:count])
-            parameters = 2.0
-            if len(rest):
-                if slope >= 0.0 or not (rest > intercept + slope * x[count:]).all():
-                    continue
-                squares += float(np.sum((rest - rest.mean()) ** 2))
-                parameters = 4.0
-            score = total * math.log(squares / total + _SCATTER**2) + parameters * math.log(total)
-            if score < best:
-                best, found = score, count
+        plateau = logs[count:]
+        for kind, scale in _MODELS.items():
+            centre = scale(numbers[:count]).mean()  # else a narrow range would cost digits
+            x = scale(numbers) - centre
+            (slope, height), covariance = np.polyfit(x[:count], logs[:count], 1, cov=True)
+            deviations = logs - height - slope * x
+            if len(plateau) and (slope >= 0.0 or deviations[count:].min() <= 0.0):
+                continue
+            squares = float(np.sum(deviations[:count] ** 2))
+            around = float(np.sum((plateau - plateau.mean()) ** 2)) if len(plateau) else 0.0
+            scatter = (squares + around) / total + _SCATTER**2
+            parameters = 4.0 if len(plateau) else 2.0
+            score = total * math.log(scatter) + parameters * math.log(total)
+            error = math.sqrt(covariance[0, 0])
+            intercept = float(height - slope * centre)
+            found.append(_FittedLaw(kind, count, float(slope), error, intercept, squares, score))
     return found

@@ -25,6 +25,9 @@ from spectral_contact.view.progress import ProgressLine
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
 Solver = Callable[[Scene, Any], Any]
 
+#: Name, solver, resolutions and truth.
+_Case = tuple[str, Solver, tuple[float, ...], Truth]
+
 _OF_SCENES: Final = "a scene and a resolution"
 #: Digits of a reference that is the truth.
 _DIGITS: Final = 20
@@ -97,17 +100,12 @@ def convergence(
     called = function("solver", solver, _OF_SCENES)
     named = _name(called) if name is None else instance("name", name, str)
     count = whole("repeats", repeats, 0)
-    tell = ProgressLine(progress)
+    ProgressLine(progress)  # refuses what it cannot be, before any work
     true = truth_of(scene, truth, progress=progress)
     runs = _Runs(chosen(quantities, [true]), quantities is not None, count)
-    points = []
-    with tell:
-        for i, resolution in enumerate(asked):
-            tell(f"{named} at {resolution:g}", i / len(asked))
-            points.append(runs.point(named, called, true, resolution))
-        tell("", 1.0)
+    points = runs.points([(named, called, asked, true)], 0.0, progress)
     return Convergence(
-        named, scene, true.source, true.error, runs.shown(points), tuple(points), this_machine()
+        named, scene, true.source, true.error, runs.shown(points), points, this_machine()
     )
 
 
@@ -159,32 +157,18 @@ def work_precision(
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
     count = whole("repeats", repeats, 1)
-    tell = ProgressLine(progress)
+    ProgressLine(progress)  # refuses what it cannot be, before any work
     called = _solvers(solvers, goals)
     found = [
         _truth_named("truths", scene, truth, progress)
         for scene, truth in zip(solved, given, strict=True)
     ]
     runs = _Runs(chosen(quantities, found), quantities is not None, count)
-    points: list[Point] = []
-    with tell:
-        cases = [(name, *one, true) for true in found for name, one in called.items()]
-        for i, (name, solver, resolutions, true) in enumerate(cases):
-            for k, resolution in enumerate(resolutions):
-                tell(f"{name} at {resolution:g}", (i + k / len(resolutions)) / len(cases))
-                points.append(runs.point(name, solver, true, resolution))
-                errors = points[-1].errors
-                if errors and max(errors.values()) <= goals[-1]:
-                    break
-        tell("", 1.0)
+    cases = [(name, *one, true) for true in found for name, one in called.items()]
+    points = runs.points(cases, goals[-1], progress)
+    sources = tuple(true.source for true in found)
     return WorkPrecision(
-        tuple(called),
-        solved,
-        tuple(true.source for true in found),
-        goals,
-        runs.shown(points),
-        tuple(points),
-        this_machine(),
+        tuple(called), solved, sources, goals, runs.shown(points), points, this_machine()
     )
 
 
@@ -304,7 +288,22 @@ class _Runs:
     asked: bool
     repeats: int
 
-    def point(self, name: str, solver: Solver, truth: Truth, resolution: float) -> Point:
+    def points(
+        self, cases: Sequence[_Case], goal: float, progress: bool | None
+    ) -> tuple[Point, ...]:
+        """Run solvers through their resolutions, until all errors are at most a goal."""
+        found: list[Point] = []
+        with ProgressLine(progress) as tell:
+            for i, (name, solver, resolutions, true) in enumerate(cases):
+                for k, resolution in enumerate(resolutions):
+                    tell(f"{name} at {resolution:g}", (i + k / len(resolutions)) / len(cases))
+                    found.append(self._point(name, solver, true, resolution))
+                    if max(found[-1].errors.values(), default=math.inf) <= goal:
+                        break
+            tell("", 1.0)
+        return tuple(found)
+
+    def _point(self, name: str, solver: Solver, truth: Truth, resolution: float) -> Point:
         """Run a solver once, compare it with the truth, and time it."""
         wanted = [one for one in self.wanted if one in truth.quantities]
         solution: Any = None

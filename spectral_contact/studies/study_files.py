@@ -8,6 +8,7 @@ import math
 import os
 from dataclasses import fields, is_dataclass
 from io import StringIO
+from itertools import product
 from pathlib import Path
 from typing import Any, Final
 
@@ -33,6 +34,8 @@ _KINDS: Final[dict[str, type[Study]]] = {
     "convergence": Convergence,
     "work-precision": WorkPrecision,
 }
+#: Members of studies that are records of their own.
+_RECORDS: Final[dict[str, type]] = {"times": Times, "warm": Timing, "cold": Timing}
 _PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 
 
@@ -94,27 +97,26 @@ def _study(body: Any) -> Study:
     check_schema(body, "study", _SCHEMA, version)
     if body.get("study") not in _KINDS:
         raise Refused(f'"study" is {shown(body.get("study"))}, not {" or ".join(_KINDS)}')
-    cls = _KINDS[body["study"]]
-    values = {one.name: body[one.name] for one in fields(cls)}
-    values = {key: tuple(v) if isinstance(v, list) else v for key, v in values.items()}
-    values["points"] = tuple(map(_point, body["points"]))
-    if cls is Convergence:
-        values["scene"] = Scene.from_dict(body["scene"])
-    else:
-        values["scenes"] = tuple(map(Scene.from_dict, body["scenes"]))
-    return cls(**values)
+    study: Study = _record(_KINDS[body["study"]], body)
+    return study
 
 
-def _point(row: Any) -> Point:
-    values = {one.name: row[one.name] for one in fields(Point)}
-    values["scene"] = Scene.from_dict(row["scene"])
-    for name in ("errors", "estimates"):
-        values[name] = {key: float(value) for key, value in row[name].items()}
-    if row["times"] is not None:
-        cold = row["times"]["cold"]
-        warm = Timing(**row["times"]["warm"])
-        values["times"] = Times(warm, None if cold is None else Timing(**cold))
-    return Point(**values)
+def _record(kind: type, body: Any) -> Any:
+    """Return the object of a class that `_encoded` made a dictionary of."""
+    return kind(**{one.name: _decoded(one.name, body[one.name]) for one in fields(kind)})
+
+
+def _decoded(name: str, value: Any) -> Any:
+    """Return a member of a study as it was before `_encoded`."""
+    if name == "points":
+        return tuple(_record(Point, one) for one in value)
+    if name in ("scene", "scenes"):
+        return Scene.from_dict(value) if name == "scene" else tuple(map(Scene.from_dict, value))
+    if name in ("errors", "estimates"):  # infinity is a text
+        return {key: float(one) for key, one in value.items()}
+    if name in _RECORDS:
+        return None if value is None else _record(_RECORDS[name], value)
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _csv(study: Study) -> str:
@@ -123,13 +125,12 @@ def _csv(study: Study) -> str:
     for point in study.points:
         row: dict[str, Any] = {"solver": point.solver}
         row |= {name: getattr(point.scene, name) for name in _PARAMETERS}
-        row |= {name: getattr(point, name) for name in ("resolution", "unknowns")}
+        row |= {"resolution": point.resolution, "unknowns": point.unknowns}
         row |= {f"error_{name}": point.errors.get(name) for name in study.quantities}
         row |= {f"estimate_{name}": point.estimates.get(name) for name in study.quantities}
-        for state in (one.name for one in fields(Times)):
+        for state, part in product(("warm", "cold"), ("median", "lower", "upper")):
             taken = getattr(point.times, state, None)
-            for part in ("median", "lower", "upper"):
-                row[f"{state}_{part}_s"] = getattr(taken, part, None)
+            row[f"{state}_{part}_s"] = getattr(taken, part, None)
         rows.append({**row, "failure": point.failure})
     text = StringIO()
     writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")

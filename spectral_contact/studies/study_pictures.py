@@ -31,7 +31,6 @@ _COLOURS: Final = (
     *("#888888", "#8C510A"),
 )
 _MARKERS: Final = "os^DvPX*<"
-_LINES: Final = ("-", "--", "-.")
 #: Doubles know no smaller error: what is below, and zero, is drawn here, and the axis says so.
 _LEAST: Final = 1e-16
 
@@ -58,12 +57,13 @@ def _convergence(study: Convergence) -> Figure:
     for index, quantity in enumerate(study.quantities):
         _draw_rate(over_unknowns, study, quantity, index)
         for axes in over_times:
-            _draw_times(axes, study.points, quantity, index, None)
+            _draw_times(axes, study.points, quantity, index)
     kinds = {rate.kind for rate in study.rates.values() if rate is not None}
     over_unknowns.set(xlabel="unknowns $N$", yscale="log")
     if not kinds or "algebraic" in kinds:  # errors that fall geometrically are lines otherwise
         over_unknowns.set_xscale("log")
-    _finish(figure, [over_unknowns, *over_times], study.points, study.quantities, count)
+    _finish([over_unknowns, *over_times], study.points)
+    _add_legend(figure, over_unknowns, count)
     figure.suptitle(f"{study.solver}:   {scene_title(study.scene)}")
     return figure
 
@@ -78,31 +78,30 @@ def _work_precision(study: WorkPrecision) -> Figure:
         panels = part.subplots(1, columns, sharey=True, squeeze=False)[0]
         for axes, quantity in zip(panels, study.quantities, strict=True):
             for index, solver in enumerate(study.solvers):
-                _draw_times(axes, study.of(solver, scene), quantity, index, solver)
+                _draw_times(axes, study.of(solver, scene), quantity, index)
+                axes.plot([], [], label=solver, **_look(index))
             axes.set_title(_SYMBOLS[quantity])
-        points = [point for point in study.points if point.scene == scene]
-        last = scene == study.scenes[-1]
-        _finish(figure, panels, points, study.quantities, columns + 1 if last else 0)
+        _finish(panels, [point for point in study.points if point.scene == scene])
         part.suptitle(scene_title(scene))
+    _add_legend(figure, figure.axes[0], columns + 1)
     return figure
 
 
 def _look(index: int) -> dict[str, Any]:
     """Return colour, marker and line of a curve."""
-    colour, marker, line = (one[index % len(one)] for one in (_COLOURS, _MARKERS, _LINES))
-    return {"color": colour, "marker": marker, "ls": line, "ms": 4.5, "lw": 1.0}
+    colour, marker = _COLOURS[index % len(_COLOURS)], _MARKERS[index % len(_MARKERS)]
+    return {"color": colour, "marker": marker, "ms": 4.5, "lw": 1.0}
 
 
 def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> None:
     """Draw one error over the unknowns, and the line of its rate."""
-    rate, look = study.rate(quantity), _look(index)
+    rate, look, label = study.rate(quantity), _look(index), _SYMBOLS[quantity]
     used = () if rate is None else rate.used
     for i, point in enumerate(study.points):
         error = point.errors.get(quantity, np.inf)
         if point.unknowns and np.isfinite(error):
             face = look["color"] if i in used else "white"
             axes.plot([point.unknowns], [max(error, _LEAST)], **look | {"mfc": face, "zorder": 3.0})
-    label = _SYMBOLS[quantity]
     if rate is not None:
         ends = [study.points[i].unknowns or 0 for i in used]
         x = np.geomspace(min(ends), max(ends), 60)
@@ -111,53 +110,36 @@ def _draw_rate(axes: Axes, study: Convergence, quantity: str, index: int) -> Non
     axes.plot([], [], label=label, **look)
 
 
-def _draw_times(
-    axes: Axes, points: Iterable[Point], quantity: str, index: int, label: str | None
-) -> None:
+def _draw_times(axes: Axes, points: Iterable[Point], quantity: str, index: int) -> None:
     """Draw errors over warm times with their quartiles."""
+    axes.set(xscale="log", yscale="log", xlabel="time [ms]")
     rows = [
         (1e3 * warm.median, 1e3 * warm.lower, 1e3 * warm.upper, max(error, _LEAST))
         for point in points
         if point.times is not None and np.isfinite(error := point.errors.get(quantity, np.inf))
         for warm in [point.times.warm]
     ]
-    axes.set(xscale="log", yscale="log", xlabel="time [ms]")
     if rows:
         middle, low, high, errors = np.transpose(rows)
         spread = [middle - low, high - middle]
-        axes.errorbar(middle, errors, xerr=spread, elinewidth=0.5, label=label, **_look(index))
+        axes.errorbar(middle, errors, xerr=spread, elinewidth=0.5, **_look(index))
 
 
-def _finish(
-    figure: Figure,
-    panels: Sequence[Axes],
-    points: Sequence[Point],
-    quantities: Sequence[str],
-    columns: int,
-) -> None:
-    """Label panels in a row, and say where errors are drawn that are too small for the axis.
-
-    If there are `columns`, the legend of all panels is put below the figure.
-    """
+def _finish(panels: Sequence[Axes], points: Sequence[Point]) -> None:
+    """Label panels in a row, and say where errors are drawn that are too small for the axis."""
     from matplotlib.ticker import LogLocator, NullLocator, StrMethodFormatter
 
-    panels[0].set_ylabel("true relative error")
-    if any(point.errors.get(name, np.inf) < _LEAST for point in points for name in quantities):
-        panels[0].set_ylim(bottom=_LEAST / 3.0)
-        panels[0].axhline(_LEAST, color="#888888", lw=0.6)
-        said = rf"$\leq 10^{{{np.log10(_LEAST):.0f}}}$, or 0"
-        corner: Any = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-        panels[0].annotate(said, (1.0, _LEAST), (-3, 3), ha="right", fontsize=7.0, **corner)
+    least = min((error for point in points for error in point.errors.values()), default=1.0)
+    less = ",\n$10^{-16}$ where it is less" if least < _LEAST else ""
+    panels[0].set_ylabel(f"true relative error{less}")
     for axes in panels:
         low, high = axes.get_xlim()
         if axes.get_xscale() == "log" and high < 100.0 * low:  # too short for powers of ten
             axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
             axes.xaxis.set_minor_locator(NullLocator())
-    if columns:
-        found: dict[str, Any] = {}  # what has the same label in several panels is there once
-        for axes in figure.axes:
-            handles, labels = axes.get_legend_handles_labels()
-            found |= dict(zip(labels, handles, strict=True))
-        place: Any = "outside lower center"
-        figure.legend(found.values(), found.keys(), loc=place, ncols=columns, fontsize=8.0)
+
+
+def _add_legend(figure: Figure, axes: Axes, columns: int) -> None:
+    place: Any = "outside lower center"
+    figure.legend(*axes.get_legend_handles_labels(), loc=place, ncols=columns, fontsize=8.0)

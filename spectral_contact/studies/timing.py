@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import finite
-from spectral_contact.threads import look_for_blas, one_thread
 
 #: Warm repeats of a short solve go on for so long [s], or until there are so many.
 _SECONDS = 0.2
@@ -80,8 +80,7 @@ def times_of(
         solver(scene, resolution)
 
     cold: Timing | None = None
-    look_for_blas()  # the solver may have brought its own
-    with one_thread():
+    with threadpool_limits(1, "blas"):
         if (clear := getattr(solver, "clear_caches", None)) is not None:
             cold = Timing.of(Timer(solve, clear).repeat(repeats, 1))
         warm = Timer(solve).repeat(repeats, 1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -84,31 +85,25 @@ class Truth:
         """
         found = {}
         for name in names("wanted", wanted, self.quantities):
-            try:
-                error = self._error(solution, name)
-            except NotComputedError:
-                continue
-            if error is not None:
-                found[name] = error if error >= 0.0 else math.inf
+            with suppress(NotComputedError):
+                if getattr(solution, _attribute(name), None) is not None:
+                    error = self._error(solution, name)
+                    found[name] = error if error >= 0.0 else math.inf
         return found
 
-    def _error(self, solution: Any, name: str) -> float | None:
-        """Return the error of one quantity, None if the solution lacks it."""
+    def _error(self, solution: Any, name: str) -> float:
+        """Return the error of a quantity that the solution has."""
         attribute = _attribute(name)
-        value = getattr(solution, attribute, None)
-        if value is None:
-            return None
         if name in _SCALARS:
-            number, exact = scalar(f"solution.{name}", value), self.scalars[name]
-            return abs(number - exact) / abs(exact)
+            value = scalar(f"solution.{name}", getattr(solution, name))
+            return abs(value - self.scalars[name]) / abs(self.scalars[name])
         if name == "edge_pressure":
             edge = float(field_of(solution, attribute)(np.zeros(1))[0])
             return abs(edge - self.scalars[name]) / self.scalars[name]
-        true = self.fields[name]
-        finite = np.isfinite(true)
-        values, true = field_of(solution, name)(self.from_edge[finite]), true[finite]
-        errors = np.abs(values - true) / np.where(true == 0.0, 1.0, np.abs(true))
-        return float(np.max(errors))
+        finite = np.isfinite(self.fields[name])
+        true = self.fields[name][finite]
+        values = field_of(solution, name)(self.from_edge[finite])
+        return float(np.max(np.abs(values - true) / np.where(true == 0.0, 1.0, np.abs(true))))
 
 
 def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
@@ -139,18 +134,18 @@ def estimate_of(solution: Any, name: str) -> float | None:
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
     """Return a study's quantities: those asked for, or all of which some truth is known."""
+    known = [q for q in QUANTITIES if any(q in truth.quantities for truth in truths)]
     if quantities is None:
-        return tuple(q for q in QUANTITIES if any(q in truth.quantities for truth in truths))
+        return tuple(known)
     given = [quantities] if isinstance(quantities, str) else quantities
     asked = names("quantities", given, QUANTITIES)
     if not asked:
         raise SceneError("quantities", quantities, f"some of {', '.join(QUANTITIES)}")
-    for name in asked:
-        for truth in truths:
-            if name not in truth.quantities:
-                known = ", ".join(truth.quantities)
-                raise SceneError("quantities", name, f"among what the truth has here: {known}")
-    return tuple(name for name in QUANTITIES if name in asked)
+    for truth in truths:
+        for name in set(asked).difference(truth.quantities):
+            known_here = ", ".join(truth.quantities)
+            raise SceneError("quantities", name, f"among what the truth has here: {known_here}")
+    return tuple(name for name in known if name in asked)
 
 
 def _attribute(name: str) -> str:
@@ -159,30 +154,23 @@ def _attribute(name: str) -> str:
 
 def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
     """Return the scalars that are finite and not given by definition."""
-    values = {}
-    for name in _SCALARS:
-        if name == "stick_radius" and scene.friction == math.inf:
-            continue
-        number = scalar(f"{owner}.{name}", computed(truth, name, 0.0))
-        if number != 0.0 and math.isfinite(number):
-            values[name] = number
-    return values
+    values = {
+        name: scalar(f"{owner}.{name}", computed(truth, name, 0.0))
+        for name in _SCALARS
+        if name != "stick_radius" or scene.friction != math.inf
+    }
+    return {name: one for name, one in values.items() if one != 0.0 and math.isfinite(one)}
 
 
 def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
+    """Return distances from the edge, those of gold where it has some, and the fields there."""
+    listed = getattr(truth, "points", None) or []
+    points = np.array([point.from_edge for point in listed]) if listed else PLACES
     fields = {}
-    listed = getattr(truth, "points", None)
-    if listed:
-        points = np.array([point.from_edge for point in listed])
-        for name in _FIELDS:
-            fields[name] = np.array([float(getattr(point, name)) for point in listed])
-    else:
-        points = PLACES
-        for name in _FIELDS:
-            if not hasattr(truth, name):
-                continue
-            try:
+    for name in _FIELDS:
+        with suppress(NotComputedError):
+            if listed:
+                fields[name] = np.array([float(getattr(point, name)) for point in listed])
+            elif hasattr(truth, name):
                 fields[name] = field_of(truth, name, owner)(points)
-            except NotComputedError:
-                continue
     return points, {name: values for name, values in fields.items() if values.any()}

@@ -18,7 +18,7 @@ from scipy.ndimage import maximum_filter
 
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
-from spectral_contact.spectral.cache import BoundedCache
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.sweeps.spectra import NormalSpectrum, StickSpectrum
 
 #: Least and largest logarithm of a compliance, and lattice points in a decade.
@@ -37,9 +37,6 @@ _EDGE_ROUNDING, _CRITICAL_ROUNDING = 100.0 * ROUNDING, 110.0 * ROUNDING
 #: Rounding at the edge times the root of the tangential compliance, where the sample shows nothing
 #: if both degrees have it: up to 1.7 in 2000 scenes at degree 20.
 _THIN_ROUNDING = 3.0 * ROUNDING
-
-_NORMALS: BoundedCache[int, CertifiedNormal] = BoundedCache("normal spectra", 2)
-_STICKS: BoundedCache[int, CertifiedStick] = BoundedCache("full-stick spectra", 2)
 
 
 class CertifiedNormal:
@@ -105,15 +102,19 @@ class CertifiedStick:
         return critical, self._critical_map[_places(alpha), _places(beta)] + jump
 
 
+@bounded_cache("normal spectra", 1)
 def certified_normal() -> CertifiedNormal:
     """Return normal contact for every compliance (cached)."""
-    return _NORMALS.get(_NORMAL_DEGREE, lambda: CertifiedNormal(_NORMAL_DEGREE))
+    return CertifiedNormal(_NORMAL_DEGREE)
+
+
+_kept_stick = bounded_cache("full-stick spectra", 2)(CertifiedStick)
 
 
 def certified_stick(rtol: float) -> CertifiedStick:
     """Return full stick for every pair of compliances, at a degree that suits `rtol` (cached)."""
     degree = next(degree for least, degree in _STICK_DEGREES if rtol >= least)
-    return _STICKS.get(degree, lambda: CertifiedStick(degree))
+    return _kept_stick(degree)
 
 
 def _lattice() -> Array:

@@ -181,7 +181,7 @@ def test_exchange_of_the_bodies_turns_traction_and_sides_and_nothing_else(coupli
     given |= {"tangential_compliance": 1e-10}
     one, other = between(RUBBER, GLASS, **given), between(GLASS, RUBBER, **given)
     assert other.kappa == -one.kappa < 0.0
-    a, b = (solve(scene, 1e-6) for scene in (one, other))
+    a, b = (solve(scene, 1e-2) for scene in (one, other))
     a, b = a.physical, b.physical
     r, z = np.array([0.0, 0.3, 0.9, 1.4]) * a.radius, np.array([0.5, 0.1, 0.01, 0.2]) * a.radius
     assert b.total_shear == -a.total_shear < 0.0

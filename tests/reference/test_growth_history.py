@@ -68,7 +68,7 @@ def test_what_it_was_is_what_a_smaller_contact_is(profile, friction, coupling):
 
 
 def test_it_ends_with_the_solution_and_follows_the_stick_radius():
-    solution = solve(Scene(0.2, 0.1, 0.1), 1e-8, NAMES)
+    solution = solve(Scene(0.2, 0.1, 0.1), 1e-6, NAMES)
     history = solution.history
     for name in NAMES:
         off = abs(getattr(history, name)(1.0) / getattr(solution, name) - 1.0)

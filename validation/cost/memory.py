@@ -59,9 +59,7 @@ LIBC.mallinfo2.restype = MallInfo
 
 def cached() -> int:
     """Return the bytes that caches count."""
-    counted: set[int] = set()
-    entries = [entry for each in list(cache._CACHES) for _, entry in each.entries()]
-    return sum(cache._bytes(entry.value, counted) for entry in entries)
+    return cache._bytes([list(entries.values()) for _, entries in cache._CACHES], set())
 
 
 def row(scenes: int, what: str = "") -> dict:

@@ -529,8 +529,8 @@ MUTANTS = (
     Mutant(
         "a line has one degree of freedom too many",
         f"{_PACKAGE}/studies/fitting.py",
-        "line.squares / (count - 2)",
-        "line.squares / (count - 1)",
+        "stdtrit(best.points - 2,",
+        "stdtrit(best.points - 1,",
         f"{_UNIT}/studies/test_fitting.py",
     ),
     Mutant(

@@ -1,99 +1,125 @@
-"""What all caches together may hold."""
+"""What a cache keeps, and what all of them together may hold."""
 
 import gc
-import threading
 import weakref
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 import numpy as np
 import pytest
 
 from spectral_contact import Scene, solve
-from spectral_contact.spectral import cache as caches
-from spectral_contact.spectral.cache import BoundedCache, clear_caches
+from spectral_contact.spectral import cache
+from spectral_contact.spectral.cache import bounded_cache, cache_sizes, clear_caches
 
 KILOBYTE = np.zeros(128).nbytes
 
 
 @pytest.fixture(autouse=True)
-def small(monkeypatch):
-    """Let all caches together hold four kilobytes."""
-    clear_caches()
-    monkeypatch.setattr(caches, "MAX_CACHE_BYTES", 4 * KILOBYTE)
-    monkeypatch.setattr(caches, "LARGE_BYTES", KILOBYTE)
+def caches_alone(monkeypatch):
+    """Have the caches of a test alone, which together may hold four kilobytes."""
+    monkeypatch.setattr(cache, "_CACHES", [])
+    monkeypatch.setattr(cache, "_uncounted", 0)
+    monkeypatch.setattr(cache, "MAX_CACHE_BYTES", 4 * KILOBYTE)
 
 
-def kilobytes(cache, key, count=1):
-    return cache.get(key, lambda: [np.zeros(128) for _ in range(count)])
+def kept(name, make, capacity=10):
+    """Return a cached function, and the keys that it made."""
+    made = []
+
+    def make_once(key):
+        made.append(key)
+        return make(key)
+
+    return bounded_cache(name, capacity)(make_once), made
 
 
-def test_what_was_not_used_for_longest_goes_from_any_cache():
-    first, second = BoundedCache("first", 10), BoundedCache("second", 10)
-    a, b = kilobytes(first, "a"), kilobytes(second, "b")
-    kilobytes(first, "c", 2)
-    assert kilobytes(first, "a") is a  # a hit
-    kilobytes(second, "d")  # one too many: b goes
-    assert (len(first), len(second)) == (2, 1)
-    assert kilobytes(first, "a") is a
-    assert kilobytes(second, "b") is not b  # and c goes
-    assert (len(first), len(second)) == (1, 2)
+def kilobytes(count):
+    return [np.zeros(128) for _ in range(count)]
 
 
-def test_the_latest_entry_may_go_at_once_and_is_returned():
-    cache = BoundedCache("too large", 10)
-    assert len(kilobytes(cache, "a", 5)) == 5
-    assert len(cache) == 0
+def test_the_oldest_entry_goes():
+    upper, made = kept("test", str.upper, 2)
+    assert [upper(key) for key in "abab"] == ["A", "B", "A", "B"]
+    upper("c")  # a goes
+    assert cache_sizes() == {"test": 2}
+    assert [upper(key) for key in "bca"] == ["B", "C", "A"]
+    assert made == ["a", "b", "c", "a"]
 
 
-def test_small_entries_are_not_looked_at(monkeypatch):
-    monkeypatch.setattr(caches, "_shrink", lambda: pytest.fail("looked at"))
-    cache = BoundedCache("small", 100)
-    for key in range(99):
-        cache.get(key, lambda: np.zeros(127))
-    assert len(cache) == 99
+def test_keywords_and_classes():
+    one = bounded_cache("pairs")(np.divmod)
+    assert one(7, 2) is one(7, 2) is not one(7, 3)
+    assert bounded_cache("lists")(dict)(a=1) == {"a": 1}
+    made = bounded_cache("objects")(Held)
+    assert made() is made()
+    assert made.__name__ == "Held"
+
+
+def test_what_fails_is_not_remembered():
+    inverse, made = kept("failing", lambda key: 1 / key)
+    for _ in range(2):
+        with pytest.raises(ZeroDivisionError) as caught:
+            inverse(0)
+        assert caught.value.__context__ is None
+    assert made == [0, 0]
+    assert cache_sizes() == {"failing": 0}
+
+
+def test_caches_of_one_name_are_counted_together():
+    for _ in range(2):
+        kept("twins", str)[0]("a")
+    assert cache_sizes() == {"twins": 2}
+
+
+def test_making_may_use_the_cache_itself():
+    powers = bounded_cache("nested")(lambda n: 1 if n == 0 else 2 * powers(n - 1))
+    assert powers(3) == 8
+    assert cache_sizes() == {"nested": 4}
+
+
+def test_all_caches_are_emptied_when_they_hold_too_much():
+    first, _ = kept("first", kilobytes)
+    second, _ = kept("second", kilobytes)
+    first(1), second(3)
+    assert cache_sizes() == {"first": 1, "second": 1}
+    assert len(first(2)) == 2
+    assert cache_sizes() == {"first": 0, "second": 0}
 
 
 def test_an_array_that_entries_share_counts_once():
-    shared, cache = np.zeros(3 * 128), BoundedCache("shared", 10)
+    shared = np.zeros(3 * 128)
+    one, _ = kept("shared", lambda key: (shared, [np.zeros(1)]))
     for key in range(5):
-        cache.get(key, lambda: (shared, [np.zeros(1)]))
-    assert len(cache) == 5
+        one(key)
+    assert cache_sizes() == {"shared": 5}
+
+
+class Held:
+    __module__ = "spectral_contact.anything"
+    __slots__ = ("array", "itself", "unset")
+
+    def __init__(self):
+        self.array = np.zeros(128)
+        self.itself = self
 
 
 def test_objects_of_the_library_count_with_all_they_hold():
-    class Held:
-        __module__ = "spectral_contact.anything"
-        __slots__ = ("array", "itself", "kept", "unset")
-
-    def make():
-        one = Held()
-        one.array, one.itself, one.kept = np.zeros(128), one, BoundedCache("kept", 3)
-        one.kept.get(0, lambda: np.zeros(12))
-        return one
-
-    cache = BoundedCache("objects", 10)
-    for key in range(6):
-        cache.get(key, make)
-    assert len(cache) == 3  # and what the caches in them hold
+    one, _ = kept("objects", lambda key: Held())
+    for key in range(4):
+        one(key)
+    assert cache_sizes() == {"objects": 4}
+    one(4)
+    assert cache_sizes() == {"objects": 0}
 
 
-def test_a_cache_at_work_in_another_thread_is_left_alone():
-    busy, other = BoundedCache("busy", 10), BoundedCache("other", 10)
-    old = kilobytes(busy, "old", 3)
-    inside, done = threading.Event(), threading.Event()
-
-    def make():
-        inside.set()
-        done.wait(5.0)
-        return 1
-
-    thread = threading.Thread(target=lambda: busy.get("slow", make))
-    thread.start()
-    inside.wait(5.0)
-    kilobytes(other, "a", 3)  # would have to wait for the thread
-    done.set()
-    thread.join()
-    assert kilobytes(busy, "old", 3) is old
+def test_threads_share_entries():
+    one, made = kept("threads", lambda key: object())
+    with ThreadPoolExecutor(8) as pool:
+        found = set(pool.map(lambda k: one(k % 2), range(200)))
+    assert len(found) <= len(made) <= 16
+    assert {one(0), one(1)} <= found
+    assert cache_sizes() == {"threads": 2}
 
 
 # slip in an annulus, and elastic coupling
@@ -111,8 +137,8 @@ def _no_collector():
 def held():
     """Return weak references to the objects of the library that caches hold."""
     found = []
-    for cache in list(caches._CACHES):
-        for one in (entry.value for _, entry in cache.entries()):
+    for _, entries in cache._CACHES:
+        for one in entries.values():
             if type(one).__module__.startswith("spectral_contact"):
                 with suppress(TypeError):  # what has slots cannot be watched
                     found.append(weakref.ref(one))
@@ -122,7 +148,7 @@ def held():
 @pytest.mark.usefixtures("_no_collector")
 def test_what_is_forgotten_is_freed_at_once(monkeypatch):
     """Cycles of references would keep it until Python looks for them: hundreds of megabytes."""
-    monkeypatch.undo()  # small caches
+    monkeypatch.undo()
     for scene in SCENES:
         solve(scene, 1e-2, ("total_shear",), strict=False)
     watched = held()

@@ -1,6 +1,4 @@
-import gc
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ from scipy import linalg, special
 
 from spectral_contact.fields.series import LogSeries
 from spectral_contact.spectral.blocks import disk_shear
-from spectral_contact.spectral.cache import BoundedCache, cache_sizes, clear_caches
+from spectral_contact.spectral.cache import cache_sizes, clear_caches
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import UNCUT_DISK, Space, unit_space
 
@@ -383,82 +381,6 @@ def test_the_cache_of_spaces_is_bounded():
     for n in range(1, 121):
         unit_space(LogPanels(1, 0.1 * n, 1), (1,))
     assert 1 <= cache_sizes()["spaces"] < 120
-
-
-def test_the_least_recently_used_entry_goes():
-    cache = BoundedCache("test", 2)
-    made = []
-
-    def make(key):
-        return cache.get(key, lambda: made.append(key) or key.upper())
-
-    assert [make(k) for k in "abab"] == ["A", "B", "A", "B"]
-    make("a")
-    make("c")  # b goes
-    assert len(cache) == 2
-    make("a")
-    assert made == ["a", "b", "c"]
-    make("b")
-    assert made == ["a", "b", "c", "b"]
-
-
-def test_caches_of_one_name_are_counted_together_while_they_live():
-    first, second = BoundedCache("twins", 3), BoundedCache("twins", 3)
-    first.get(1, lambda: 1)
-    second.get(1, lambda: 1)
-    second.get(2, lambda: 1)
-    assert cache_sizes()["twins"] == 3
-    del second
-    gc.collect()
-    assert cache_sizes()["twins"] == 1
-    first.clear()
-    assert cache_sizes()["twins"] == 0
-
-
-def test_what_fails_is_not_remembered():
-    cache = BoundedCache("failing", 2)
-    with pytest.raises(ZeroDivisionError):
-        cache.get("key", lambda: 1 / 0)
-    assert len(cache) == 0
-    assert cache.get("key", lambda: 5) == 5
-
-
-def test_making_may_use_the_cache_itself():
-    cache = BoundedCache("nested", 4)
-    got = []
-
-    def work():
-        got.append(cache.get("outer", lambda: cache.get("inner", lambda: 2) + 1))
-
-    thread = threading.Thread(target=work, daemon=True)  # a lock that is not reentrant would hang
-    thread.start()
-    thread.join(timeout=5)
-    assert got == [3]
-    assert len(cache) == 2
-
-
-def test_threads_share_one_making():
-    cache = BoundedCache("threads", 4)
-    made, got = [], []
-    start = threading.Barrier(8)
-
-    def make():
-        made.append(threading.get_ident())
-        time.sleep(0.02)  # long enough for the others to arrive
-        return object()
-
-    def work(k):
-        start.wait()
-        got.append((k % 2, cache.get(k % 2, make)))
-
-    threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(got) == 8
-    assert len(made) == 2
-    assert len(set(got)) == 2
 
 
 def test_threads_solve_alike():

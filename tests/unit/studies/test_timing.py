@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from threadpoolctl import threadpool_limits
+from threadpoolctl import threadpool_info, threadpool_limits
 
-from spectral_contact import Scene, SceneError, threads
+from spectral_contact import Scene, SceneError
 from spectral_contact.studies import Timing, this_machine, timing
 
 SCENE = Scene(0.3, 0.5)
@@ -76,12 +76,11 @@ def test_a_solver_is_cold_if_it_can_empty_its_caches():
     assert timing.times_of(lambda scene, resolution: None, SCENE, 4, 3).cold is None
 
 
-def test_libraries_that_the_solver_brought_are_held(monkeypatch):
-    monkeypatch.setattr(threads._HOLD, "_libraries", [])
+def test_every_solver_has_one_thread():
     held = []
 
     def own(*_):
-        held.extend(library.number() for library in threads._HOLD._libraries)
+        held.extend(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
 
     with threadpool_limits(3, "blas"):
         timing.times_of(own, SCENE, 4, 1)
