@@ -2,10 +2,10 @@
 
 Run as ``python validation/mutants/mutants.py [--jobs N] [words ...]``; words choose the mutants
 whose file or fault has one of them. All of them together write validation/results/mutants.json and
-.md. Each mutant of mutants.toml is one text of one file replaced by another, in a copy of the tree,
-and the tests that are to fail then. Before, the same tests must pass without any mutant. A text that
-is not there exactly once, tests that cannot be run and a mutant that lives end the script with
-status 1.
+.md. Each mutant, an entry of mutants.toml, is one text of one file replaced by another, in a copy
+of the tree, and the tests that are to fail then. Before, the same tests must pass without any
+mutant. A text that is not there exactly once, tests that cannot be run and a mutant that lives end
+the script with status 1.
 """
 
 from __future__ import annotations
