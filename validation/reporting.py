@@ -1,18 +1,14 @@
 """What studies share: one BLAS thread, options, tables, results, and the unit of time.
 
-A study puts the folder of this module on `sys.path` and imports it before NumPy, so that BLAS has
-one thread.
+A study puts the folder of this module on `sys.path`. As soon as it is imported, BLAS has one thread
+in this process, and in those that it starts.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import argparse
 import json
+import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from statistics import median
@@ -20,6 +16,12 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
+
+# the first for libraries that are not loaded yet
+THREADS = os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", THREADS)
+threadpool_limits(int(THREADS))
 
 RESULTS = Path(__file__).parent / "results"
 DOCS = Path(__file__).parents[1] / "docs"
