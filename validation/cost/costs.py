@@ -21,7 +21,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-sys.path += [str(Path(__file__).parents[1] / folder) for folder in (".", "honesty")]
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
 from costs_prices import MANY_DIGITS, RTOL, Price, prices, step_seconds

@@ -18,7 +18,8 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-sys.path += [str(Path(__file__).parents[k] / folder) for k, folder in ((1, "."), (2, "tests"))]
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 import browser
 from reporting import DOCS, table, write

@@ -17,7 +17,8 @@ import resource
 import sys
 from pathlib import Path
 
-sys.path += [str(Path(__file__).parents[1] / folder) for folder in (".", "honesty")]
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
 import scipy
