@@ -23,7 +23,7 @@ ROUNDING = 2e-15
 FIELD_ROUNDING = 20.0 * ROUNDING
 #: Boundary residuals and relative changes of fields that are smaller than this are rounding. With
 #: 1e-15 or 1e-12 no space of 91 scenes is another one; with 4e-14 coupled slip inside takes 1.5
-#: times as long at rtol 1e-12: validation/honesty/honesty.py, validation/cost/bench_coupled.py.
+#: times as long at rtol 1e-12: validation/honesty/honesty.py, validation/cost/bench.py coupled.
 RESIDUAL_NOISE = 1e-13
 #: ``q/s`` at one place. It is least accurate at the centre: two solves of 400 scenes on different
 #: panels differ by 1.8e-13 at most: validation/honesty/honesty.py coupled.
@@ -46,7 +46,7 @@ NEGLIGIBLE_FRACTION = 0.01
 #: Tolerance of the space and of the steps in which boundaries are located first, and in which a
 #: field is evaluated to decide what to try. A space for the root of the tolerance, in which
 #: boundaries have nearly all of their digits, comes next if that root is below this. Its cost:
-#: validation/cost/bench_coupled.py.
+#: validation/cost/bench.py coupled.
 COARSE_TOL = 1e-3
 
 # Error estimates
@@ -65,7 +65,7 @@ ONSET_BAND = 1e-4
 # Refinement
 
 #: Refinement aims at this fraction of the tolerance, so that one more solve is rarely needed. Its
-#: cost: validation/cost/bench_solve.py.
+#: cost: validation/cost/bench.py solve.
 REFINEMENT_MARGIN = 0.15
 #: Highest degree of a panel. Beyond it rounding grows and the error does not fall: not measured
 #: again.
@@ -73,16 +73,16 @@ MAX_DEGREE = 40
 
 # Meshes
 
-#: Width of a panel in x. It is cheapest at a tolerance of 1e-12: validation/cost/bench_solve.py.
+#: Width of a panel in x. It is cheapest at a tolerance of 1e-12: validation/cost/bench.py solve.
 PANEL_WIDTH = 2.0
 
 # First spaces. A number that is too small costs a second solve, one that is too large unknowns:
-# validation/cost/bench_solve.py and bench_coupled.py show both. An estimate decides whether a space
+# validation/cost/bench.py solve and bench.py coupled show both. An estimate decides whether a space
 # is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
 #: Degrees on every panel beyond those of the digits, degrees per digit, and degrees per digit in
 #: addition on the first panel of a part whose far end is a singularity. With 0.55 and none in
-#: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench_coupled.py.
+#: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench.py coupled.
 SPARE_DEGREES = 3.0
 DEGREES_PER_DIGIT = 0.5
 START_DEGREES = 0.4
@@ -96,7 +96,7 @@ LAYER_REACH = 3.0
 #: 25 scenes changes. validation/honesty/honesty.py thresholds counts scenes that are refused.
 JACOBIAN_RANGE = 0.1
 #: The matrix is factored anew when a correction is more than this fraction of the one before. Its
-#: cost: validation/cost/bench_coupled.py.
+#: cost: validation/cost/bench.py coupled.
 MAX_CONTRACTION = 0.2
 #: Most steps of the boundaries, most corrections of the fields at given boundaries, and most
 #: systems of one active set on rings: random scenes took 12 of the last, or 33 where friction and

@@ -14,7 +14,7 @@ NODES
     ``pytest tests/unit/spectral/test_graded.py tests/unit/spectral/test_blocks.py``: integrals at
     Galerkin nodes beside mpmath and beside direct rules.
 TIME
-    ``python validation/cost/bench_solve.py``: times of whole solves.
+    ``python validation/cost/bench.py solve``: times of whole solves.
 """
 
 from __future__ import annotations

@@ -74,9 +74,7 @@ def make_gold():
 
 
 def write_gold(path):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(make_gold(), "TABLES", Path("nowhere"))
-        table = make_gold().Table("no_shear")
+    table = make_gold().Table("no_shear", Path("nowhere"))
     table.path = path
     with documents.reported(str(path), "cannot be written"):
         table.write({"name": make_gold().named(table.scenes[0])})

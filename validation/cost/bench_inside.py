@@ -1,29 +1,19 @@
-"""Time stress in the body: many points to two tolerances, all digits, and one point.
+"""Stress in the body: group ``inside`` of bench.py.
 
-Run as ``python validation/cost/bench_inside.py``; writes validation/results/bench_inside.md. Each
-time is divided by U, one dense solve of 1000 unknowns with one BLAS thread, measured before and
-after it; the best of some rounds. True errors are against all digits, at some points.
+Many points to two tolerances, all digits, and one point; the best of some rounds, with U measured
+before and after. True errors are against all digits, at some points.
 """
 
 from __future__ import annotations
 
 import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
-import sys
 import tracemalloc
-from pathlib import Path
-from time import process_time
 
 import numpy as np
-
-sys.path.append(str(Path(__file__).parent))
+from timed import seconds, table, unit, write
 
 from spectral_contact import Scene, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, COUNT, ROUNDS, CHECKED = 20, 100_000, 3, 200
 TOLERANCES = (1e-8, 1e-10)
 SCENES = {
@@ -31,7 +21,6 @@ SCENES = {
     "slip": Scene(0.3, 0.2, 0.2, 0.1),
     "coupled slip, 1e-3": Scene(0.2, 1e-3, 1e-3, 0.2, coupling=True),
 }
-_DENSE = np.random.default_rng(0).normal(size=(1000, 1000))
 
 
 def places(rng):
@@ -50,24 +39,12 @@ def places(rng):
     }
 
 
-def seconds(call):
-    """Return processor time, which other processes disturb less, and what was returned."""
-    begin = process_time()
-    result = call()
-    return process_time() - begin, result
-
-
-def unit():
-    """Return U in seconds."""
-    return min(seconds(lambda: np.linalg.solve(_DENSE, _DENSE[0]))[0] for _ in range(3))
-
-
 def in_units(call, repeats=1):
     """Return the best time of a call in U."""
     times = []
     for _ in range(ROUNDS):
         before = unit()
-        spent = seconds(lambda: [call() for _ in range(repeats)])[0] / repeats
+        spent = seconds(lambda: [call() for _ in range(repeats)]) / repeats
         times.append(spent / min(before, unit()))
     return min(times)
 
@@ -98,35 +75,25 @@ def row_of(name, scene, where, from_edge, z, rng):
     return row
 
 
-def main():
-    """Measure, print and write."""
+def main(name):
+    """Measure and write."""
     rng, rows = np.random.default_rng(SEED), []
-    for name, scene in SCENES.items():
+    for scene_name, scene in SCENES.items():
         for where, (from_edge, z) in places(rng).items():
-            rows.append(row_of(name, scene, where, from_edge, z, rng))
+            rows.append(row_of(scene_name, scene, where, from_edge, z, rng))
             print(rows[-1], flush=True)
-    load = os.getloadavg()[0]
-    head = ["scene", "points"]
-    for rtol in TOLERANCES:
-        head += [f"{rtol:.0e}", "true error", "estimate"]
-    head += ["MB", "one of 100", "alone"]
-    lines = [
+    each = " | ".join(f"{rtol:.0e} | true error | estimate" for rtol in TOLERANCES)
+    about = (
         f"{COUNT} points of stress with rtol {' and '.join(f'{one:.0e}' for one in TOLERANCES)}, "
-        f"times in U, the load of the machine was {load:.1f}; and one point of 100, and one alone, "
-        "with all digits.",
-        "",
-        f"| {' | '.join(head)} |",
-        "|---" * len(head) + "|",
-    ]
+        f"times in U, the load of the machine was {os.getloadavg()[0]:.1f}; and one point of 100, "
+        "and one alone, with all digits."
+    )
+    cells = []
     for row in rows:
-        cells = [row["scene"], row["points"]]
+        cells.append([row["scene"], row["points"]])
         for rtol in TOLERANCES:
             one = row[rtol]
-            cells += [f"{one['many']:.0f}", f"{one['error']:.0e}", f"{one['estimate']:.1e}"]
-        cells += [f"{row['megabytes']:.0f}", f"{row['exact']:.3f}", f"{row['one']:.3f}"]
-        lines.append(f"| {' | '.join(cells)} |")
-    (RESULTS / "bench_inside.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+            cells[-1] += [f"{one['many']:.0f}", f"{one['error']:.0e}", f"{one['estimate']:.1e}"]
+        cells[-1] += [f"{row['megabytes']:.0f}", f"{row['exact']:.3f}", f"{row['one']:.3f}"]
+    heading = f"scene | points | {each} | MB | one of 100 | alone"
+    write(name, f"{about}\n\n{table(heading, cells)}")

@@ -1,36 +1,26 @@
-"""How many scenes a second a sweep solves, how far they are from `solve`, what two processes win.
+"""Scenes a second of sweeps, and their distance from `solve`: group ``sweep`` of bench.py.
 
-Run as ``python validation/cost/bench_sweep.py``; writes validation/results/bench_sweep.json and
-.md. Rates are scenes per second of processor time of the whole call, the dataset included:
-wall-clock time on a machine that is busy with other things would say more about those. "First" is
-the call in a fresh process, which assembles and decomposes; "again" the better one of two later
-ones. The largest deviation from single solves at rtol = 1e-12 is that of some scenes drawn from
-each sweep, beside the largest estimate. The gain by two processes is wall-clock time, with their
-caches filled. U is the time of solving 1000 linear equations, in the same process.
+Rates are scenes per second of processor time of the whole call, the dataset included: wall-clock
+time on a machine that is busy with other things would say more about those. "First" is the call in
+a fresh process, which assembles and decomposes; "again" the better one of two later ones. The
+largest deviation from single solves at rtol = 1e-12 is that of some scenes drawn from each sweep,
+beside the largest estimate. The gain by two processes is wall-clock time, with their caches filled.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
-import json
 import math
-import subprocess
-import sys
+import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
-from pathlib import Path
 from statistics import median
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
+from timed import fresh, seconds, table, unit, write
 
-RESULTS = Path(__file__).parents[1] / "results"
 TOLERANCES = (1e-8, 1e-12)
 CHECKED, LATER, PAIRS = 8, 2, 5
 
@@ -118,31 +108,16 @@ def measured(number: int, rtol: float) -> dict[str, Any]:
 
     case = CASES[number]
     arguments = case.arguments(rtol)
-    times = []
-    matrix, right = np.random.default_rng(0).normal(size=(1000, 1000)), np.ones(1000)
-    units = []
-    for _ in range(5):
-        begin = process_time()
-        np.linalg.solve(matrix, right)
-        units.append(process_time() - begin)
-    for _ in range(1 + LATER):
-        begin = process_time()
-        found = sweep(case.scene(), **arguments)
-        times.append(process_time() - begin)
+    unit_seconds = unit()
+    times = [seconds(lambda: sweep(case.scene(), **arguments)) for _ in range(1 + LATER)]
+    found = sweep(case.scene(), **arguments)
     scenes = found.ending.size
     worst = estimate = 0.0
     rng = np.random.default_rng(0)
     flat = found.stack(scene=found.ending.dims)
     for i in rng.choice(scenes, CHECKED, replace=False):
         one = flat.isel(scene=int(i))
-        scene = case.scene()
-        values = {name: float(one[name]) for name in case.axes}
-        scene = type(scene)(
-            values.get("poisson_ratio", 0.3),
-            values.get("normal_compliance", scene.normal_compliance),
-            values.get("tangential_compliance", scene.tangential_compliance),
-            values.get("friction", scene.friction),
-        )
+        scene = case.scene().replace(**{name: float(one[name]) for name in case.axes})
         truth = solve(scene, 1e-12, case.quantities, strict=False)
         for name in case.quantities:
             exact = truth.pressure(1.0) if name == "pressure" else getattr(truth, name)
@@ -156,7 +131,7 @@ def measured(number: int, rtol: float) -> dict[str, Any]:
         "converged": int((found.ending == "converged").sum()),
         "first": scenes / times[0],
         "again": scenes / min(times[1:]),
-        "unit": min(units),
+        "unit": unit_seconds,
         "goal": case.goal if rtol == TOLERANCES[0] else case.goal / 3.0,
         "deviation": worst,
         "estimate": estimate,
@@ -175,78 +150,50 @@ def gain() -> dict[str, float]:
         for pool in (one, two, two):
             sweep(case.scene(), **arguments, executor=pool)
         for _ in range(PAIRS):
-            times = []
+            times = [perf_counter()]
             for pool in (one, two):
-                begin = perf_counter()
                 sweep(case.scene(), **arguments, executor=pool)
-                times.append(perf_counter() - begin)
-            ratios.append(times[0] / times[1])
+                times.append(perf_counter())
+            ratios.append((times[1] - times[0]) / (times[2] - times[1]))
     return {"median": median(ratios), "best": max(ratios), "load": os.getloadavg()[0]}
 
 
-def main() -> None:
-    """Measure, print and store."""
-    import spectral_contact
+def main(name: str) -> None:
+    """Measure and write."""
     from spectral_contact.studies import this_machine
 
     rows = []
     for rtol in TOLERANCES:
         for number in range(len(CASES)):
-            done = subprocess.run(
-                [sys.executable, __file__, str(number), repr(rtol)],
-                capture_output=True,
-                text=True,
-                check=True,
-            )
-            rows.append(json.loads(done.stdout))
+            rows.append(fresh(measured, number, rtol))
             print(rows[-1], flush=True)
-    record = {
-        "schema": "spectral_contact.validation.bench_sweep",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "machine": ", ".join(f"{name} {one}" for name, one in this_machine().items()),
-        "rows": rows,
-        "gain": gain(),
-    }
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / "bench_sweep.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / "bench_sweep.md").write_text(table(record))
-    print(table(record))
-
-
-def table(record: dict[str, Any]) -> str:
-    """Return the results as Markdown."""
-    lines = [
-        "| quantities | rtol | scenes | first [1/s] | again [1/s] | again [1/U] | goal [1/s] | "
-        "off `solve` by | estimate |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    for r in record["rows"]:
-        per_unit = r["again"] * r["unit"]
-        rates = f"{_rounded(r['first']):,} | {_rounded(r['again']):,} | {per_unit:,.3g} | "
-        rates += f"{_rounded(r['goal']):,}"
-        lines.append(
-            f"| {r['case']} | {r['rtol']:g} | {r['scenes']:,} | {rates} | "
-            f"{r['deviation']:.0e} | {r['estimate']:.0e} |"
+    gained = gain()
+    machine = ", ".join(f"{key} {one}" for key, one in this_machine().items())
+    cells = (
+        (
+            row["case"],
+            f"{row['rtol']:g}",
+            f"{row['scenes']:,}",
+            *(f"{_rounded(row[key]):,}" for key in ("first", "again")),
+            f"{row['again'] * row['unit']:,.3g}",
+            f"{_rounded(row['goal']):,}",
+            f"{row['deviation']:.0e}",
+            f"{row['estimate']:.0e}",
         )
-    gained = record["gain"]
-    lines += [
-        "",
+        for row in rows
+    )
+    heading = "quantities | rtol | scenes | first [1/s] | again [1/s] | again [1/U] | goal [1/s] | "
+    heading += "off `solve` by | estimate"
+    about = (
         f"Two processes instead of one: {gained['median']:.2f} times faster in the median of "
         f"{PAIRS} pairs of runs, {gained['best']:.2f} at best; load average of the machine "
-        f"{gained['load']:.1f}. {record['machine']}.",
-    ]
-    return "\n".join(lines) + "\n"
+        f"{gained['load']:.1f}. {machine}."
+    )
+    record = {"machine": machine, "rows": rows, "gain": gained}
+    write(name, f"{table(heading, cells)}\n\n{about}", record)
 
 
 def _rounded(rate: float) -> int:
     """Return a rate with two digits."""
     digits = 1 - math.floor(math.log10(rate))
     return round(round(rate, digits))
-
-
-if __name__ == "__main__":
-    if len(sys.argv) == 3:
-        print(json.dumps(measured(int(sys.argv[1]), float(sys.argv[2]))))
-    else:
-        main()

@@ -1,27 +1,22 @@
-"""Time solves with BLAS held to one thread, as the library does, and without; quiet and under load.
+"""BLAS held to one thread, as the library does, and not: group ``threads`` of bench.py.
 
-Run as ``python validation/cost/bench_threads.py``; writes validation/results/bench_threads.json and
-.md. Both ways take turns in one process whose BLAS has as many threads as the machine has
-processors; caches are filled. Load is two processes that do nothing else than work. Times are
-wall-clock medians. The load average at the start says whether "quiet" was true. The price of the
-hold is measured by itself, in processor time, as the first to hold BLAS and inside another hold.
+Both ways take turns in one process whose BLAS has as many threads as the machine has processors;
+caches are filled. Load is two processes that do nothing else than work. Times are wall-clock
+medians. The load average at the start says whether "quiet" was true. The price of the hold is
+measured by itself, in processor time, as the first to hold BLAS and inside another hold.
 """
 
 from __future__ import annotations
 
 import os
 
-os.environ.pop("OPENBLAS_NUM_THREADS", None)
-os.environ.pop("OMP_NUM_THREADS", None)
-os.environ.pop("MKL_NUM_THREADS", None)
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = str(os.cpu_count())
 
-import json
 import platform
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
-from pathlib import Path
 from statistics import median
 from time import perf_counter, sleep, thread_time
 from unittest import mock
@@ -29,13 +24,12 @@ from unittest import mock
 import numpy as np
 import scipy
 from threadpoolctl import threadpool_info
+from timed import table, write
 
-import spectral_contact
 from spectral_contact import Scene, solve
 from spectral_contact.solving import solver
 from spectral_contact.threads import one_thread
 
-RESULTS = Path(__file__).parents[1] / "results"
 BUSY, PAIRS, LONGEST = 2, 9, 90.0
 TRIES, ENTRIES = 15, 2000
 
@@ -50,8 +44,8 @@ CASES = [
 ]
 
 
-def seconds(call: Callable[[], object]) -> float:
-    """Return the time of a call."""
+def elapsed(call: Callable[[], object]) -> float:
+    """Return the time of a call on the clock."""
     begin = perf_counter()
     call()
     return perf_counter() - begin
@@ -87,9 +81,9 @@ def pairs(scene: Scene) -> tuple[list[float], list[float]]:
     held, free = [], []
     begin = perf_counter()
     for _ in range(PAIRS):
-        held.append(seconds(work))
+        held.append(elapsed(work))
         with not_held():
-            free.append(seconds(work))
+            free.append(elapsed(work))
         if perf_counter() - begin > LONGEST:
             break
     return held, free
@@ -127,55 +121,31 @@ def row(name: str, parameters: tuple[float, ...], coupling: bool, busy: int) -> 
     }
 
 
-def main() -> None:
-    """Measure, print and store."""
+def main(name: str) -> None:
+    """Measure and write."""
     before, cost = os.getloadavg()[0], price()
     rows = []
     for busy in (0, BUSY):
         with load(busy):
             rows += [row(*case, busy) for case in CASES]
-    record = {
-        "schema": "spectral_contact.validation.bench_threads",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "processors": os.cpu_count(),
-        "blas": [
-            {key: one[key] for key in ("prefix", "version", "threading_layer", "num_threads")}
-            for one in threadpool_info()
-            if one["user_api"] == "blas"
-        ],
-        "load_before": before,
-        "price": cost,
-        "rows": rows,
-    }
-    (RESULTS / "bench_threads.json").write_text(json.dumps(record, indent=1) + "\n")
-    text = table(record)
-    (RESULTS / "bench_threads.md").write_text(text)
-    print(text)
-
-
-def table(record: dict) -> str:
-    """Return the results as a Markdown table."""
-    count = max(one["num_threads"] for one in record["blas"])
-    lines = [
-        f"Python {record['python']}, numpy {record['numpy']}, scipy {record['scipy']}, "
-        f"{record['processors']} processors, load average {record['load_before']:.1f} before. "
-        f"The hold costs {record['price']['first_us']:.1f} µs a solve, "
-        f"{record['price']['inside_us']:.1f} µs inside another.",
-        "",
-        f"| problem | busy processes | one thread [ms] | {count} threads [ms] | ratio |",
-        "|---|---|---|---|---|",
+    blas = [
+        {key: one[key] for key in ("prefix", "version", "threading_layer", "num_threads")}
+        for one in threadpool_info()
+        if one["user_api"] == "blas"
     ]
-    lines += [
-        f"| {r['case']} | {r['busy']} | {r['held_ms']:.1f} | {r['free_ms']:.1f} | "
-        f"{r['ratio']:.2f} |"
-        for r in record["rows"]
-    ]
-    return "\n".join(lines) + "\n"
-
-
-if __name__ == "__main__":
-    main()
+    versions = {"python": platform.python_version(), "numpy": np.__version__}
+    versions["scipy"] = scipy.__version__
+    about = (
+        f"{', '.join(f'{key} {one}' for key, one in versions.items()).capitalize()}, "
+        f"{os.cpu_count()} processors, load average {before:.1f} before. The hold costs "
+        f"{cost['first_us']:.1f} µs a solve, {cost['inside_us']:.1f} µs inside another."
+    )
+    count = max(one["num_threads"] for one in blas)
+    heading = f"problem | busy processes | one thread [ms] | {count} threads [ms] | ratio"
+    cells = (
+        (r["case"], r["busy"], f"{r['held_ms']:.1f}", f"{r['free_ms']:.1f}", f"{r['ratio']:.2f}")
+        for r in rows
+    )
+    record = {**versions, "processors": os.cpu_count(), "blas": blas, "load_before": before}
+    record |= {"price": cost, "rows": rows}
+    write(name, f"{about}\n\n{table(heading, cells)}", record)

@@ -5,18 +5,13 @@ and by matplotlib costs.png, costs_growth.png and costs_prices.png, into validat
 Whatever is done is kept in the store, and the same command goes on where a run was stopped; what
 other sources of the library gave is not taken. The truths, to 20 digits, are kept in
 costs_truths.json beside the results, and made once, in some ten minutes. The price of many digits
-is that of bench_reference.py. With --quick times are rough, of one repeat, truths
-that are not there yet are solves to 1e-12 on other panels, and unknowns that fall are looked for in
-fewer gold scenes.
+is that of bench.py reference. With --quick times are rough, of one repeat, truths that are not
+there yet are solves to 1e-12 on other panels, and unknowns that fall are looked for in fewer gold
+scenes.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-import argparse
 import json
 import math
 import sys
@@ -26,10 +21,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
-from bench_solve import dense_solve
 from costs_prices import MANY_DIGITS, RTOL, Price, prices, step_seconds
 from costs_report import (
     all_unknowns,
@@ -41,9 +36,10 @@ from costs_report import (
 )
 from flat_punches import sources
 from honesty_scenes import true_solution
+from reporting import RESULTS, options, stored, unit, write
 from scipy.stats import linregress, t
 
-from spectral_contact import Scene, Solution, __version__, gold, solve
+from spectral_contact import Scene, Solution, gold, solve
 from spectral_contact.studies import (
     OwnSolver,
     Point,
@@ -55,7 +51,6 @@ from spectral_contact.studies import (
 from spectral_contact.studies.timing import times_of
 from spectral_contact.view.progress import ProgressLine
 
-RESULTS = Path(__file__).parents[1] / "results"
 STORE = Path(tempfile.gettempdir()) / "spectral_contact_costs"
 TRUTHS = RESULTS / "costs_truths.json"
 EPS = 2.0**-52
@@ -202,11 +197,10 @@ def priced(price: Price, repeats: int) -> dict[str, Any]:
 
 
 def digits_priced() -> list[dict[str, Any]]:
-    """Return the price of many digits, as bench_reference.py measured it."""
-    rows = json.loads((RESULTS / "bench_reference.json").read_text(encoding="utf-8"))["rows"]
+    """Return the price of many digits, as bench.py reference measured it."""
     return [
         {"item": f"{row['digits']} digits", "unknowns": row["unknowns"], "seconds": row["seconds"]}
-        for row in rows
+        for row in stored("bench_reference")["rows"]
         if row["scene"] == MANY_DIGITS
     ]
 
@@ -275,14 +269,11 @@ def record(store: Path, repeats: int) -> dict[str, Any]:
         for i, p in enumerate(prices())
     ]
     return {
-        "schema": "spectral_contact.validation.costs",
-        "version": 1,
-        "library": __version__,
         "sources": sources(),
         "count": len(points),
         "repeats": repeats,
         "machine": this_machine(),
-        "dense_solve_seconds": kept(store / "dense_solve.json", dense_solve),
+        "dense_solve_seconds": kept(store / "dense_solve.json", unit),
         "truths": sorted({truth.source for truth in known.values()}),
         "exceeded": exceeded(points, known),
         "fits": {problem: fits(points, problem) for problem in PROBLEMS},
@@ -300,22 +291,14 @@ def record(store: Path, repeats: int) -> dict[str, Any]:
 
 def main() -> None:
     """Run, or go on, and write the results."""
-    parser = argparse.ArgumentParser(description="Measure what accuracy costs.")
-    parser.add_argument("--quick", action="store_true", help="one repeat: times are rough")
-    parser.add_argument("--store", type=Path, default=STORE, help="folder that keeps what is done")
-    parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
-    options = parser.parse_args()
-    repeats = 1 if options.quick else REPEATS
-    store = options.store / f"{sources()}-{'quick' if options.quick else 'full'}"
+    asked = options(__doc__, quick=False, store=str(STORE))
+    repeats = 1 if asked.quick else REPEATS
+    store = Path(asked.store) / f"{sources()}-{'quick' if asked.quick else 'full'}"
     found = record(store, repeats)
-    options.results.mkdir(exist_ok=True)
-    text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
-    (options.results / "costs.json").write_text(text + "\n", encoding="utf-8")
-    (options.results / "costs.md").write_text(tables(found), encoding="utf-8")
-    draw_errors(found, options.results / "costs.png")
-    draw_growth(found, options.results / "costs_growth.png")
-    draw_prices(found, options.results / "costs_prices.png")
-    print(tables(found))
+    write("costs", tables(found), found)
+    draw_errors(found, RESULTS / "costs.png")
+    draw_growth(found, RESULTS / "costs_growth.png")
+    draw_prices(found, RESULTS / "costs_prices.png")
 
 
 if __name__ == "__main__":

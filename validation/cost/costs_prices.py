@@ -16,7 +16,7 @@ RTOL = 1e-10
 ONE_DISK = Scene(0.1, 0.5, 0.5, 0.1)
 #: Slip in an interior annulus, between two zones of stick.
 ANNULUS = Scene(0.3, 0.05, 1.0, 0.23 / 7.0)
-#: What bench_reference.py calls the first scene.
+#: What bench.py reference calls the first scene.
 MANY_DIGITS = "partial slip, α* = β* = 0.5, f = 0.1"
 RADII = 1000
 

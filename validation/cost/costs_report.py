@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from reporting import table
 
 from spectral_contact.view.plotting import save, style
 
@@ -88,11 +89,6 @@ def tables(record: Record) -> str:
     return text + "\n".join(f"<!-- {name} -->\n\n{part}\n" for name, part in parts)
 
 
-def _table(heading: list[str], rows: list[list[str]]) -> str:
-    lines = [heading, ["---"] * len(heading), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
 def _about(record: Record) -> str:
     machine = record["machine"]
     problems, compliances = _cases(record)
@@ -133,7 +129,7 @@ def _digits(record: Record) -> str:
             longer = (_warm(points[TO]) - _warm(points[FROM])) / count
             added = f"{more:.0f}, {_number(longer)} ms" if more else "nothing"
             rows.append([problem, f"{compliance:g}", *cells, added])
-    return _table(heading, rows)
+    return table(" | ".join(heading), rows)
 
 
 def _roughness(record: Record) -> str:
@@ -149,7 +145,7 @@ def _roughness(record: Record) -> str:
             [point] = [p for p in series(record, problem, compliance) if p["resolution"] == DEFAULT]
             row += [str(all_unknowns(point)), _number(_warm(point)), _number(_cold(point))]
         rows.append(row)
-    return _table(heading, rows)
+    return table(" | ".join(heading), rows)
 
 
 def _growth(record: Record) -> str:
@@ -168,7 +164,7 @@ def _growth(record: Record) -> str:
         laws = [law(fit[name]) for name in ("unknowns", "unknowns_tapered")]
         powers = [span(fit[name]) for name in ("unknowns_power", "time_power")]
         rows.append([problem, str(fit["unknowns"]["count"]), *laws, *powers])
-    return _table(heading, rows)
+    return table(" | ".join(heading), rows)
 
 
 def _monotony(record: Record) -> str:
@@ -190,7 +186,7 @@ def _monotony(record: Record) -> str:
     for one in unmet:
         tolerances = ", ".join(f"{rtol:g}" for rtol in one["unmet"])
         rows.append([_scene(one["scene"]), "all", f"not met: `rtol` {tolerances}"])
-    return f"{text}\n\n{_table(['scene', 'system', 'finding'], rows)}" if rows else text
+    return f"{text}\n\n{table('scene | system | finding', rows)}" if rows else text
 
 
 def _scene(scene: Record) -> str:
@@ -210,7 +206,7 @@ def _prices(record: Record) -> str:
         unknowns = "–" if price["unknowns"] is None else str(price["unknowns"])
         cells = [_seconds(warm), _number(warm / unit), _seconds(cold)]
         rows.append([price["item"], unknowns, *cells])
-    return _table(heading, rows)
+    return table(" | ".join(heading), rows)
 
 
 def _price_seconds(price: Record) -> tuple[float, float]:
@@ -235,7 +231,7 @@ def _steps(record: Record) -> str:
         ]
         rows.append([name, *cells])
     rows.append(["all", *(_seconds(totals[s]) for s in solves)])
-    return _table(["step", *solves], rows)
+    return table(" | ".join(["step", *solves]), rows)
 
 
 def _points(record: Record) -> str:
@@ -258,7 +254,7 @@ def _points(record: Record) -> str:
         for p in record["points"]
     ]
     text = "Errors and estimates are the largest of those that `rtol` bounds.\n\n"
-    return text + _table(heading, rows)
+    return text + table(" | ".join(heading), rows)
 
 
 # --- figures --------------------------------------------------------------------------------------

@@ -7,10 +7,6 @@ page, in processor time; and how many scenes a second a browser on the same mach
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import asyncio
 import math
 import subprocess
@@ -22,9 +18,11 @@ from time import perf_counter, process_time
 
 import numpy as np
 
+sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 import browser
+from reporting import DOCS, table, write
 
 from spectral_contact import solve
 from spectral_contact.view.explorer.look import look_at
@@ -32,7 +30,6 @@ from spectral_contact.view.explorer.page import Page
 from spectral_contact.view.explorer.solver_processes import LookRequest, Solvers
 from spectral_contact.view.explorer.state import KNOBS, texts_from
 
-ROOT = Path(__file__).parents[2]
 #: What is moved, from where to where, in which scene.
 CASES = {
     "friction, one stick disk": ("?", "friction", 0.01, 0.3),
@@ -120,7 +117,7 @@ async def in_a_browser(host: str, address: str) -> list[float]:
         await tab.open(address + SHOWN)
         await tab.until(f"{SLIDERS}.length > 0")
         await asyncio.sleep(1.0)
-        await tab.picture(ROOT / "docs" / "explorer.png", whole=False)
+        await tab.picture(DOCS / "explorer.png", whole=False)
     return rates
 
 
@@ -149,15 +146,12 @@ def main() -> None:
     if browser.found() is not None:
         with served() as address, browser.browser() as host:
             rates = asyncio.run(in_a_browser(host, address))
-    lines = [
-        "| what is moved | server, median [ms] | server, worst [ms] | shown in a browser [1/s] |",
-        "|---|---|---|---|",
-    ]
-    for name, one, rate in zip(CASES, times, rates, strict=True):
-        lines.append(f"| {name} | {1e3 * median(one):.0f} | {1e3 * max(one):.0f} | {rate:.0f} |")
-    text = "\n".join(lines)
-    (ROOT / "validation" / "results" / "explorer.md").write_text(f"{text}\n", encoding="utf-8")
-    print(text)
+    rows = (
+        (name, f"{1e3 * median(one):.0f}", f"{1e3 * max(one):.0f}", f"{rate:.0f}")
+        for name, one, rate in zip(CASES, times, rates, strict=True)
+    )
+    heading = "what is moved | server, median [ms] | server, worst [ms] | shown in a browser [1/s]"
+    write("explorer", table(heading, rows))
 
 
 if __name__ == "__main__":

@@ -10,33 +10,25 @@ cycles is run, which shows what waited for it, and caches are cleared, which sho
 
 from __future__ import annotations
 
-import os
-
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
-
-import argparse
 import ctypes
 import gc
-import json
 import platform
 import resource
 import sys
-from math import inf
 from pathlib import Path
-from time import perf_counter
 
+sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
 import scipy
 from honesty_scenes import random_scene
+from reporting import options, table, write
 
-import spectral_contact
 from spectral_contact import NotComputedError, clear_caches, solve
 from spectral_contact.spectral import cache
 from spectral_contact.spectral.tuning import MAX_CACHE_BYTES
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, SCENES, STEP, RTOL = 7, 2000, 100, 1e-12
 MEGA = 2**20
 
@@ -75,15 +67,15 @@ def row(scenes: int, what: str = "") -> dict:
         "cached": cached() / MEGA,
         "blocks": sys.getallocatedblocks(),
     }
-    print(line(found), flush=True)
+    print(found, flush=True)
     return found
 
 
-def line(one: dict) -> str:
+def cells(one: dict) -> list[str]:
     """Return a row of the table."""
     name = f"{one['scenes']:,}" + (f", {one['what']}" if one["what"] else "")
-    sizes = " | ".join(f"{one[key]:.0f}" for key in ("resident", "peak", "alive", "cached"))
-    return f"| {name} | {sizes} | {one['blocks'] / 1000:.0f} |"
+    sizes = (f"{one[key]:.0f}" for key in ("resident", "peak", "alive", "cached"))
+    return [name, *sizes, f"{one['blocks'] / 1000:.0f}"]
 
 
 def solved(number: int) -> None:
@@ -97,24 +89,16 @@ def solved(number: int) -> None:
 
 def main() -> None:
     """Measure, print and store."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenes", type=int, default=SCENES)
-    parser.add_argument("--minutes", type=float, default=inf, help="no hundred begins after these")
-    options = parser.parse_args()
-    rows, count, begin = [row(0)], 0, perf_counter()
-    while count < options.scenes and perf_counter() - begin < 60.0 * options.minutes:
-        for number in range(count, count + STEP):
+    rows, count = [row(0)], 0
+    for count in range(STEP, options(__doc__, scenes=SCENES).scenes + 1, STEP):
+        for number in range(count - STEP, count):
             solved(number)
-        count += STEP
         rows.append(row(count))
     gc.collect()
     rows.append(row(count, "cycles collected"))
     clear_caches()
     rows.append(row(count, "caches cleared"))
     record = {
-        "schema": "spectral_contact.validation.memory",
-        "version": 1,
-        "library": spectral_contact.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
@@ -124,22 +108,13 @@ def main() -> None:
         "allowed": MAX_CACHE_BYTES / MEGA,
         "rows": rows,
     }
-    (RESULTS / "memory.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / "memory.md").write_text(table(record))
-
-
-def table(record: dict) -> str:
-    """Return every fifth row and the last ones as a Markdown table."""
-    rows = record["rows"]
-    lines = [
+    about = (
         f"Python {record['python']}, numpy {record['numpy']}, {record['libc']}; "
-        f"megabytes, of which caches may hold {record['allowed']:.0f}.",
-        "",
-        "| scenes | resident | peak | alive | cached | Python's blocks [1000] |",
-        "|---|---|---|---|---|---|",
-    ]
+        f"megabytes, of which caches may hold {record['allowed']:.0f}."
+    )
     shown = [one for k, one in enumerate(rows) if k % 5 == 0 or one["what"]]
-    return "\n".join(lines + [line(one) for one in shown]) + "\n"
+    heading = "scenes | resident | peak | alive | cached | Python's blocks [1000]"
+    write("memory", f"{about}\n\n{table(heading, map(cells, shown))}", record)
 
 
 if __name__ == "__main__":

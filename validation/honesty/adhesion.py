@@ -10,11 +10,10 @@ scene of ten is a power law on a smooth surface, whose pull-off is a closed form
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import pi
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn, largest
 from profiles import FROM_EDGE, LEAST, MOST, ROUNDING, Better, drawn
 
 from spectral_contact import Scene, closed_forms, pull_off
@@ -139,10 +138,8 @@ def ratios(rng: np.random.Generator, number: int) -> Outcome:
             if first.curve is not None:  # what `pull_off` adds for the radius
                 room += abs(control.rate(curve.rates(first.state))) * first.error
             compared.append({"pull-off radius": moved, "pull-off value": off / room})
-    names = dict.fromkeys(name for one in compared for name in one)
-    largest = {name: max(one[name] for one in compared if name in one) for name in names}
     assert isinstance(solved, Refinement)
-    return Outcome(largest, label, solved.best.error <= tolerance)
+    return Outcome(largest(compared), label, solved.best.error <= tolerance)
 
 
 def smooth_ratios(rng: np.random.Generator) -> Outcome:
@@ -164,7 +161,7 @@ def smooth_ratios(rng: np.random.Generator) -> Outcome:
             one[name] = moved / (getattr(found.error, name) + ROUNDING)
         compared.append(one)
     label = f"{profile.brief}, w = {adhesion:.3g}, smooth"
-    return Outcome({name: max(one[name] for one in compared) for name in compared[0]}, label)
+    return Outcome(largest(compared), label)
 
 
 def measured(rng: np.random.Generator, number: int) -> Outcome:
@@ -173,8 +170,3 @@ def measured(rng: np.random.Generator, number: int) -> Outcome:
 
 
 STRATA = {"adhesion": Stratum("Honesty of adhesive contacts", 300, in_turn(measured), every=10)}
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

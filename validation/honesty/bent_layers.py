@@ -1,23 +1,17 @@
 """True errors of contact through layers whose law bends, against their estimates.
 
-Run as ``python validation/honesty/bent_layers.py [scenes] [seed] [workers]``; writes
-validation/results/honesty_bent_layers.md. It is a stratum of honesty.py, too. The truth is
-collocation in the radius with the elliptic kernel (tests/oracles/bent_collocation.py), which shares
-no code with the library, on panels to bends that it finds itself. Laws are tables, and polynomials
-with kinks or jumps of the second derivative that are put next to the largest overclosure, on either
-side of it, next to the edge, or anywhere. Every scene is solved with a random tolerance, and with a
-tighter one: claims that contradict each other are violations, too.
+A stratum of honesty.py, which `--workers` speeds up. The truth is collocation in the radius with
+the elliptic kernel (tests/oracles/bent_collocation.py), which shares no code with the library, on
+panels to bends that it finds itself. Laws are tables, and polynomials with kinks or jumps of the
+second derivative that are put next to the largest overclosure, on either side of it, next to the
+edge, or anywhere. Every scene is solved with a random tolerance, and with a tighter one: claims
+that contradict each other are violations, too.
 """
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -27,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, run
+from honesty_table import Outcome, Stratum, decade
 from scipy.interpolate import PchipInterpolator
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
@@ -310,17 +304,5 @@ STRATA = {
         refused="of {} the oracle does not know the bends",
         compared="true error over its estimate, the larger of two tolerances",
         every=5,
-        by="bent_layers.py",
     )
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)
-
-
-if __name__ == "__main__":
-    numbers = [int(one) for one in sys.argv[1:]]
-    defaults = [STRATA["bent_layers"].scenes, 1, os.cpu_count() or 1]
-    raise SystemExit(run("bent_layers", STRATA["bent_layers"], *numbers, *defaults[len(numbers) :]))

@@ -9,7 +9,12 @@ through the edge layer; no endpoint weight.
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from reporting import table, write
 
 from spectral_contact.equations.bounds import approach_bounds
 from spectral_contact.fields.series import PressureField
@@ -17,7 +22,6 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 
-RESULTS = Path(__file__).parents[1] / "results"
 DEGREES = range(1, 11)
 COMPLIANCES = (0.5, 1e-2, 1e-4)
 
@@ -35,17 +39,13 @@ def bracket(compliance: float, degree: int) -> tuple[float, float]:
 
 def main() -> None:
     """Run and write the results."""
-    lines = [
-        f"{len(COMPLIANCES) * len(DEGREES)} brackets; width relative to the approach.",
-        "",
-        "| degree p | " + " | ".join(f"α* = {c:g}" for c in COMPLIANCES) + " |",
-        "|---|" + "---|" * len(COMPLIANCES),
-    ]
+    rows = []
     for degree in DEGREES:
         brackets = (bracket(compliance, degree) for compliance in COMPLIANCES)
-        widths = (f"{upper / lower - 1.0:.1e}" for lower, upper in brackets)
-        lines.append(f"| {degree} | {' | '.join(widths)} |")
-    (RESULTS / "bounds.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        rows.append((degree, *(f"{upper / lower - 1.0:.1e}" for lower, upper in brackets)))
+    about = f"{len(rows) * len(COMPLIANCES)} brackets; width relative to the approach."
+    heading = " | ".join(["degree p", *(f"α* = {c:g}" for c in COMPLIANCES)])
+    write("bounds", f"{about}\n\n{table(heading, rows)}")
 
 
 if __name__ == "__main__":

@@ -9,20 +9,17 @@ zones, which have an estimate of their own, down to 1e-12 of a zone.
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from coupled_slip_errors import FIELDS, INTEGRALS, ratios, sample
+from reporting import options, table, write
 
-import spectral_contact
 from spectral_contact import ConvergenceError, NotComputedError, Scene, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, COUNT, TRUE_RTOL = 21, 160, 1e-12
 #: Share of the scenes that are of two bodies with negative kappa.
 TURNED = 0.5
@@ -76,7 +73,12 @@ def compare(number: int, annuli: bool) -> Record:
     scene, rtol = (draw_annuli if annuli else draw)(number)
     row: Record = {
         "number": number,
-        "scene": [scene.kappa, *scene_numbers(scene)],
+        "scene": [
+            scene.kappa,
+            scene.normal_compliance,
+            scene.tangential_compliance,
+            scene.friction,
+        ],
         "rtol": rtol,
     }
     try:
@@ -91,50 +93,25 @@ def compare(number: int, annuli: bool) -> Record:
     return row | {"ratios": found, "radius": truth.stick_radius, "zones": len(truth.zones)}
 
 
-def scene_numbers(scene: Scene) -> list[float]:
-    """Return compliances and friction."""
-    assert scene.friction is not None
-    return [scene.normal_compliance, scene.tangential_compliance, scene.friction]
-
-
-def table(record: Record) -> str:
-    """Return the results as Markdown."""
-    rows = [row for row in record["rows"] if "ratios" in row]
-    refused = len(record["rows"]) - len(rows)
-    inside = sum(row["zones"] > 2 for row in rows)
-    turned_ones = sum(row["scene"][0] < 0.0 for row in rows)
-    lines = [
-        f"{record['scenes']} scenes, {turned_ones} of them with negative kappa and {inside} with "
-        f"slip in an interior annulus, and {refused} that are refused or reach rounding. "
-        "True error over estimate:",
-        "",
-        "| quantity | median | largest |",
-        "|---|---|---|",
-    ]
-    for name in (*INTEGRALS, "zones", *FIELDS, "slip"):
-        ratios = [row["ratios"][name] for row in rows]
-        lines.append(f"| {name.replace('_', ' ')} | {np.median(ratios):.1g} | {max(ratios):.2f} |")
-    return "\n".join(lines) + "\n"
-
-
 def main(stratum: str, arguments: Sequence[str]) -> bool:
     """Measure, print and store; return whether an estimate failed."""
-    parser = argparse.ArgumentParser(prog=f"honesty.py {stratum}")
-    parser.add_argument("--scenes", type=int, default=COUNT)
-    count, name = parser.parse_args(arguments).scenes, f"{stratum}_honesty"
     rows = []
-    for number in range(count):
+    for number in range(options(__doc__, arguments, scenes=COUNT).scenes):
         rows.append(compare(number, stratum == "coupled_annuli"))
         print(json.dumps(rows[-1]), flush=True)
-    record = {
-        "schema": f"spectral_contact.validation.{name}",
-        "version": 2,  # scenes begin with kappa, in place of Poisson's ratio
-        "library": spectral_contact.__version__,
-        "seed": SEED,
-        "scenes": sum("ratios" in row for row in rows),
-        "rows": rows,
-    }
-    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / f"{name}.md").write_text(table(record))
-    print(table(record))
-    return any(max(row["ratios"].values()) > 1.0 for row in rows if "ratios" in row)
+    judged = [row for row in rows if "ratios" in row]
+    turned_ones = sum(row["scene"][0] < 0.0 for row in judged)
+    about = (
+        f"{len(judged)} scenes, {turned_ones} of them with negative kappa and "
+        f"{sum(row['zones'] > 2 for row in judged)} with slip in an interior annulus, and "
+        f"{len(rows) - len(judged)} that are refused or reach rounding. True error over estimate:"
+    )
+    cells = []
+    for name in (*INTEGRALS, "zones", *FIELDS, "slip"):
+        values = [row["ratios"][name] for row in judged]
+        cells.append((name.replace("_", " "), f"{np.median(values):.1g}", f"{max(values):.2f}"))
+    text = f"{about}\n\n{table('quantity | median | largest', cells)}"
+    # in version 1 scenes began with Poisson's ratio, in place of kappa
+    record = {"seed": SEED, "scenes": len(judged), "rows": rows}
+    write(f"{stratum}_honesty", text, record, version=2)
+    return any(max(row["ratios"].values()) > 1.0 for row in judged)

@@ -10,10 +10,10 @@ is a double exponential rule. Half of the points measure its error, which counts
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn
 
 from spectral_contact import NotComputedError, Scene, Solution, solve, steady_cycle
 
@@ -127,8 +127,3 @@ STRATA = {
         "Honesty of steady loops of the load", 60, in_turn(ratios, (NotComputedError,)), every=5
     )
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

@@ -16,7 +16,6 @@ of the scenes is of two elastic bodies with negative kappa.
 
 from __future__ import annotations
 
-import argparse
 import json
 import multiprocessing
 import signal
@@ -27,17 +26,17 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from hashlib import sha256
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
+from reporting import RESULTS, options, table, write
 
 import spectral_contact
-from spectral_contact import __version__
+from spectral_contact.view.progress import ProgressLine
 
-RESULTS = Path(__file__).parents[1] / "results"
-CHUNK = 10
+#: Scenes that a process is given at once; truths of many digits.
+CHUNK, REFERENCES = 10, 200
 
 
 def sources() -> str:
@@ -86,15 +85,6 @@ def outcomes(
             pool.shutdown(cancel_futures=True)
 
 
-def show_progress(done: int, total: int, left: float, violations: int) -> None:
-    """Draw the progress bar on stderr."""
-    if sys.stderr.isatty() or done == total:
-        filled = round(40 * done / max(total, 1))
-        text = f"[{'#' * filled}{'.' * (40 - filled)}] {done}/{total}"
-        text += f", {left / 60:.0f} min left, {violations} violations "
-        print(f"\r{text}", end="\n" if done == total else "", file=sys.stderr, flush=True)
-
-
 def violations_of(row: dict) -> list[dict]:
     """Return the violations of a scene, as they are listed in the record."""
     begin = {key: row.get(key) for key in ("number", "scene", "rtol")}
@@ -114,39 +104,29 @@ def undecided(row: dict) -> bool:
     return not violations_of(row) and any(violates(error, bound, 0.0) for error, bound, _ in found)
 
 
-def study(
-    count: int,
-    seed: int,
-    references: int,
-    workers: int,
-    store: Path,
-    *,
-    stale: bool,
-    coupled: bool,
-) -> list[dict]:
+def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) -> list[dict]:
     """Run what the store does not hold yet, and return the rows of all scenes."""
     current = sources()
-    rows = stored(store, seed)
-    rows = {n: r for n, r in rows.items() if n < count and (stale or r["sources"] == current)}
-    exact = {n for n in range(count) if by_reference(seed, n)}
-    exact = set(sorted(exact)[:references])
-    rows = {n: r for n, r in rows.items() if r.get("by_reference", False) == (n in exact)}
+    exact = set([n for n in range(count) if by_reference(seed, n)][:REFERENCES])
+    rows = {
+        number: row
+        for number, row in stored(store, seed).items()
+        if number < count
+        and row["sources"] == current
+        and row.get("by_reference", False) == (number in exact)
+    }
     missing = [number for number in range(count) if number not in rows]
     violations = sum(len(violations_of(row)) for row in rows.values())
-    begin, done = perf_counter(), 0
     store.parent.mkdir(parents=True, exist_ok=True)
-    with store.open("a", encoding="utf-8") as file:
+    with store.open("a", encoding="utf-8") as file, ProgressLine(None) as tell:
         for chunk in outcomes(seed, missing, exact, coupled, workers):
-            spent = perf_counter() - begin
             for row in chunk:
                 row |= {"seed": seed, "sources": current}
                 file.write(json.dumps(row) + "\n")
                 rows[row["number"]] = row
                 violations += len(violations_of(row))
             file.flush()
-            done += len(chunk)
-            left = spent / done * (len(missing) - done)
-            show_progress(count - len(missing) + done, count, left, violations)
+            tell(f"{len(rows)} of {count} scenes, {violations} violations", len(rows) / count)
     return [rows[number] for number in sorted(rows)]
 
 
@@ -159,7 +139,7 @@ def collected(rows: list[dict]) -> dict[str, np.ndarray]:
     return {name: np.array(triples).T for name, triples in values.items()}
 
 
-def record_of(rows: list[dict], seeds: list[int], name: str) -> dict:
+def record_of(rows: list[dict], seed: int) -> dict:
     """Return the record of the study."""
     summary = {}
     violations = [one for row in rows for one in violations_of(row)]
@@ -175,11 +155,8 @@ def record_of(rows: list[dict], seeds: list[int], name: str) -> dict:
             "share_within_100": float(np.mean(ratio <= 100.0)),
         }
     return {
-        "schema": f"spectral_contact.validation.{name}",
-        "version": 2,
-        "library": __version__,
         "scenes": len(rows),
-        "seeds": seeds,
+        "seeds": [seed],
         "sources": sorted({row["sources"] for row in rows}),
         "by_reference": sum(row.get("exact", False) for row in rows),
         "unconverged": sum(row.get("unconverged", False) for row in rows),
@@ -190,27 +167,25 @@ def record_of(rows: list[dict], seeds: list[int], name: str) -> dict:
     }
 
 
-def table(record: dict) -> str:
-    """Return the record as a Markdown table."""
-    lines = [
+def page(record: dict) -> str:
+    """Return the record as Markdown."""
+    about = (
         f"{record['scenes']} scenes, seeds {', '.join(map(str, record['seeds']))}, "
         f"{record['by_reference']} of them "
         f"against solutions to 20 digits; {record['unconverged']} did not "
         f"converge and said so; in {record['differing_zones']}, at the onset of a zone, the two "
         f"solves differ in zones; in {record['undecided']} an error is above its estimate, but by "
         "no more than the truth may be off. The ratio is that of the estimate to the true error or "
-        "ten roundings, whichever is larger; where no digit is known the estimate is infinite.",
-        "",
-        "| quantity | scenes | violations | no digit known | ratio at 5, 50, 95 % | within 100 |",
-        "|---|---|---|---|---|---|",
-    ]
+        "ten roundings, whichever is larger; where no digit is known the estimate is infinite."
+    )
+    cells = []
     for name, s in record["summary"].items():
         low, middle, high = s["ratio_percentiles_5_50_95"]
-        lines.append(
-            f"| {name} | {s['scenes']} | {s['violations']} | {s['no_digit_known']} | "
-            f"{low:.1f}, {middle:.0f}, {high:.3g} | {100 * s['share_within_100']:.0f} % |"
-        )
-    return "\n".join(lines) + "\n"
+        counts = s["scenes"], s["violations"], s["no_digit_known"]
+        share = f"{100 * s['share_within_100']:.0f} %"
+        cells.append((name, *counts, f"{low:.1f}, {middle:.0f}, {high:.3g}", share))
+    heading = "quantity | scenes | violations | no digit known | ratio at 5, 50, 95 % | within 100"
+    return f"{about}\n\n{table(heading, cells)}"
 
 
 def draw(rows: list[dict], path: Path) -> None:
@@ -254,31 +229,14 @@ def draw(rows: list[dict], path: Path) -> None:
 
 def main(stratum: str, arguments: Sequence[str]) -> bool:
     """Run, or go on, write the results, and return whether an estimate failed."""
-    parser = argparse.ArgumentParser(prog=f"honesty.py {stratum}")
-    parser.add_argument("--scenes", type=int, default=10_000, help="number of scenes")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--references", type=int, default=200, help="truths of 20 digits")
-    parser.add_argument("--workers", type=int, default=1, help="processes")
-    parser.add_argument("--store", type=Path, help="file that keeps every scene")
-    parser.add_argument("--stale", action="store_true", help="keep scenes of other sources, too")
-    parser.add_argument("--also", type=Path, nargs="*", default=[], help="stores that count, too")
-    parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
-    parser.add_argument("--name", help="of the files that are written")
-    options = parser.parse_args(arguments)
-    counts = options.scenes, options.seed, options.references, options.workers
     name = "honesty_coupled" if stratum == "coupled" else "honesty"
-    store = options.store or Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
-    rows = study(*counts, store, stale=options.stale, coupled=stratum == "coupled")
-    texts = [other.read_text(encoding="utf-8") for other in options.also]
-    each = [json.loads(line) for text in texts for line in text.splitlines()]
-    rows += {(row["seed"], row["number"]): row for row in each}.values()  # the last of each
-    record = record_of(rows, sorted({row["seed"] for row in rows}), name)
-    options.results.mkdir(exist_ok=True)
-    text, file = json.dumps(record, indent=1), options.results / (options.name or name)
-    file.with_suffix(".json").write_text(text + "\n", encoding="utf-8")
-    file.with_suffix(".md").write_text(table(record), encoding="utf-8")
-    draw(rows, file.with_suffix(".png"))
-    print(table(record))
-    for violation in record["violations"]:
-        print(violation)
+    store = Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
+    given = {"scenes": 10_000, "seed": 1, "workers": 1, "store": str(store), "name": name}
+    asked = options(__doc__, arguments, **given)
+    counts = asked.scenes, asked.seed, asked.workers
+    rows = study(*counts, Path(asked.store), coupled=stratum == "coupled")
+    record = record_of(rows, asked.seed)
+    write(asked.name, page(record), record, version=2)
+    draw(rows, RESULTS / f"{asked.name}.png")
+    print(*record["violations"], sep="\n")
     return bool(record["violations"])

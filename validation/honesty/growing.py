@@ -10,10 +10,9 @@ the friction law with elliptic kernels.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn
 
 from spectral_contact import NotComputedError, Scene, Solution, profiles, solve
 
@@ -93,8 +92,3 @@ STRATA = {
         every=10,
     )
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

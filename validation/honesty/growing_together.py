@@ -15,12 +15,11 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn
 
 from spectral_contact import NotComputedError, Scene, Solution, profiles, solve
 from spectral_contact.equations import residuals
@@ -211,8 +210,3 @@ STRATA = {
         every=5,
     )
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

@@ -10,11 +10,6 @@ asks to compute them anew, which takes 4 minutes more.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-import json
 import math
 import sys
 import warnings
@@ -25,7 +20,8 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 from hard_report import draw, tables
 from hard_truths import HOW, truth_of
@@ -40,11 +36,10 @@ from oracles.hard_cases import (
     true_errors,
 )
 from oracles.hard_inside import condition_numbers, overrefined
+from reporting import RESULTS, options, stored, write
 
-from spectral_contact import Scene, Solution, __version__, solve
+from spectral_contact import Scene, Solution, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
-SCHEMA, VERSION = "spectral_contact.validation.hard_cases", 1
 INTEGRAL = ("approach", "total_shear", "stick_radius")
 COLUMNS = ("approach", "pressure", "traction", "total_shear", "zones")
 
@@ -217,27 +212,16 @@ def main() -> None:
     """Run and write the results."""
     warnings.simplefilter("error")
     np.seterr(all="raise")  # underflow, too
-    old = {}
-    if "--fresh" not in sys.argv and (RESULTS / "hard_cases.json").exists():
-        record = json.loads((RESULTS / "hard_cases.json").read_text(encoding="utf-8"))
-        old = {row["name"]: row for row in record["cases"]}
+    known = {} if options(__doc__, fresh=False).fresh else stored("hard_cases")
+    old = {row["name"]: row for row in known.get("cases", [])}
     rows, begin = [], perf_counter()
     for case in CASES:
         row = old.get(case.name)
         print(f"{perf_counter() - begin:4.0f} s  {case.name}", file=sys.stderr, flush=True)
         same = row is not None and Scene.from_dict(row["scene"]) == case.scene
         rows.append(measure(case, row["truth"] if same else truth_of(case)))
-    record = {
-        "schema": SCHEMA,
-        "version": VERSION,
-        "library": __version__,
-        "count": len(rows),
-        "cases": rows,
-    }
-    RESULTS.mkdir(exist_ok=True)
-    text = json.dumps(record, indent=1)
-    (RESULTS / "hard_cases.json").write_text(text + "\n", encoding="utf-8")
-    (RESULTS / "hard_cases.md").write_text(tables(record), encoding="utf-8")
+    record = {"count": len(rows), "cases": rows}
+    write("hard_cases", tables(record), record)
     draw(record, RESULTS / "hard_cases.png")
 
 

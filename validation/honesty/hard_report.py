@@ -5,6 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from reporting import table
+
+#: What over-refined spaces show.
+REFINED = "traction", "zones"
 SHORT = {
     "approach": "δ*",
     "pressure": "p*",
@@ -45,29 +49,33 @@ def _pair(error: float, estimate: float | None) -> str:
 def tables(record: dict[str, Any]) -> str:
     """Return the Markdown tables."""
     cases = record["cases"]
-    lines = [
+    scenes = ((c["name"], _scene(c["scene"]), c["why"], c["how"]) for c in cases)
+    errors, conditions = [], []
+    for c in cases:
+        pairs = c["integral"] or {"none": (0.0, 0.0)}
+        tight = max(pairs.values(), key=lambda pair: pair[0] / (pair[1] or 1.0))
+        cells = (_pair(c["errors"][name], c["estimates"][name]) for name in SHORT)
+        errors.append((c["name"], c["ending"].lower(), *cells, _pair(*tight)))
+        worst = max(
+            (v, f"{out} by {SYMBOL[name]}")
+            for name, values in c["conditioning"].items()
+            for out, v in values.items()
+        )
+        largest, ratio = (max(row[key] for row in c["ulps"]) for key in ("moved", "ratio"))
+        fine, last = c["overrefined"], ["–"] * 3
+        if fine:
+            last = [_pair(fine["errors"][one], fine["estimates"][one]) for one in REFINED]
+            last.append(str(fine["unknowns"]))
+        matrices = ", ".join(f"{k} {v:.0f}" for k, v in c["matrices"].items())
+        shifts = f"{largest:.0e}", f"{ratio:.0f}"
+        conditions.append((c["name"], matrices, f"{worst[0]:.1e}, {worst[1]}", *shifts, *last))
+    parts = [
         f"{len(cases)} cases. The scenes:",
-        "",
-        "| case | scene | what makes it hard | truth |",
-        "|---|---|---|---|",
-        *(f"| {c['name']} | {_scene(c['scene'])} | {c['why']} | {c['how']} |" for c in cases),
-        "",
+        table("case | scene | what makes it hard | truth", scenes),
         "True relative error / its estimate at `rtol=1e-12`; $p^*$ and $q^*$ at their worst point, "
         "$b$ all zone boundaries and their distances from the edge; the last column is the worst "
         "of $\\delta^*$, $Q^*$, $c^*$ at `rtol=1e-13`. **!** marks an estimate that is exceeded.",
-        "",
-        "| case | ending | " + " | ".join(SHORT.values()) + " | at 1e-13 |",
-        "|---|---|" + "---|" * (len(SHORT) + 1),
-    ]
-    for c in cases:
-        cells = [_pair(c["errors"][name], c["estimates"][name]) for name in SHORT]
-        pairs = c["integral"] or {"none": (0.0, 0.0)}
-        tight = max(pairs.values(), key=lambda pair: pair[0] / (pair[1] or 1.0))
-        lines.append(
-            f"| {c['name']} | {c['ending'].lower()} | {' | '.join(cells)} | {_pair(*tight)} |"
-        )
-    lines += [
-        "",
+        table(f"case | ending | {' | '.join(SHORT.values())} | at 1e-13", errors),
         "Conditions: of the scaled matrices that are factored, of normal contact (N), of the stick "
         "disk (T), of stick annuli, and of both tractions where they are coupled; of the problem "
         "itself, the largest relative change of an output per relative change of an input, and "
@@ -75,33 +83,13 @@ def tables(record: dict[str, Any]) -> str:
         "shift to what conditioning explains: that of the input times its ulp and that of any of "
         "α*, β*, f times ε; and, in over-refined spaces of degree 40 everywhere and 12 more "
         "panels, errors / estimates of $q^*$ and $b$, with the unknowns.",
-        "",
-        "| case | matrices | problem | largest shift | shift / explained | over-refined q* | b "
-        "| unknowns |",
-        "|---|---|---|---|---|---|---|---|",
+        table(
+            "case | matrices | problem | largest shift | shift / explained | over-refined q* | b | "
+            "unknowns",
+            conditions,
+        ),
     ]
-    for c in cases:
-        matrices = ", ".join(f"{k} {v:.0f}" for k, v in c["matrices"].items())
-        worst = max(
-            (v, f"{out} by {SYMBOL[name]}")
-            for name, values in c["conditioning"].items()
-            for out, v in values.items()
-        )
-        largest = max(row["moved"] for row in c["ulps"])
-        ratio = max(row["ratio"] for row in c["ulps"])
-        fine = c["overrefined"]
-        cells = ["–"] * 3
-        if fine:
-            pairs = (
-                _pair(fine["errors"][name], fine["estimates"][name])
-                for name in ("traction", "zones")
-            )
-            cells = [*pairs, str(fine["unknowns"])]
-        lines.append(
-            f"| {c['name']} | {matrices} | {worst[0]:.1e}, {worst[1]} | {largest:.0e} | "
-            f"{ratio:.0f} | {' | '.join(cells)} |"
-        )
-    return "\n".join(lines) + "\n"
+    return "\n\n".join(parts)
 
 
 def draw(record: dict[str, Any], path: Path) -> None:

@@ -8,15 +8,13 @@ where an error is above its estimate.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import sys
+from functools import partial
 from importlib import import_module
 
-#: By name: the module that draws the scenes and knows their truth, and what the scenes are.
+from honesty_table import command
+
+#: By name: the module that draws the scenes and knows their truth, and what they are.
 STRATA = {
     "flat": ("flat_punches", "flat punches at all compliances and frictions, without coupling"),
     "coupled": ("flat_punches", "flat punches in full stick with elastic coupling"),
@@ -47,8 +45,10 @@ def main(arguments: list[str]) -> int:
     if name not in STRATA:
         print("\n".join(f"{one:20}{about}" for one, (_, about) in STRATA.items()))
         return 2
-    module, _ = STRATA[name]
-    return int(import_module(module).main(name, arguments))
+    module = import_module(STRATA[name][0])
+    # scenes with a store, and those at thresholds, are run by their modules
+    run = getattr(module, "main", partial(command, module))
+    return int(run(name, arguments))
 
 
 if __name__ == "__main__":

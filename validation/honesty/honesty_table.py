@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import argparse
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
+import reporting
 
-__all__ = ["Outcome", "Stratum", "decade", "in_turn", "run", "table"]
+__all__ = ["Outcome", "Stratum", "command", "decade", "in_turn", "largest", "run", "table"]
 
-RESULTS = Path(__file__).parents[1] / "results"
+RESULTS = reporting.RESULTS
 
 
 @dataclass(frozen=True)
@@ -45,8 +49,6 @@ class Stratum:
         What the ratio is.
     every : int
         So many scenes from table to table.
-    by : str
-        The script of the stratum, if it has its own.
     """
 
     title: str
@@ -55,7 +57,6 @@ class Stratum:
     refused: str = "{} were refused"
     compared: str = "true error over its estimate"
     every: int = 50
-    by: str = ""
 
 
 def in_turn(
@@ -94,10 +95,9 @@ def run(name: str, stratum: Stratum, scenes: int, seed: int, workers: int) -> bo
             print(*new, sep="\n", end="\n" * bool(new), flush=True)
             violations += new
         if found and (done % stratum.every == 0 or done == scenes):
-            by = stratum.by or f"honesty.py {name}"
             said = f"; {len(unmet)} scenes did not meet their tolerance and said so" * judged
             about = (
-                f"{done} random scenes, seed {seed}, by validation/honesty/{by}: "
+                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py {name}: "
                 f"{stratum.compared}{said}; {stratum.refused.format(refused)}."
             )
             notes = [*violations, *(f"not met: {one}" for one in unmet)]
@@ -107,19 +107,23 @@ def run(name: str, stratum: Stratum, scenes: int, seed: int, workers: int) -> bo
     return bool(violations)
 
 
-def command(strata: dict[str, Stratum], name: str, arguments: Sequence[str]) -> bool:
-    """Run a stratum as the command line says."""
-    parser = argparse.ArgumentParser(prog=f"honesty.py {name}", description=strata[name].title)
-    parser.add_argument("--scenes", type=int, default=strata[name].scenes)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--workers", type=int, default=1, help="processes, where scenes need none")
-    asked = parser.parse_args(arguments)
-    return run(name, strata[name], asked.scenes, asked.seed, asked.workers)
+def command(module: ModuleType, name: str, arguments: Sequence[str]) -> bool:
+    """Run a stratum of a module as the command line says; most need no other processes."""
+    stratum = module.STRATA[name]
+    more = {"scenes": stratum.scenes, "seed": 1, "workers": 1}
+    asked = reporting.options(stratum.title, arguments, **more)
+    return run(name, stratum, asked.scenes, asked.seed, asked.workers)
 
 
 def decade(rng: np.random.Generator, low: float, high: float) -> float:
     """Return a number whose decimal logarithm is uniform between two."""
     return float(10.0 ** rng.uniform(low, high))
+
+
+def largest(found: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Return the largest ratio of every quantity."""
+    names = dict.fromkeys(key for one in found for key in one)
+    return {name: max(one[name] for one in found if name in one) for name in names}
 
 
 def table(title: str, about: str, found: Sequence[dict[str, float]], notes: Iterable[str]) -> str:
@@ -134,10 +138,11 @@ def table(title: str, about: str, found: Sequence[dict[str, float]], notes: Iter
     notes : iterable of str
         What is listed below.
     """
-    lines = [f"# {title}", "", about, ""]
-    lines += ["| quantity | largest | median | violations |", "|---|---|---|---|"]
+    rows = []
     for name in dict.fromkeys(key for one in found for key in one):
         values = np.array([one[name] for one in found if name in one])
-        cells = name.replace("_", " "), f"{values.max():.2g}", f"{np.median(values):.2g}"
-        lines.append("| " + " | ".join(cells) + f" | {(values > 1.0).sum()} |")
-    return "\n".join([*lines, "", *(f"- {one}" for one in notes)]).rstrip()
+        cells = f"{values.max():.2g}", f"{np.median(values):.2g}", (values > 1.0).sum()
+        rows.append((name.replace("_", " "), *cells))
+    ratios = reporting.table("quantity | largest | median | violations", rows)
+    lines = [f"# {title}", "", about, "", ratios, "", *(f"- {one}" for one in notes)]
+    return "\n".join(lines).rstrip()

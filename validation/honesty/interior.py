@@ -12,8 +12,6 @@ points at once, to a tolerance, against one by one. Writes validation/results/in
 goes on. Fails if a true error is above its estimate.
 """
 
-import argparse
-import json
 import math
 import signal
 import sys
@@ -23,16 +21,16 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[2] / "tests"))
 from oracles.inside_oracle import over_rings, ring, stuck
 from profiles import drawn
+from reporting import options, stored, table, write
 
-import spectral_contact
 from spectral_contact import Scene, SpectralContactError, solve
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
 from spectral_contact.equations.interior import ring_loads
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, POINTS, MANY = 20, 10, 6000
 #: Seconds for a solve.
 PATIENCE = 5
@@ -244,68 +242,45 @@ GROUPS = {
 }
 
 
-def text_of(rows):
-    """Return the page: a row for each group."""
+def written(rows):
+    """Write the results, a row for each group; return how many estimates were exceeded."""
     counted = sum(row["values"] > 0 for row in rows["scenes"].values())
-    lines = [
+    about = (
         f"{counted} random scenes with a flat punch, {POINTS} points each, and the other groups; "
-        "errors are relative to the size of the stress or of the displacement.",
-        "",
-        "| group | rows | values | largest true error | median estimate | largest | exceeded |",
-        "|---|---|---|---|---|---|---|",
-    ]
+        "errors are relative to the size of the stress or of the displacement."
+    )
+    cells, exceeded = [], 0
     for group, found in rows.items():
         some = [row for row in found.values() if row["values"]]
         if some:
-            lines.append(
-                f"| {group} | {len(some)} | {sum(row['values'] for row in some)} "
-                f"| {max(row['error'] for row in some):.1e} "
-                f"| {np.median([row['estimate'] for row in some]):.1e} "
-                f"| {max(row['largest_estimate'] for row in some):.1e} "
-                f"| {sum(row['worse'] for row in some)} |"
+            worse = sum(row["worse"] for row in some)
+            exceeded += worse
+            numbers = (
+                max(row["error"] for row in some),
+                np.median([row["estimate"] for row in some]),
+                max(row["largest_estimate"] for row in some),
             )
-    return "\n".join(lines) + "\n"
-
-
-def write(rows):
-    """Write the results; return how many estimates were exceeded."""
-    counted = sum(row["values"] > 0 for row in rows["scenes"].values())
-    worse = sum(row.get("worse", 0) for found in rows.values() for row in found.values())
-    record = {
-        "schema": "spectral_contact.validation.interior",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "scenes": counted,
-        "exceeded": worse,
-        "rows": rows,
-    }
-    text = json.dumps(record, indent=1) + "\n"
-    (RESULTS / "interior.json").write_text(text, encoding="utf-8")
-    (RESULTS / "interior.md").write_text(text_of(rows), encoding="utf-8")
-    return worse
+            values = sum(row["values"] for row in some)
+            cells.append((group, len(some), values, *(f"{one:.1e}" for one in numbers), worse))
+    heading = "group | rows | values | largest true error | median estimate | largest | exceeded"
+    record = {"scenes": counted, "exceeded": exceeded, "rows": rows}
+    write("interior", f"{about}\n\n{table(heading, cells)}", record)
+    return exceeded
 
 
 def main():
     """Measure what is missing, as far as the time goes."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=1000)
-    parser.add_argument("--seconds", type=float, default=600.0)
-    arguments = parser.parse_args()
-    path, rows = RESULTS / "interior.json", {group: {} for group in GROUPS}
-    if path.exists():
-        rows |= json.loads(path.read_text(encoding="utf-8"))["rows"]
-    deadline = time.monotonic() + arguments.seconds
+    asked = options(__doc__, scenes=1000, seconds=600.0)
+    rows = {group: {} for group in GROUPS} | stored("interior").get("rows", {})
+    deadline = time.monotonic() + asked.seconds
     for index, (group, measure) in enumerate(GROUPS.items()):
-        for number in range(SIZES.get(group, arguments.scenes)):
+        for number in range(SIZES.get(group, asked.scenes)):
             if str(number) not in rows[group] and time.monotonic() < deadline:
                 rng = np.random.default_rng([SEED, index, number])
                 rows[group][str(number)] = measure(rng)
                 if number % 20 == 19:
-                    write(rows)
-        write(rows)
-    worse = write(rows)
-    print(text_of(rows))
-    return int(worse > 0)
+                    written(rows)
+    return int(written(rows) > 0)
 
 
 if __name__ == "__main__":

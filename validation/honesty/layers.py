@@ -8,19 +8,20 @@ method converges to the truth is tested by collocation, which shares no code wit
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from math import pi
 from pathlib import Path
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn
+from profiles import FROM_EDGE, Larger
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 from oracles.user_laws import Hardening, Softplus
 
-from spectral_contact import SceneError, layers, profiles
+from spectral_contact import SceneError, layers
+from spectral_contact import profiles as shapes
 from spectral_contact.contact.layered_contact import CellProblem, LayeredProblem, solve_layered
 from spectral_contact.contact.layered_newton import LayeredSetting
 from spectral_contact.contact.layered_setting import (
@@ -30,24 +31,12 @@ from spectral_contact.contact.layered_setting import (
 )
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import refine
-from spectral_contact.spectral.panels import DiscreteSpace
 
-FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
 NAMES = ("approach", "load", "work", "stiffness", "pressure")
 
 
-class BetterPanels(LayeredProblem):
+class BetterPanels(Larger, LayeredProblem):
     """The problem with eight degrees and two panels more."""
-
-    def _first_space(self, part: int, depth: float) -> DiscreteSpace:
-        found = super()._first_space(part, depth)
-        return DiscreteSpace(found.panels, (*found.degrees, 2, 2))
-
-    def start(self) -> DiscreteSpace:
-        """Return the space."""
-        found = super().start()
-        degrees = tuple(min(n + 8, 38) for n in found.degrees)
-        return DiscreteSpace(replace(found.panels, degree=40), degrees)
 
 
 class BetterCells(CellProblem):
@@ -74,12 +63,12 @@ def user_law(rng: np.random.Generator, size: float, strength: float) -> layers.L
 def drawn(rng: np.random.Generator, *, of_users: bool) -> LayeredSetting:
     """Return what is to be solved, in units of some radius of curvature."""
     profile = [
-        profiles.Parabola(1.0),
-        profiles.Parabola(1.0),
-        profiles.Cone(float(rng.uniform(0.5, 1.4))),
-        profiles.PowerLaw(1.0, float(rng.choice([1.5, 3.0, 4.0]))),
-        profiles.RoundedFlat(0.5, 1.0),
-        profiles.Flat(1.0),
+        shapes.Parabola(1.0),
+        shapes.Parabola(1.0),
+        shapes.Cone(float(rng.uniform(0.5, 1.4))),
+        shapes.PowerLaw(1.0, float(rng.choice([1.5, 3.0, 4.0]))),
+        shapes.RoundedFlat(0.5, 1.0),
+        shapes.Flat(1.0),
     ][rng.integers(6)]
     size, strength = decade(rng, -2.0, 0.5), decade(rng, -2.0, 3.0)
     law = [
@@ -145,8 +134,3 @@ STRATA = {
         in_turn(partial(measured, of_users=True), (SceneError,)),
     ),
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

@@ -4,21 +4,18 @@ A stratum of honesty.py. Scenes have random shapes, radii, compliances and toler
 solved for its radius, then for its load and its approach. The truth is the same method with eight
 degrees more on every panel and two panels more at every end: that the method converges to the truth
 is tested against closed forms and by quadrature. One scene of ten is on a smooth surface, where the
-truth is a quadrature in 30 digits.
+truth is `reference`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from math import pi
 
-import mpmath as mp
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn, largest
 
-from spectral_contact import profiles
+from spectral_contact import Scene, profiles, reference
 from spectral_contact.contact import indented
 from spectral_contact.contact.contact_radius import find_radius
 from spectral_contact.contact.indented import solve_indentation, values_only
@@ -35,8 +32,8 @@ SMOOTH = 10
 NAMES = ("radius", "approach", "load", "work", "stiffness", "pressure")
 
 
-class Better(indented._IndentationProblem):  # the problem itself, in a larger space
-    """The problem with eight degrees more, and two panels more at every end."""
+class Larger:
+    """A problem with eight degrees more, and two panels more at every end."""
 
     def _first_space(self, part: int, depth: float) -> DiscreteSpace:
         found = super()._first_space(part, depth)
@@ -47,6 +44,10 @@ class Better(indented._IndentationProblem):  # the problem itself, in a larger s
         found = super().start()
         degrees = tuple(min(n + 8, 38) for n in found.degrees)
         return DiscreteSpace(replace(found.panels, degree=40), degrees)
+
+
+class Better(Larger, indented._IndentationProblem):
+    """The problem itself, in a larger space."""
 
 
 def drawn(rng: np.random.Generator) -> tuple[profiles.Profile, float]:
@@ -100,112 +101,32 @@ def ratios(rng: np.random.Generator) -> Outcome:
         )
         value = searched.best.value if isinstance(searched, Refinement) else searched
         compared.append(_compared(value, truth, off))
-    largest = {name: max(one[name] for one in compared) for name in NAMES}
-    return Outcome(largest, label, solved.best.error <= tolerance)
+    return Outcome(largest(compared), label, solved.best.error <= tolerance)
 
 
-@dataclass(frozen=True)
 class SmoothTruth:
-    """A contact on a smooth surface, by quadrature of its half-integral in many digits.
+    """A contact on a smooth surface, of `reference` to 20 digits."""
 
-    With ``H`` the half-integral of the profile, ``delta = H(a)/2``, ``P = 4 int [H(a) - H(t)] dt``
-    and ``p(r) = (2/pi) int_r^a H'(t) dt/sqrt(t^2 - r^2)`` (docs: profiles).
-    """
-
-    profile: profiles.Profile
-    radius: float
-
-    def half(self, t: mp.mpf) -> mp.mpf:
-        """Return ``H(t)``."""
-        shape = self.profile
-        match shape:
-            case profiles.Parabola():
-                return 2 * t**2 / shape.radius
-            case profiles.Sphere():
-                return 2 * t * mp.atanh(t / shape.radius)
-            case profiles.Cone():
-                return mp.pi * t * mp.cot(shape.half_angle)
-            case profiles.PowerLaw():
-                n = mp.mpf(shape.exponent)
-                return shape.coefficient * n * t**n * mp.beta(n / 2, mp.mpf(0.5))
-        b = min(mp.mpf(shape.flat_radius), t)
-        if isinstance(shape, profiles.TruncatedCone):
-            return 2 * t * mp.cot(shape.half_angle) * mp.acos(b / t)
-        return 2 * t / shape.radius * (mp.sqrt((t - b) * (t + b)) - b * mp.acos(b / t))
-
-    def rate(self, t: mp.mpf, past: mp.mpf) -> mp.mpf:
-        """Return ``H'(t)``, so far past the flat part."""
-        shape = self.profile
-        match shape:
-            case profiles.Parabola():
-                return 4 * t / shape.radius
-            case profiles.Sphere():
-                q = t / shape.radius
-                return 2 * mp.atanh(q) + 2 * q / (1 - q**2)
-            case profiles.Cone() | profiles.PowerLaw():
-                return self.half(t) * getattr(shape, "exponent", 1.0) / t
-        b = mp.mpf(shape.flat_radius)
-        root = mp.sqrt(past * (t + b))
-        if isinstance(shape, profiles.TruncatedCone):
-            return 2 * mp.cot(shape.half_angle) * (mp.atan(root / b) + b / root)
-        return (4 * root - 2 * b * mp.atan(root / b)) / shape.radius
-
-    def _integral(self, power: int) -> float:
-        a, b = mp.mpf(self.radius), mp.mpf(self.profile.flat_part)
-        whole = self.half(a)
-        return float(mp.quad(lambda t: (whole - self.half(t)) ** power, [mp.mpf(0), b, a]))
-
-    @property
-    def approach(self) -> float:
-        """The approach."""
-        return float(self.half(mp.mpf(self.radius)) / 2)
-
-    @cached_property
-    def load(self) -> float:
-        """The load."""
-        return 4.0 * self._integral(1)
-
-    @property
-    def work(self) -> float:
-        """The work."""
-        return self._integral(2)
-
-    @property
-    def stiffness(self) -> float:
-        """The stiffness."""
-        return 8.0 * self.radius
+    def __init__(self, profile: profiles.Profile, radius: float) -> None:
+        scene = Scene(0.3, profile=profile, contact_radius=radius)
+        self._exact, self.radius = reference(scene, 20, progress=False), radius
+        self.approach, self.load = float(self._exact.approach), float(self._exact.load)
+        self.work = float(self._exact.indentation_work)
+        self.stiffness = float(self._exact.stiffness)
 
     def pressure(self, _: object, from_edge: np.ndarray) -> np.ndarray:
         """Return the pressure at distances from the edge."""
-        a, b = mp.mpf(self.radius), mp.mpf(self.profile.flat_part)
-
-        def at(e: float) -> float:
-            r = a * (1 - mp.mpf(e))
-            begin = max(r, b)
-            reach = mp.sqrt(a - begin)
-
-            def kernel(v: mp.mpf) -> mp.mpf:  # t = begin + v**2
-                t = begin + v**2
-                return (
-                    2 * v * self.rate(t, begin - b + v**2) / mp.sqrt((begin - r + v**2) * (t + r))
-                )
-
-            near = mp.sqrt(abs(b - r))
-            places = [mp.mpf(0), near, reach] if 0 < near < reach else [mp.mpf(0), reach]
-            return float(2 / mp.pi * mp.quad(kernel, places)) if reach else 0.0
-
-        return np.array([at(e) for e in from_edge.tolist()])
+        return self._exact.pressure(from_edge=from_edge).astype(float)
 
 
 def smooth_ratios(rng: np.random.Generator) -> Outcome:
     """Return likewise of a contact on a smooth surface."""
     profile, radius = drawn(rng)
-    while isinstance(profile, profiles.Sampled):  # its half-integral is not known but from itself
+    while isinstance(profile, profiles.Sampled):  # it is not the shape that it samples
         profile, radius = drawn(rng)
     found = solve_indentation(profile, radius, 0.0, 1e-10, 20_000)
     assert isinstance(found, Indentation)
-    with mp.workdps(30):
-        compared = _compared(found, SmoothTruth(profile, radius), 0.0)
+    compared = _compared(found, SmoothTruth(profile, radius), 0.0)
     label = f"{profile.brief}, a = {radius:.6g}, smooth"
     return Outcome(compared, label, found.pressure_error <= 1e-10)
 
@@ -235,8 +156,3 @@ def measured(rng: np.random.Generator, number: int) -> Outcome:
 
 
 STRATA = {"profiles": Stratum("Honesty of contacts under profiles", 300, in_turn(measured))}
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

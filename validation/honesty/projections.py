@@ -16,10 +16,6 @@ points, the result is kept in validation/results/projections.partial until the t
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import json
 import math
 import sys
@@ -27,24 +23,24 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 from oracles.projection_cases import TAIL, Case, disk_case, interior_slip, lift_case
 from oracles.projection_oracle import FINE, FINER, mp
+from reporting import RESULTS, table, write
 
 from spectral_contact import __version__
 from spectral_contact.contact.resolution import graded_space
 from spectral_contact.spectral.panels import DiscreteSpace
+from spectral_contact.view.progress import ProgressLine
 
-RESULTS = Path(__file__).parents[1] / "results"
 PARTIAL = RESULTS / "projections.partial"
 TOLERANCE = 1e-12
 EPS = 2.0**-52
-SCHEMA, VERSION = "spectral_contact.validation.projections", 1
 
 SOFT, THIN = (graded_space(-math.log(layer), TOLERANCE) for layer in (0.5, 1e-6))
 MESHES = {
@@ -157,26 +153,18 @@ def kept() -> dict[str, list[dict]]:
 def study() -> dict:
     """Run the study and return its record."""
     todo = list(cases())
-    done, begin, found = kept(), perf_counter(), []
-    RESULTS.mkdir(exist_ok=True)
-    with PARTIAL.open("a") as file:
+    done, found = kept(), []
+    with PARTIAL.open("a") as file, ProgressLine(None) as tell:
         file.write("\n")  # after a line that is not whole
         for number, (mesh, name, case) in enumerate(todo):
             key = f"{__version__} {FINE} {FINER} {number} {mesh}: {name}"
+            tell(f"{len(found)} entries", number / len(todo))
             if key not in done:
                 done[key] = compare(case())
                 file.write(json.dumps([key, done[key]]) + "\n")
                 file.flush()
             found += [{"mesh": mesh, "case": name} | entry for entry in done[key]]
-            filled = 30 * (number + 1) // len(todo)
-            bar = "#" * filled + "." * (30 - filled)
-            line = f"[{bar}] {len(found)} entries, {perf_counter() - begin:.0f} s"
-            print(f"\r{line}", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
     return {
-        "schema": SCHEMA,
-        "version": VERSION,
-        "library": __version__,
         "count": len(found),
         "densities": [FINE, FINER],
         "working_digits": mp.dps,
@@ -187,39 +175,30 @@ def study() -> dict:
     }
 
 
-def table(record: dict) -> str:
-    """Return the record as a Markdown table."""
+def page(record: dict) -> str:
+    """Return the record as Markdown."""
     found = record["entries"]
-
-    def worst(some: list[dict]) -> str:
-        ulp = max(abs(e["ulp"]) for e in some)
-        return f"{len(some)} | {ulp:.1f} | {min(e['digits'] for e in some):.1f}"
-
-    lines = [
+    about = (
         f"{record['count']} entries. One ulp is $2^{{-52}}\\sqrt{{A_{{ii}}A_{{jj}}}}$, and digits "
-        "count from $\\sqrt{A_{ii}A_{jj}}$; more than 40 are not told apart.",
-        "",
-        NOTE,
-    ]
+        "count from $\\sqrt{A_{ii}A_{jj}}$; more than 40 are not told apart."
+    )
+    parts = [about, NOTE]
     for column, title in (("case", "panels"), ("mesh", "mesh: layer, form")):
-        lines += [
-            "",
-            f"| {title} | kernel | entries | largest difference, ulp | mpmath digits, at least |",
-            "|---|---|---|---|---|",
-        ]
+        cells = []
         for key in dict.fromkeys((e[column], e["kernel"]) for e in found):
             some = [e for e in found if (e[column], e["kernel"]) == key]
-            lines.append(f"| {key[0]} | {key[1]} | {worst(some)} |")
-    return "\n".join(lines) + "\n"
+            ulp, digits = max(abs(e["ulp"]) for e in some), min(e["digits"] for e in some)
+            cells.append((*key, len(some), f"{ulp:.1f}", f"{digits:.1f}"))
+        heading = "kernel | entries | largest difference, ulp | mpmath digits, at least"
+        parts.append(table(f"{title} | {heading}", cells))
+    return "\n\n".join(parts)
 
 
 def main() -> None:
     """Run the study and keep its results."""
     record = study()
-    (RESULTS / "projections.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / "projections.md").write_text(table(record))
+    write("projections", page(record), record)
     PARTIAL.unlink()
-    print(table(record))
 
 
 if __name__ == "__main__":

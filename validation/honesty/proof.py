@@ -8,17 +8,17 @@ Writes validation/results/proof.md. Each width is that of `proof.enclose_approac
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
+import sys
 from collections.abc import Callable
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from reporting import table, write
 
 from spectral_contact import ConvergenceError, Scene, proof
 from spectral_contact.view.progress import ProgressLine
 
-RESULTS = Path(__file__).parents[1] / "results"
 COMPLIANCES = (1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
 TERMS = (256, 2048, 16384, 65536)
 #: The edge pressure takes twice as long.
@@ -40,21 +40,15 @@ def main() -> None:
     """Run and write the results."""
     columns = [(proof.enclose_approach, "δ*", terms) for terms in TERMS]
     columns += [(proof.enclose_edge_pressure, "p*(1)", terms) for terms in EDGE_TERMS]
-    headings = (f"{symbol}, {terms}" for _, symbol, terms in columns)
-    lines = [
-        f"{len(COMPLIANCES)} compliances: width of the proved interval over its upper end, by the "
-        "number of polynomials.",
-        "",
-        f"| α* | {' | '.join(headings)} |",
-        "|---|" + "---|" * len(columns),
-    ]
+    rows = []
     with ProgressLine(None) as tell:
         for count, compliance in enumerate(COMPLIANCES):
             tell(f"alpha = {compliance:g}", count / len(COMPLIANCES))
-            widths = [width(enclose, compliance, terms) for enclose, _, terms in columns]
-            cells = " | ".join(f"{value:.1e}" for value in widths)
-            lines.append(f"| {compliance:g} | {cells} |")
-    (RESULTS / "proof.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+            widths = (width(enclose, compliance, terms) for enclose, _, terms in columns)
+            rows.append((f"{compliance:g}", *(f"{value:.1e}" for value in widths)))
+    about = f"{len(COMPLIANCES)} compliances: width of the proved interval over its upper end, by "
+    heading = " | ".join(["α*", *(f"{symbol}, {terms}" for _, symbol, terms in columns)])
+    write("proof", f"{about}the number of polynomials.\n\n{table(heading, rows)}")
 
 
 if __name__ == "__main__":

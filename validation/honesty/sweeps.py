@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, in_turn
+from honesty_table import Outcome, Stratum, in_turn, largest
 from profiles import drawn
 
 from spectral_contact import Scene, Solution, solve
@@ -48,11 +48,6 @@ def shares(
         allowed = float(found[f"{name}_error"][i]) + getattr(truth.error, name) + 1e-15
         each[name] = abs(value - true) / (abs(true) or 1.0) / allowed
     return each
-
-
-def largest(found: Sequence[dict[str, float]]) -> dict[str, float]:
-    """Return the largest share of every quantity."""
-    return {name: max(one[name] for one in found) for name in found[0]}
 
 
 def line(rng: np.random.Generator, _: int) -> Outcome:
@@ -107,8 +102,3 @@ STRATA = {
     "curves": Stratum("Honesty of sweeps over loads and approaches", 80, in_turn(curve)),
     "maps": Stratum("Honesty of maps of full stick", 20, in_turn(full_stick_map)),
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run a stratum."""
-    return command(STRATA, name, arguments)

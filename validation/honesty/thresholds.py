@@ -18,37 +18,24 @@ estimate says that a zone may be missing, or that no digit is known.
 
 from __future__ import annotations
 
-import argparse
 import functools
 import itertools
 import json
 import math
-import sys
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-sys.path.append(str(Path(__file__).parents[1] / "cost"))
-
 import numpy as np
-from bench_solve import dense_solve
 from honesty_errors import unexplained
+from reporting import options, stored, table, unit, write
 
-import spectral_contact
-from spectral_contact import (
-    ConvergenceError,
-    NotComputedError,
-    Scene,
-    Solution,
-    reference,
-    solve,
-)
+from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, reference, solve
 from spectral_contact.equations.residuals import tangential_displacement
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, SECONDS = 18, 540.0
+VERDICTS = "right", "room", "refused", "wrong"
 KINDS = "edge", "inside", "second"
 LEAST, MOST = 2, 14
 #: Where the second threshold is looked for, and to how many digits.
@@ -172,7 +159,6 @@ def judged(number: int) -> Record:
     """Return a scene with its verdict, and the time of the processor in U."""
     drawn = draw(number)
     scene = Scene(*drawn["scene"], coupling=drawn["coupled"])
-    unit = dense_solve()
     begin = process_time()
     try:
         solution = solve(scene, drawn["rtol"], strict=False)
@@ -181,30 +167,26 @@ def judged(number: int) -> Record:
     except Exception as error:
         drawn["verdict"], drawn["why"] = "wrong", f"{type(error).__name__}: {error!s:.200}"
     else:
-        drawn["u"] = (process_time() - begin) / unit
+        drawn["u"] = (process_time() - begin) / unit()
         drawn["verdict"] = verdict(drawn, solution)
-    drawn.setdefault("u", (process_time() - begin) / unit)
+    drawn.setdefault("u", (process_time() - begin) / unit())
     return drawn
 
 
-def table(rows: list[Record]) -> str:
+def counts_table(rows: list[Record]) -> str:
     """Return the counts as Markdown."""
-    names = "right", "room", "refused", "wrong"
-    lines = [
+    cells = []
+    for kind, coupled in itertools.product(KINDS, (False, True)):
+        own = [row for row in rows if row["kind"] == kind and row["coupled"] == coupled]
+        counts = Counter(row["verdict"] for row in own)
+        each = [counts[name] for name in VERDICTS]
+        slow = sum(row["u"] > SLOW for row in own)
+        cells.append((kind, "yes" if coupled else "no", len(own), *each, slow))
+    heading = f"threshold | coupled | scenes | {' | '.join(VERDICTS)} | above {SLOW:g} U"
+    return (
         f"{len(rows)} scenes at relative distances 10^-2 ... 10^-14 from a threshold. *Room*: the "
-        "zones' estimate says that one may be missing.",
-        "",
-        f"| threshold | coupled | scenes | {' | '.join(names)} | above {SLOW:g} U |",
-        "|---" * 8 + "|",
-    ]
-    for kind in KINDS:
-        for coupled in (False, True):
-            own = [r for r in rows if r["kind"] == kind and r["coupled"] == coupled]
-            counts = Counter(r["verdict"] for r in own)
-            slow = sum(r["u"] > SLOW for r in own)
-            cells = [kind, "yes" if coupled else "no", len(own), *(counts[n] for n in names), slow]
-            lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines) + "\n"
+        f"zones' estimate says that one may be missing.\n\n{table(heading, cells)}"
+    )
 
 
 def measured(seconds: float) -> bool:
@@ -214,18 +196,9 @@ def measured(seconds: float) -> bool:
     while perf_counter() - begin < seconds:
         rows.append(judged(len(rows)))
         print(json.dumps(rows[-1]), flush=True)
-    record = {
-        "schema": "spectral_contact.validation.honesty_thresholds",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "seed": SEED,
-        "scenes": len(rows),
-        "rows": rows,
-    }
-    text = json.dumps(record, separators=(",", ":"))
-    (RESULTS / "honesty_thresholds.json").write_text(f"{text}\n")
-    (RESULTS / "honesty_thresholds.md").write_text(table(rows))
-    print(table(rows))
+    write(
+        "honesty_thresholds", counts_table(rows), {"seed": SEED, "scenes": len(rows), "rows": rows}
+    )
     return any(row["verdict"] == "wrong" for row in rows)
 
 
@@ -264,35 +237,30 @@ def judged_precisely(drawn: Record) -> Record:
 
 def precise_table(rows: list[Record], unknown: int) -> str:
     """Return the counts as Markdown."""
-    names = "right", "room", "refused", "wrong"
-    lines = [
-        f"{len(rows)} scenes below the onset of slip by 10^-{NEAR + 1} ... 10^-14, against "
-        f"`reference` to {DIGITS} digits, by validation/honesty/honesty.py thresholds_precise; "
-        f"of {unknown} more it knows no zones.\n",
-        f"| slip begins | scenes | {' | '.join(names)} | largest error over estimate |",
-        "|---" * 7 + "|",
-    ]
+    cells = []
     for kind in KINDS[:2]:
         own = [row for row in rows if row["kind"] == kind]
         counts = Counter(row["verdict"] for row in own)
         ratios = [row["off"] / row["estimate"] for row in own if row["verdict"] == "right"]
-        cells = [kind, len(own), *(counts[name] for name in names)]
-        cells.append(f"{max(ratios):.2g}" if ratios else "")
-        lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines) + "\n"
+        each = [counts[name] for name in VERDICTS]
+        cells.append((kind, len(own), *each, f"{max(ratios):.2g}" if ratios else ""))
+    heading = f"slip begins | scenes | {' | '.join(VERDICTS)} | largest error over estimate"
+    return (
+        f"{len(rows)} scenes below the onset of slip by 10^-{NEAR + 1} ... 10^-14, against "
+        f"`reference` to {DIGITS} digits, by validation/honesty/honesty.py thresholds_precise; "
+        f"of {unknown} more it knows no zones.\n\n{table(heading, cells)}"
+    )
 
 
 def measured_precisely(scenes: int) -> bool:
     """Judge scenes, print and store; return whether one is wrong."""
-    path = RESULTS / "thresholds_precise.json"
-    kept = json.loads(path.read_text()) if path.exists() else {"rows": []}
+    kept = stored("thresholds_precise") or {"rows": []}
     rows, unknown = [judged_precisely(row) for row in kept["rows"]], kept.get("unknown", [])
     begin = max([*(row["number"] for row in rows), *unknown], default=-1) + 1
     numbers = (n for n in itertools.count(begin) if n % 6 < 2)  # without coupling
     while True:
-        record = {"library": spectral_contact.__version__, "rows": rows, "unknown": unknown}
-        path.write_text(json.dumps(record, indent=1) + "\n")
-        path.with_suffix(".md").write_text(precise_table(rows, len(unknown)))
+        record = {"rows": rows, "unknown": unknown}
+        write("thresholds_precise", precise_table(rows, len(unknown)), record)
         if len(rows) >= scenes:
             break
         number = next(numbers)
@@ -304,16 +272,12 @@ def measured_precisely(scenes: int) -> bool:
         except (NotComputedError, ConvergenceError) as missing:
             unknown.append(number)
             print(number, missing, flush=True)
-    print(precise_table(rows, len(unknown)))
     return any(row["verdict"] == "wrong" for row in rows)
 
 
 def main(stratum: str, arguments: Sequence[str]) -> bool:
-    """Run a stratum."""
-    parser = argparse.ArgumentParser(prog=f"honesty.py {stratum}")
-    parser.add_argument("--seconds", type=float, default=SECONDS, help="of thresholds")
-    parser.add_argument("--scenes", type=int, default=SCENES, help="of thresholds_precise")
-    asked = parser.parse_args(arguments)
+    """Run a stratum: the first for so many seconds, the precise one for so many scenes."""
+    asked = options(__doc__, arguments, seconds=SECONDS, scenes=SCENES)
     if stratum == "thresholds":
         return measured(asked.seconds)
     return measured_precisely(asked.scenes)

@@ -11,11 +11,10 @@ estimates as room. The traction is compared at places that the boundaries fix.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from honesty_table import Outcome, Stratum, command, decade, in_turn
+from honesty_table import Outcome, Stratum, decade, in_turn
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
@@ -108,8 +107,3 @@ STRATA = {
         every=5,
     )
 }
-
-
-def main(name: str, arguments: Sequence[str]) -> bool:
-    """Run the stratum."""
-    return command(STRATA, name, arguments)

@@ -1,6 +1,6 @@
 """Feed generated bad inputs to the library and to its command line, and note what is not refused.
 
-Run as ``python validation/input/bad_inputs.py [cases] [seed]``; writes
+Run as ``python validation/input/bad_inputs.py [--cases N] [--seed N]``; writes
 validation/results/bad_inputs.json and .md. A violation is a bad input that ends in anything but the
 documented error with a one-line message that names the parameter: another exception, a warning, a
 result, or no end in 10 s. On the command line it is any other end than status 2 and one line on
@@ -11,12 +11,7 @@ signature: see bad_input_callables.py.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import io
-import json
 import math
 import re
 import signal
@@ -29,6 +24,8 @@ from collections.abc import Callable, Iterator
 from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from time import perf_counter, process_time
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
 from bad_input_callables import cases, targets
@@ -43,11 +40,11 @@ from bad_input_cases import (
     scene_case,
 )
 from bad_input_files import bad_arguments, file_case, path_case
+from reporting import options, table, write
 
-from spectral_contact import Scene, SceneError, __version__, solve
+from spectral_contact import Scene, SceneError, solve
 from spectral_contact import __main__ as cli
 
-RESULTS = Path(__file__).parents[1] / "results"
 SECONDS = 10.0
 BY_SIGNATURE = "every public callable"
 LONGEST_MESSAGE = 1000
@@ -244,9 +241,6 @@ def study(count: int, seed: int, processes: int = PROCESSES, every: int = 1) -> 
         summary[BY_SIGNATURE], more = called_by_signature(shared, every)
         violations += more
     return {
-        "schema": "spectral_contact.validation.bad_inputs",
-        "version": 1,
-        "library": __version__,
         "cases": sum(one["cases"] for one in summary.values()),
         "seed": seed,
         "processes": processes,
@@ -256,35 +250,21 @@ def study(count: int, seed: int, processes: int = PROCESSES, every: int = 1) -> 
     }
 
 
-def table(record: dict) -> str:
-    """Return the record as a Markdown table."""
-    lines = [
+def main() -> None:
+    """Run with the counts of the command line."""
+    asked = options(__doc__, cases=12_000, seed=1)
+    record = study(asked.cases, asked.seed)
+    about = (
         f"{record['cases']} bad inputs, seed {record['seed']}; {record['processes']} of the "
         "command lines as processes of their own. Accepted are damaged files and texts that still "
         "hold what was stored, or, of scenes, which have no checksum, another valid scene; and, of "
-        "public callables (whose kinds are the callables), values that a signature admits.",
-        "",
-        "| group | bad inputs | kinds | accepted | violations |",
-        "|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {group} | {s['cases']} | {s['kinds']} | {s['accepted']} | {s['violations']} |"
-        for group, s in record["summary"].items()
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def main() -> None:
-    """Run with the counts of the command line."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 12_000
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    record = study(count, seed)
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / "bad_inputs.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / "bad_inputs.md").write_text(table(record))
-    print(table(record))
-    for violation in record["violations"]:
-        print(violation)
+        "public callables (whose kinds are the callables), values that a signature admits."
+    )
+    counts = ("cases", "kinds", "accepted", "violations")
+    cells = ((group, *(one[key] for key in counts)) for group, one in record["summary"].items())
+    heading = "group | bad inputs | kinds | accepted | violations"
+    write("bad_inputs", f"{about}\n\n{table(heading, cells)}", record)
+    print(*record["violations"], sep="\n")
 
 
 if __name__ == "__main__":

@@ -2,22 +2,22 @@
 
 Run as ``python validation/mutants/mutants.py [--jobs N] [words ...]``; words choose the mutants
 whose file or fault has one of them. Their rows in validation/results/mutants.json and .md are
-written anew; the others stay, as long as the table has their faults. Each mutant is one text of one
-file replaced by another, in a copy of the tree, and the tests that are to fail then. Before, the
-same tests must pass without any mutant. A text that is not there exactly once, tests that cannot be
-run and a mutant that lives end the script with status 1.
+written anew; the others stay, as long as mutants.toml has their faults. Each mutant, an entry of
+mutants.toml, is one text of one file replaced by another, in a copy of the tree, and the tests that
+are to fail then. Before, the same tests must pass without any mutant. A text that is not there
+exactly once, tests that cannot be run and a mutant that lives end the script with status 1.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -25,12 +25,12 @@ from queue import SimpleQueue
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from mutants_table import MUTANTS, Mutant
+sys.path.append(str(Path(__file__).parents[1]))
 
-import spectral_contact
+from reporting import table, write
 
 REPOSITORY = Path(__file__).parents[2]
-RESULTS = Path(__file__).parents[1] / "results"
+TABLE = Path(__file__).parent / "mutants.toml"
 LEFT_OUT = shutil.ignore_patterns(".*", "*.egg-info", "__pycache__", "results", "build", "_build")
 SECONDS = 300.0
 _LIVES = "lives"
@@ -43,6 +43,16 @@ COMPILE = ("-m", "compileall", "-q", "--invalidation-mode", "checked-hash", "spe
 TEST = ("-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider")
 
 
+class Mutant(NamedTuple):
+    """One fault, as mutants.toml has it."""
+
+    fault: str
+    file: str
+    old: str
+    new: str
+    tests: str
+
+
 class Outcome(NamedTuple):
     """What became of a mutant: the test that fails, or why there is none."""
 
@@ -53,9 +63,10 @@ class Outcome(NamedTuple):
 
 def chosen(words: Sequence[str]) -> list[Mutant]:
     """Return the mutants whose file or fault has one of the words; all without words."""
+    mutants = [Mutant(**entry) for entry in tomllib.loads(TABLE.read_text("utf-8"))["mutant"]]
     return [
         one
-        for one in MUTANTS
+        for one in mutants
         if not words or any(word in f"{one.file} {one.fault}" for word in words)
     ]
 
@@ -127,28 +138,19 @@ def report(mutants: Sequence[Mutant], outcomes: Sequence[Outcome]) -> None:
     for mutant, outcome in zip(mutants, outcomes, strict=True):
         by_fault[mutant.fault] = {**mutant._asdict(), "killer": outcome.killer}
     rows = [by_fault[one.fault] for one in MUTANTS if one.fault in by_fault]
-    found = {
-        "schema": "spectral_contact.validation.mutants",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "mutants": len(rows),
-        "survivors": [row["fault"] for row in rows if not row["killer"]],
-        "rows": rows,
-    }
-    (RESULTS / "mutants.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    killed = len(rows) - len(found["survivors"])
-    lines = [
-        f"{len(rows)} mutants, of which {killed} are killed: "
-        "`python validation/mutants/mutants.py`.",
-        "",
-        "| fault | where | found by |",
-        "|---|---|---|",
+    survivors = [row["fault"] for row in rows if not row["killer"]]
+    cells = [
+        (
+            row["fault"],
+            f"`{row['file'].removeprefix('spectral_contact/')}`",
+            f"`{row['killer']}`".replace("|", "\\|") if row["killer"] else "nothing",
+        )
+        for row in rows
     ]
-    for row in rows:
-        killer = row["killer"].replace("|", "\\|")
-        where = row["file"].removeprefix("spectral_contact/")
-        lines.append(f"| {row['fault']} | `{where}` | {f'`{killer}`' if killer else 'nothing'} |")
-    (RESULTS / "mutants.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    about = f"{len(rows)} mutants, of which {len(rows) - len(survivors)} are killed: "
+    about += "`python validation/mutants/mutants.py`.\n\n"
+    record = {"mutants": len(rows), "survivors": survivors, "rows": rows}
+    write("mutants", about + table("fault | where | found by", cells), record)
 
 
 def main(arguments: Sequence[str]) -> int:

@@ -19,24 +19,18 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from statistics import median
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
+sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "cost"))
 
 import bench_solve
-import numpy as np
 from net_cases import SOLVES, SWEEPS
+from reporting import seconds, unit
 
 #: Scenes that differ, before they are repeated; most scenes, and seconds, that fill the caches.
 SCENES, FILLING = 9, 1.0
-
-
-def seconds(work: Callable[[], object]) -> float:
-    """Return the time of the processor that some work takes."""
-    begin = process_time()
-    work()
-    return process_time() - begin
 
 
 def solve_work(case: tuple[Any, ...], place: float) -> Callable[[], object]:
@@ -105,13 +99,7 @@ def first(request: dict[str, Any]) -> float:
     return seconds(work_of(request)(0.0))
 
 
-def unit(_: dict[str, Any]) -> float:
-    """Return U: one dense solve of 1000 equations."""
-    dense = np.random.default_rng(0).standard_normal((1000, 1000))
-    return median(seconds(partial(np.linalg.solve, dense, dense[0])) for _ in range(5))
-
-
-MODES = {"fill": fill, "warm": warm, "cold": cold, "first": first, "unit": unit}
+MODES = {"fill": fill, "warm": warm, "cold": cold, "first": first, "unit": lambda _: unit()}
 
 
 def main() -> None:

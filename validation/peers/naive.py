@@ -12,16 +12,16 @@ Writes validation/results/naive.md and .png.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.append(str(Path(__file__).parents[1]))
+
 import mpmath
 import numpy as np
+from reporting import RESULTS, table, write
 from scipy import special
 
 from spectral_contact import Scene, solve
@@ -33,7 +33,6 @@ from spectral_contact.spectral.moments import load_vector
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 
-RESULTS = Path(__file__).parents[1] / "results"
 GAPS = [10.0**-k for k in range(1, 16)]
 FAR = [10.0**k for k in range(1, 9)]
 DEGREES = [2, 4, 8, 16, 32, 64, 128, 256]
@@ -111,7 +110,7 @@ def truth(compliance: float) -> tuple[float, float]:
     y = np.exp(-x)
     field = solution.pressure_field
     assert field is not None
-    squares = field.at(y.ravel()).reshape(y.shape) ** 2
+    squares = field.evaluate(y.ravel()).reshape(y.shape) ** 2
     slope = np.pi * float((squares * y @ (w / 2.0)).sum())
     delta = solution.approach
     return delta, math.sqrt((delta + compliance * slope) / (2.0 * np.pi * compliance))
@@ -170,41 +169,39 @@ def cell(value: float | None) -> str:
     return "infinite" if value is None else f"{value:.0e}"
 
 
-def tables(record: dict[str, Any]) -> str:
-    """Return the Markdown tables."""
-    lines = [
-        f"{record['count']} comparisons; relative errors.",
-        "",
-        "| kernels | K₁ as printed | K₁ here | K₂ as printed | K₂ here |",
-        "|---|---|---|---|---|",
-    ]
-    for row in record["kernels"]:
-        if round(math.log10(row["at"])) % 2 == 0 or row["at"] in (GAPS[-1],):
-            place = "\\|η−s\\|/s" if row["kind"] == "near" else "η/s"
-            cells = (cell(row[form][k]) for k in (0, 1) for form in ("printed", "library"))
-            lines.append(f"| {place} = {row['at']:.0e} | {' | '.join(cells)} |")
-    heads = [f"{what}, α* = {c:g}" for c in COMPLIANCES for what in ("δ*", "p*(1)")]
-    lines += [
-        "",
-        f"| one polynomial, degree | {' | '.join(heads)} |",
-        "|---|" + "---|" * len(heads),
-    ]
+def page(record: dict[str, Any]) -> str:
+    """Return the results as Markdown: of decades every second one."""
+    places = {"near": "\\|η−s\\|/s", "far": "η/s"}
+    kernels = (
+        (
+            f"{places[row['kind']]} = {row['at']:.0e}",
+            *(cell(row[form][k]) for k in (0, 1) for form in ("printed", "library")),
+        )
+        for row in record["kernels"]
+        if round(math.log10(row["at"])) % 2 == 0 or row["at"] == GAPS[-1]
+    )
+    polynomials = []
     for degree in DEGREES:
         own = [r for r in record["polynomials"] if r["degree"] == degree]
-        cells = [cell(r[key]) for r in own for key in ("approach", "edge")]
-        lines.append(f"| {degree} | {' | '.join(cells)} |")
-    lines += [
-        "",
-        "| p*(1), α* | normal equations | with correction | with endpoint weight | unknowns |",
-        "|---|---|---|---|---|",
-    ]
-    lines += [
-        f"| {r['compliance']:.0e} | {cell(r['plain'])} | {cell(r['corrected'])} | "
-        f"{cell(r['weight'])} | {r['unknowns']} |"
+        polynomials.append((degree, *(cell(r[key]) for r in own for key in ("approach", "edge"))))
+    edges = (
+        (
+            f"{r['compliance']:.0e}",
+            *(cell(r[way]) for way in ("plain", "corrected", "weight")),
+            r["unknowns"],
+        )
         for r in record["edges"]
         if round(math.log10(r["compliance"])) % 2 == 0
+    )
+    heads = (f"{what}, α* = {c:g}" for c in COMPLIANCES for what in ("δ*", "p*(1)"))
+    normal = "p*(1), α* | normal equations | with correction | with endpoint weight | unknowns"
+    parts = [
+        f"{record['count']} comparisons; relative errors.",
+        table("kernels | K₁ as printed | K₁ here | K₂ as printed | K₂ here", kernels),
+        table(" | ".join(["one polynomial, degree", *heads]), polynomials),
+        table(normal, edges),
     ]
-    return "\n".join(lines) + "\n"
+    return "\n\n".join(parts)
 
 
 def draw(record: dict[str, Any], path: Path) -> None:
@@ -285,7 +282,7 @@ def main() -> None:
         "polynomials": polynomials,
         "edges": edges,
     }
-    (RESULTS / "naive.md").write_text(tables(record), encoding="utf-8")
+    write("naive", page(record))
     draw(record, RESULTS / "naive.png")
 
 

@@ -8,25 +8,20 @@ approach that this separation has. Needs ContactMechanics: ``pip install Contact
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import math
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from time import perf_counter
 
-sys.path.append(str(Path(__file__).parents[1] / "cost"))
+sys.path.append(str(Path(__file__).parents[1]))
 
-from bench_solve import dense_solve
 from ContactMechanics.ReferenceSolutions.GreenwoodTripp import GreenwoodTripp
+from reporting import seconds, table, unit, write
 from scipy.integrate import simpson
 
 from spectral_contact import Scene, layers, profiles, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
 MU, SEPARATION, CENTRE = 24.0425586841, 0.5, 7.705398372318
 LOAD, PRESSURE = 44.168134490720222962, 4.6931940983576888024
 #: Points and the change at which the iteration ends: the first are the defaults.
@@ -53,39 +48,29 @@ def ours(rtol: float) -> tuple[float, float]:
     return found.load, float(found.pressure(0.0))
 
 
-def row(name: str, run: Callable[[], tuple[float, float]]) -> str:
-    """Return a line of the table: errors, the least of some times and the same in U."""
-    seconds, unit = math.inf, math.inf
-    for _ in range(REPEATS):
-        unit = min(unit, dense_solve())
-        start = perf_counter()
-        load, pressure = run()
-        seconds = min(seconds, perf_counter() - start)
+def row(name: str, run: Callable[[], tuple[float, float]]) -> tuple[str, ...]:
+    """Return the cells of a row: errors, the least of some times and the same in U."""
+    dense = min(unit() for _ in range(REPEATS))
+    spent = min(seconds(run) for _ in range(REPEATS))
+    load, pressure = run()
     off = abs(load / LOAD - 1.0), abs(pressure / PRESSURE - 1.0)
-    cells = [name, *(f"{one:.0e}" for one in off), f"{seconds:.2g}", f"{seconds / unit:.2g}"]
-    return "| " + " | ".join(cells) + " |"
+    return name, *(f"{one:.0e}" for one in off), f"{spent:.2g}", f"{spent / dense:.2g}"
 
 
 def main() -> None:
     """Write the table."""
-    lines = [
-        "# Rough spheres, by ContactMechanics and by us",
-        "",
+    runs = {
+        f"ContactMechanics, {n} points, to {tol:.0e}": partial(theirs, n, tol) for n, tol in GRIDS
+    }
+    runs |= {f"ours, rtol {rtol:.0e}": partial(ours, rtol) for rtol in TOLERANCES}
+    cells = [row(name, run) for name, run in runs.items()]
+    about = (
+        "# Rough spheres, by ContactMechanics and by us\n\n"
         "Relative errors of Greenwood and Tripp's contact at mu = 24.04, separation 0.5, by "
-        "validation/peers/rough_spheres.py. U is one dense solve of 1000 unknowns in the same run.",
-        "",
-        "| | load | pressure at the centre | s | U |",
-        "|---|---|---|---|---|",
-    ]
-    runs = [
-        (f"ContactMechanics, {n} points, to {tol:.0e}", lambda n=n, tol=tol: theirs(n, tol))
-        for n, tol in GRIDS
-    ]
-    runs += [(f"ours, rtol {rtol:.0e}", lambda rtol=rtol: ours(rtol)) for rtol in TOLERANCES]
-    for name, run in runs:
-        lines.append(row(name, run))
-        print(lines[-1], flush=True)
-    (RESULTS / "peers_rough_spheres.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        "validation/peers/rough_spheres.py. U is one dense solve of 1000 unknowns in the same run."
+    )
+    heading = " | load | pressure at the centre | s | U"
+    write("peers_rough_spheres", f"{about}\n\n{table(heading, cells)}")
 
 
 if __name__ == "__main__":

@@ -7,19 +7,18 @@ quarter of the contact modulus E/(1 - nu^2), which is 4 here. Needs ContactMecha
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
+import sys
 from math import pi
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[1]))
+
 import numpy as np
 from ContactMechanics.ReferenceSolutions import Cone, Hertz
+from reporting import table, write
 
 from spectral_contact import Scene, Solution, profiles, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
 MODULUS, NU, RTOL = 4.0, 0.3, 1e-12
 LOADS, ANGLES = (1e-3, 1.0, 1e3), (0.2, 0.8, 1.4)
 RADII = np.linspace(0.0, 0.999, 200)
@@ -68,21 +67,16 @@ def main() -> None:
     rows = [(f"parabola, load {load:g}", sphere(load)) for load in LOADS]
     rows += [(f"cone, half-angle {angle:g}", cone(angle)) for angle in ANGLES]
     names = ("approach", "radius", "load", "work", "pressure", "stresses")
-    lines = [
-        "# Smooth spheres and cones, by ContactMechanics and by us",
-        "",
+    cells = (
+        (label, *(f"{found[name]:.0e}" if name in found else "" for name in names))
+        for label, found in rows
+    )
+    about = (
+        "# Smooth spheres and cones, by ContactMechanics and by us\n\n"
         "Largest relative differences, by validation/peers/smooth.py; those of stresses are "
-        "relative to the largest pressure.",
-        "",
-        f"| | {' | '.join(names)} |",
-        "|---" * (len(names) + 1) + "|",
-    ]
-    for label, found in rows:
-        cells = [f"{found[name]:.0e}" if name in found else "" for name in names]
-        lines.append(f"| {label} | {' | '.join(cells)} |")
-    text = "\n".join(lines) + "\n"
-    (RESULTS / "peers_smooth.md").write_text(text, encoding="utf-8")
-    print(text)
+        "relative to the largest pressure."
+    )
+    write("peers_smooth", f"{about}\n\n{table(' | '.join(['', *names]), cells)}")
 
 
 if __name__ == "__main__":

@@ -6,14 +6,14 @@ docs/adhesion_pull_off.png and validation/results/adhesion.md.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
+import sys
 from math import atan, pi, sqrt
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[1]))
+
 import matplotlib as mpl
+from reporting import DOCS, table, write
 
 mpl.use("Agg")
 
@@ -23,7 +23,6 @@ from scipy.optimize import brentq, minimize_scalar
 
 from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve
 
-ROOT = Path(__file__).parents[2]
 BALL = profiles.Parabola(1.0)
 #: Works of adhesion and radii are 1, as E' is; the compliances of the cycles.
 COMPLIANCES = (0.0, 0.1, 1.0)
@@ -87,7 +86,7 @@ def cycles() -> None:
     left.legend(frameon=False)
     right.axhline(0.0, color="k", linewidth=0.6)
     right.set(xlabel=r"radius $r/a$ at $P = 0$", ylabel=r"pressure $p$ [$E'$]", ylim=(-3.0, 3.0))
-    figure.savefig(ROOT / "docs" / "adhesion_cycle.png", dpi=150)
+    figure.savefig(DOCS / "adhesion_cycle.png", dpi=150)
 
 
 def pull_offs() -> None:
@@ -97,10 +96,10 @@ def pull_offs() -> None:
         last = pull_off(scene(parameter))
         tension = maugis_parameter(sqrt(2.0 / parameter))
         rows.append((parameter, tension, last.load / pi, maugis_load(tension), last.error.load))
-    table = np.array(rows)
+    drawn = np.array(rows)
     figure, axes = plt.subplots(figsize=(5.6, 3.4), layout="constrained")
-    axes.semilogx(table[:, 1], table[:, 2], "o-", markersize=3, label="layer of roughness")
-    axes.semilogx(table[:, 1], table[:, 3], "--", label="Maugis: a force that reaches far")
+    axes.semilogx(drawn[:, 1], drawn[:, 2], "o-", markersize=3, label="layer of roughness")
+    axes.semilogx(drawn[:, 1], drawn[:, 3], "--", label="Maugis: a force that reaches far")
     for limit in (-1.5, -2.0):
         axes.axhline(limit, color="k", linewidth=0.6)
     axes.set(
@@ -108,22 +107,19 @@ def pull_offs() -> None:
     )
     axes.set_ylim(top=-1.35)  # room for the legend above the curves
     axes.legend(frameon=False, loc="upper left")
-    figure.savefig(ROOT / "docs" / "adhesion_pull_off.png", dpi=150)
-    lines = [
-        "# Pull-off of a ball",
-        "",
+    figure.savefig(DOCS / "adhesion_pull_off.png", dpi=150)
+    about = (
+        "# Pull-off of a ball\n\n"
         "By validation/physics/adhesion.py: P/(π w R) at pull-off under control of the load, with "
         "a layer of the parameter Λ = αE'/(wR²/E')^(1/3), and by Maugis at the same largest "
-        "tension, which is his λ.",
-        "",
-        "| Λ | λ | layer | Maugis | error estimate of the layer's |",
-        "|---|---|---|---|---|",
-        *(
-            f"| {one:.4g} | {lam:.4g} | {own:.12f} | {other:.6f} | {error:.0e} |"
-            for one, lam, own, other, error in rows[::4]
-        ),
-    ]
-    (ROOT / "validation" / "results" / "adhesion.md").write_text("\n".join(lines) + "\n")
+        "tension, which is his λ."
+    )
+    cells = (
+        (f"{one:.4g}", f"{lam:.4g}", f"{own:.12f}", f"{other:.6f}", f"{error:.0e}")
+        for one, lam, own, other, error in rows[::4]
+    )
+    heading = "Λ | λ | layer | Maugis | error estimate of the layer's"
+    write("adhesion", f"{about}\n\n{table(heading, cells)}")
 
 
 if __name__ == "__main__":

@@ -1,15 +1,10 @@
 """At how many stick radii coupled partial slip satisfies its condition, over random scenes.
 
-Run as ``python validation/physics/coupled_uniqueness.py [count]``; writes
+Run as ``python validation/physics/coupled_uniqueness.py [--scenes N]``; writes
 validation/results/coupled_uniqueness.json and .md.
 """
 
 from __future__ import annotations
-
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import json
 import math
@@ -17,23 +12,21 @@ import sys
 from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
+from reporting import options, table, write
 
-import spectral_contact
 from spectral_contact import Scene, solve
 from spectral_contact.contact.coupled_radii import CandidateRadius, scan_logits, stick_radii
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
 
-RESULTS = Path(__file__).parents[1] / "results"
 SEED, COUNT = 30, 600
 #: The first radius that is looked at, and how far the others are apart, as logits.
 FIRST, STEP = -24.0, 1.0
-
-Record = dict[str, Any]
 
 
 def draw(number: int) -> Scene:
@@ -65,27 +58,10 @@ def radii(scene: Scene) -> list[CandidateRadius]:
     return list(stick_radii(problem, scan_logits(problem, FIRST, STEP)))
 
 
-def table(record: Record) -> str:
-    """Return the results as Markdown."""
-    lines = [
-        f"{record['scenes']} scenes; radii at which the traction is continuous:",
-        "",
-        "| radii | scenes | with positive pressure: none | one | more "
-        "| within friction, too: none | one | more |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-
-    def shares(counts: list[int]) -> str:
-        seen = Counter(min(one, 2) for one in counts)
-        return " | ".join(str(seen[k]) for k in range(3))
-
-    rows = record["rows"]
-    for number in sorted({len(row["radii"]) for row in rows}):
-        own = [row["radii"] for row in rows if len(row["radii"]) == number]
-        positive = shares([sum(r["positive"] for r in one) for one in own])
-        possible = shares([sum(r["possible"] for r in one) for one in own])
-        lines.append(f"| {number} | {len(own)} | {positive} | {possible} |")
-    return "\n".join(lines) + "\n"
+def shares(counts: list[int]) -> tuple[int, ...]:
+    """Return how many of these numbers are 0, 1 and more."""
+    seen = Counter(min(one, 2) for one in counts)
+    return tuple(seen[k] for k in range(3))
 
 
 def main(count: int) -> None:
@@ -99,18 +75,17 @@ def main(count: int) -> None:
         ]
         rows.append({"number": number, "scene": asdict(scene), "radii": found})
         print(json.dumps(rows[-1]), flush=True)
-    record = {
-        "schema": "spectral_contact.validation.coupled_uniqueness",
-        "version": 1,
-        "library": spectral_contact.__version__,
-        "seed": SEED,
-        "scenes": len(rows),
-        "rows": rows,
-    }
-    (RESULTS / "coupled_uniqueness.json").write_text(json.dumps(record, indent=1) + "\n")
-    (RESULTS / "coupled_uniqueness.md").write_text(table(record))
-    print(table(record))
+    cells = []
+    for number in sorted({len(row["radii"]) for row in rows}):
+        own = [row["radii"] for row in rows if len(row["radii"]) == number]
+        kinds = ([sum(r[key] for r in one) for one in own] for key in ("positive", "possible"))
+        cells.append((number, len(own), *(share for kind in kinds for share in shares(kind))))
+    heading = "radii | scenes | with positive pressure: none | one | more | "
+    heading += "within friction, too: none | one | more"
+    about = f"{len(rows)} scenes; radii at which the traction is continuous:\n\n"
+    record = {"seed": SEED, "scenes": len(rows), "rows": rows}
+    write("coupled_uniqueness", about + table(heading, cells), record)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else COUNT)
+    main(options(__doc__, scenes=COUNT).scenes)

@@ -7,21 +7,19 @@ uncoupled. Full stick is solved to 1e-10, partial slip to 1e-8.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
+sys.path.append(str(Path(__file__).parents[1]))
+
 import numpy as np
+from reporting import RESULTS, table, write
 
 from spectral_contact import Scene, Solution, solve
 from spectral_contact.view.plotting import save, style
 
-RESULTS = Path(__file__).parents[1] / "results"
 RTOL, SLIP_RTOL = 1e-10, 1e-8
 NUS = (0.0, 0.1, 0.2, 0.3, 0.4)
 #: Compliances of the curves, and the ratios beta/alpha at the middle nu.
@@ -104,41 +102,46 @@ def study() -> Record:
     }
 
 
-def table(record: Record) -> str:
+def page(record: Record) -> str:
     """Return the results as Markdown."""
-    text = [
-        f"{record['count']} pairs of solves. At ν = 0 and, behind the "
-        "stroke, ν = 0.3, in per cent:",
-        "",
+    parts = [
+        f"{record['count']} pairs of solves. At ν = 0 and, behind the stroke, ν = 0.3, in per cent:"
     ]
     for name, title in (("approach", "δ*"), ("total_shear", "Q*")):
-        text += [f"| change of {title}: α* \\ β* | " + " | ".join(f"{b:g}" for b in GRID) + " |"]
-        text += ["|---" * (len(GRID) + 1) + "|"]
-        for a in GRID:
-            cells = [
-                " / ".join(_percent(_found(record, nu, a, b)[name]) for nu in (0.0, 0.3))
-                for b in GRID
-            ]
-            text.append(f"| {a:g} | " + " | ".join(cells) + " |")
-        text.append("")
-    text += ["With α* = β* the same over κ², at ν = 0 and 0.3:", ""]
-    text += ["| α* = β* | δ* | Q* | p*(1) | critical friction |", "|---|---|---|---|---|"]
+        cells = [
+            (
+                f"{a:g}",
+                *(
+                    " / ".join(_percent(_found(record, nu, a, b)[name]) for nu in (0.0, 0.3))
+                    for b in GRID
+                ),
+            )
+            for a in GRID
+        ]
+        heading = [f"change of {title}: α* \\ β*", *(f"{b:g}" for b in GRID)]
+        parts.append(table(" | ".join(heading), cells))
+    cells = []
     for a in GRID:
         pair = [_found(record, nu, a, a) for nu in (0.0, 0.3)]
-        cells = [
+        both = (
             " / ".join(_over(row[name], kappa(row["nu"]) ** 2) for row in pair)
             for name in QUANTITIES
-        ]
-        text.append(f"| {a:g} | " + " | ".join(cells) + " |")
-    text += ["", "Partial slip at α* = β*, in per cent:", ""]
-    text += ["| ν | α* = β* | f/κ | c* without | c* with | change of c* | of Q* | of δ* |"]
-    text += ["|---" * 8 + "|"]
-    for row in record["slip"]:
-        changes = (row["stick_radius"], row["total_shear"], row["approach"])
-        radii = f"{row['plain_radius']:.6f} | {row['radius']:.6f}"
-        start = f"| {row['nu']:g} | {row['compliance']:g} | {row['ratio']:g} | {radii} | "
-        text.append(start + " | ".join(map(_percent, changes)) + " |")
-    return "\n".join(text) + "\n"
+        )
+        cells.append((f"{a:g}", *both))
+    parts.append("With α* = β* the same over κ², at ν = 0 and 0.3:")
+    parts.append(table("α* = β* | δ* | Q* | p*(1) | critical friction", cells))
+    cells = [
+        (
+            *(f"{row[key]:g}" for key in ("nu", "compliance", "ratio")),
+            *(f"{row[key]:.6f}" for key in ("plain_radius", "radius")),
+            *(_percent(row[key]) for key in ("stick_radius", "total_shear", "approach")),
+        )
+        for row in record["slip"]
+    ]
+    parts.append("Partial slip at α* = β*, in per cent:")
+    heading = "ν | α* = β* | f/κ | c* without | c* with | change of c* | of Q* | of δ*"
+    parts.append(table(heading, cells))
+    return "\n\n".join(parts)
 
 
 def _found(record: Record, nu: float, alpha: float, beta: float) -> Record:
@@ -193,9 +196,8 @@ def draw(record: Record, path: Path) -> None:
 def main() -> None:
     """Measure, draw and print."""
     record = study()
-    (RESULTS / "coupling.md").write_text(table(record))
+    write("coupling", page(record))
     draw(record, RESULTS / "coupling.png")
-    print(table(record))
 
 
 if __name__ == "__main__":

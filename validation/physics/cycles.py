@@ -6,23 +6,22 @@ and validation/results/cycles.md.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
+import sys
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import matplotlib as mpl
 
 mpl.use("Agg")
 
 import numpy as np
+from reporting import DOCS, table, write
 
 from spectral_contact import Scene, damping_map, solve, steady_cycle
 from spectral_contact.sweeps.cycle_pictures import draw_loop
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION, new_figure, save, style
 
-ROOT = Path(__file__).parents[2]
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 #: Slip begins at the edge, and inside.
 THRESHOLDS = {"edge": (SCENE, 2.0), "inside": (Scene(0.3, 0.05, 1.0, 0.03), 1.5)}
@@ -48,13 +47,13 @@ def loops() -> None:
         radius.set(xlim=(0.5, 1.0), ylim=(0.0, None), xlabel="radius $s = r/a$")
         radius.set_ylabel(r"slip on either way [$4(1-\nu^2)P/(aE)$]")
         radius.legend()
-        save(figure, ROOT / "docs" / "cycles_loop.png")
+        save(figure, DOCS / "cycles_loop.png")
 
 
-def damping() -> list[str]:
-    """Draw the map and the threshold, and return lines of a table of the latter."""
+def damping() -> list[tuple[str, ...]]:
+    """Draw the map and the threshold, and return the rows of a table of the latter."""
     found = damping_map(SCENE, MAP_LOADS, MAP_FRICTIONS, rtol=1e-4)
-    lines = ["| slip | λ/λ* | dissipation | error estimate |", "|---|---|---|---|"]
+    rows = []
     with style():
         figure = new_figure(figsize=(8.4, 3.6), layout="constrained")
         plane, threshold = figure.subplots(1, 2)
@@ -74,24 +73,20 @@ def damping() -> list[str]:
             threshold.loglog(BELOW, law, ":", color=BLACK, label=f"power {power:g}")
             for below, cycle in zip(BELOW, cycles, strict=True):
                 if cycle.dissipation is not None:
-                    lines.append(
-                        f"| {name} | {1.0 - below:.6f} | {cycle.dissipation:.6e} "
-                        f"| {cycle.error.dissipation:.0e} |"
-                    )
+                    values = f"{cycle.dissipation:.6e}", f"{cycle.error.dissipation:.0e}"
+                    rows.append((name, f"{1.0 - below:.6f}", *values))
         threshold.set(xlabel=r"$1 - \lambda/\lambda^*$", ylabel="dissipation")
         threshold.legend()
-        save(figure, ROOT / "docs" / "cycles_damping.png")
-    return lines
+        save(figure, DOCS / "cycles_damping.png")
+    return rows
 
 
 if __name__ == "__main__":
     loops()
-    table = [
-        "# Dissipation next to the shakedown ratio",
-        "",
+    about = (
+        "# Dissipation next to the shakedown ratio\n\n"
         "By validation/physics/cycles.py: slip at the edge with α = β = 0.5, ν = f = 0.1; inside "
-        "with α = 0.05, β = 1, ν = 0.3, f = 0.03. In units of 4(1−ν²)P²/(aE).",
-        "",
-        *damping(),
-    ]
-    (ROOT / "validation" / "results" / "cycles.md").write_text("\n".join(table) + "\n")
+        "with α = 0.05, β = 1, ν = 0.3, f = 0.03. In units of 4(1−ν²)P²/(aE)."
+    )
+    heading = "slip | λ/λ* | dissipation | error estimate"
+    write("cycles", f"{about}\n\n{table(heading, damping())}")

@@ -7,14 +7,14 @@ edge is wide enough for panels it is also matched in closed form, and compared.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import math
+import sys
 from pathlib import Path
 from typing import Any
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+from reporting import table, write
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.edge_stick import with_edge_stick
@@ -22,7 +22,6 @@ from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
 from spectral_contact.spectral.parameters import Parameters
 
-RESULTS = Path(__file__).parents[1] / "results"
 NU, RTOL = 0.1, 1e-12
 BETAS = 0.0, 1e-14, 1e-10
 #: f over kappa.
@@ -69,42 +68,32 @@ def matched(nu: float, beta: float, friction: float) -> Record:
     }
 
 
-def table(record: Record) -> str:
-    """Return the results as Markdown."""
-    lines = [
-        f"{record['count']} scenes:",
-        "",
-        "| $\\beta$ | $f/\\kappa$ | edge sticks within | approach | pressure, pointwise | ending |",
-        "|---|---|---|---|---|---|",
-    ]
-    for row in record["accuracy"]:
-        edge = f"{row['edge']:.1e}" if row["edge"] else ""
-        lines.append(
-            f"| {row['beta']:g} | {row['ratio']:g} | {edge} | {row['approach']:.0e} | "
-            f"{row['pressure']:.0e} | {row['ending'].lower()} |"
-        )
-    outside = max(row["shear"] for row in record["matched"])
-    inside = max(row["edge"] for row in record["matched"])
-    estimate = max(row["estimate"] for row in record["matched"])
-    lines += [
-        "",
-        f"Matched against panels, in {len(record['matched'])} scenes that panels solve to "
-        f"{estimate:.1e}: the shear differs by "
-        f"{outside:.1g} $w^{{1/2+\\theta}}$ at most, the traction that sticks by {inside:.1g} "
-        "$w\\ln(1/w)/\\beta$.",
-    ]
-    return "\n".join(lines) + "\n"
-
-
 def main() -> None:
     """Measure, print and store."""
-    record = {
-        "count": len(BETAS) * len(FRICTIONS),
-        "accuracy": [accuracy(beta, ratio) for beta in BETAS for ratio in FRICTIONS],
-        "matched": [matched(*one) for one in COMPARED],
-    }
-    (RESULTS / "edge_stick.md").write_text(table(record))
-    print(table(record))
+    rows = [accuracy(beta, ratio) for beta in BETAS for ratio in FRICTIONS]
+    cells = (
+        (
+            f"{row['beta']:g}",
+            f"{row['ratio']:g}",
+            f"{row['edge']:.1e}" if row["edge"] else "",
+            f"{row['approach']:.0e}",
+            f"{row['pressure']:.0e}",
+            row["ending"].lower(),
+        )
+        for row in rows
+    )
+    heading = (
+        "$\\beta$ | $f/\\kappa$ | edge sticks within | approach | pressure, pointwise | ending"
+    )
+    ones = [matched(*one) for one in COMPARED]
+    most = {key: max(one[key] for one in ones) for key in ("shear", "edge", "estimate")}
+    text = (
+        f"{len(rows)} scenes:\n\n{table(heading, cells)}\n\n"
+        f"Matched against panels, in {len(ones)} scenes that panels solve to "
+        f"{most['estimate']:.1e}: the shear differs by {most['shear']:.1g} $w^{{1/2+\\theta}}$ at "
+        f"most, the traction that sticks by {most['edge']:.1g} $w\\ln(1/w)/\\beta$."
+    )
+    write("edge_stick", text)
 
 
 if __name__ == "__main__":

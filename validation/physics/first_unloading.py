@@ -5,10 +5,6 @@ Run as ``python validation/physics/first_unloading.py`` (a minute); writes docs/
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 from pathlib import Path
 
 import matplotlib.pyplot as plt

@@ -11,10 +11,6 @@ what the user knows: the tangent's ``alpha* = alpha E'/a``.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path

@@ -9,24 +9,22 @@ increments, which is why the library has no such march.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import sys
 from pathlib import Path
 
-import numpy as np
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[2]))
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
+import numpy as np
+from reporting import table, write
 
 from spectral_contact import Scene, __version__, solve
 from tests.oracles.load_history import Rings, even_ends
 
-RESULT = Path(__file__).parents[1] / "results" / "load_history.md"
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 RATIOS = 0.99, 0.8, 0.5, 0.3, 0.2205
 RINGS = 100, 200, 400
+STEPS = 1, 8, 32, 128
 CYCLES = 6
 
 
@@ -37,7 +35,7 @@ def rings(ends: np.ndarray) -> Rings:
     return Rings(SCENE.normal_compliance, SCENE.tangential_compliance, friction, ends)
 
 
-def unloading() -> list[str]:
+def unloading() -> list[tuple[object, ...]]:
     """Return rows: the shear by rings that end where zones do, against the library."""
     rows = []
     largest = solve(SCENE, 1e-10, ["zones"])
@@ -52,27 +50,27 @@ def unloading() -> list[str]:
             own.move_to(ratio)
             differences.append(own.total_shear - known)
         limit = differences[-1] + (differences[-1] - differences[-2]) / 3.0
-        cells = " | ".join(f"{one:.1e}" for one in (*differences, limit))
-        rows.append(f"| {ratio} | {known:.12f} | {cells} |")
+        cells = (f"{one:.1e}" for one in (*differences, limit))
+        rows.append((ratio, f"{known:.12f}", *cells))
     return rows
 
 
-def history() -> list[str]:
+def history() -> list[tuple[object, ...]]:
     """Return rows: the shear at a load below the turning ratio in one increment and in many."""
     rows = []
     for ratio in (0.2, 0.1):
         shears = []
-        for steps in (1, 8, 32, 128):
+        for steps in STEPS:
             own = rings(even_ends([], 200))
             own.move_to(1.0)
             for load in np.linspace(1.0, ratio, steps + 1)[1:]:
                 own.move_to(float(load))
             shears.append(own.total_shear)
-        rows.append(f"| {ratio} | {' | '.join(f'{one:.8f}' for one in shears)} |")
+        rows.append((ratio, *(f"{one:.8f}" for one in shears)))
     return rows
 
 
-def shakedown() -> list[str]:
+def shakedown() -> list[tuple[object, ...]]:
     """Return rows: what is dissipated in each cycle next to the shakedown ratio."""
     sticking = rings(even_ends([], 200))
     # of these rings: the critical friction over the friction
@@ -86,41 +84,28 @@ def shakedown() -> list[str]:
         for _ in range(CYCLES):
             loads = np.linspace(1.0, factor * limit, 9)
             losses.append(sum(own.move_to(float(load)) for load in (*loads[1:], *loads[-2::-1])))
-        rows.append(f"| {factor} | {' | '.join(f'{one:.1e}' for one in losses)} |")
+        rows.append((factor, *(f"{one:.1e}" for one in losses)))
     return rows
 
 
 def main() -> None:
     """Measure, and write the table."""
     heads = " | ".join(f"{count} rings" for count in RINGS)
-    lines = [
+    cycles = " | ".join(f"cycle {k + 1}" for k in range(CYCLES))
+    parts = [
         "# The load falls and rises",
-        "",
         f"spectral_contact {__version__}, `python validation/physics/load_history.py`; "
         "alpha* = beta* = 0.5, nu = 0.1, f = 0.1.",
-        "",
         "First unloading: Q*/kappa of the library at rtol 1e-10, and that of rings less it; "
         "the last column takes out the second order.",
-        "",
-        f"| load ratio | Q*/kappa | {heads} | without second order |",
-        "|" + "---|" * (len(RINGS) + 3),
-        *unloading(),
-        "",
+        table(f"load ratio | Q*/kappa | {heads} | without second order", unloading()),
         "Below the turning ratio: Q*/kappa on 200 rings by the number of increments.",
-        "",
-        "| load ratio | 1 | 8 | 32 | 128 |",
-        "|---|---|---|---|---|",
-        *history(),
-        "",
+        table(f"load ratio | {' | '.join(map(str, STEPS))}", history()),
         "Dissipated in each cycle between the largest load and a lowest one, over the shakedown "
         "ratio (R - f)/(R + f) of the same 200 rings.",
-        "",
-        "| lowest load | " + " | ".join(f"cycle {k + 1}" for k in range(CYCLES)) + " |",
-        "|" + "---|" * (CYCLES + 1),
-        *shakedown(),
-        "",
+        table(f"lowest load | {cycles}", shakedown()),
     ]
-    RESULT.write_text("\n".join(lines), encoding="utf-8")
+    write("load_history", "\n\n".join(parts))
 
 
 if __name__ == "__main__":

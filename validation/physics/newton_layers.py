@@ -7,37 +7,26 @@ a correction is at most a number, the same for all of them, times the square of 
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
+import sys
 from itertools import pairwise
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[1]))
+
 import numpy as np
+from reporting import table, write
 
 from spectral_contact import Scene, layers, profiles, solve
 from spectral_contact.contact.layered_newton import LayeredNewton
 
-RESULTS = Path(__file__).parents[1] / "results"
 BALL = profiles.Parabola(1.0)
-SCENES = {
-    "Abaqus' exponential, load 1": {
-        "layer": layers.Exponential(0.1, 0.2),
-        "profile": BALL,
-        "load": 1.0,
-    },
+SCENES: dict[str, dict[str, object]] = {
+    "Abaqus' exponential, load 1": {"layer": layers.Exponential(0.1, 0.2), "load": 1.0},
     "CalculiX' exponential, approach 0.5": {
         "layer": layers.CalculixExponential(0.1, 0.2),
-        "profile": BALL,
         "approach": 0.5,
     },
-    "power 2, contact radius 1": {
-        "layer": layers.PowerLaw(5.0, 2.0),
-        "profile": BALL,
-        "contact_radius": 1.0,
-    },
+    "power 2, contact radius 1": {"layer": layers.PowerLaw(5.0, 2.0), "contact_radius": 1.0},
     "power 3 under a cone, load 1": {
         "layer": layers.PowerLaw(5.0, 3.0),
         "profile": profiles.Cone(1.2),
@@ -50,12 +39,10 @@ SCENES = {
     },
     "rough spheres, approach 3": {
         "layer": layers.GreenwoodWilliamson(10.0, 1.0, 0.5),
-        "profile": BALL,
         "approach": 3.0,
     },
     "rough spheres, stiff, load 1": {
         "layer": layers.GreenwoodWilliamson(1e6, 1e-3, 1e-3),
-        "profile": BALL,
         "load": 1.0,
     },
 }
@@ -88,19 +75,10 @@ class Recorded:
 
 def main() -> None:
     """Write the table."""
-    recorded = Recorded()
-    lines = [
-        "# Newton's method through nonlinear layers\n",
-        "Every correction of the longest run of a scene at `rtol=1e-12`, as a part of the largest "
-        "pressure, by validation/physics/newton_layers.py. The last column is the largest ratio of "
-        f"a correction to the square of the one before, of those below {LARGE:g} and above "
-        f"{ROUNDING:g}.\n",
-        "| scene | corrections | ratio |",
-        "|---|---|---|",
-    ]
+    recorded, rows = Recorded(), []
     for name, given in SCENES.items():
         recorded.sizes.clear()
-        solve(Scene(0.3, **given), 1e-12)
+        solve(Scene(0.3, **({"profile": BALL} | given)), 1e-12)
         sizes = max(recorded.sizes, key=len)
         ratios = [
             after / before**2
@@ -108,9 +86,15 @@ def main() -> None:
             if before < LARGE and after > ROUNDING
         ]
         most = f"{max(ratios):.2g}" if ratios else "none"
-        print(name, sizes, most)
-        lines.append(f"| {name} | {' '.join(f'{size:.0e}' for size in sizes)} | {most} |")
-    (RESULTS / "newton_layers.md").write_text("\n".join(lines) + "\n")
+        rows.append((name, " ".join(f"{size:.0e}" for size in sizes), most))
+    about = (
+        "# Newton's method through nonlinear layers\n\n"
+        "Every correction of the longest run of a scene at `rtol=1e-12`, as a part of the largest "
+        "pressure, by validation/physics/newton_layers.py. The last column is the largest ratio of "
+        f"a correction to the square of the one before, of those below {LARGE:g} and above "
+        f"{ROUNDING:g}."
+    )
+    write("newton_layers", f"{about}\n\n{table('scene | corrections | ratio', rows)}")
 
 
 if __name__ == "__main__":

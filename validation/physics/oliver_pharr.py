@@ -5,10 +5,6 @@ Run as ``python validation/physics/oliver_pharr.py``; writes docs/oliver_pharr.p
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 from pathlib import Path
 
 import matplotlib as mpl

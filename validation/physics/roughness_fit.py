@@ -7,17 +7,17 @@ honest, the deviations from the truth have the distribution that its covariance 
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 import json
+import sys
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parents[1]))
+
 import numpy as np
+from reporting import RESULTS, table, write
 from scipy.stats import chi2
 
-from spectral_contact import Scene, __version__, solve
+from spectral_contact import Scene, solve
 from spectral_contact.asperities import greenwood_williamson
 from spectral_contact.calibration import (
     PARAMETERS,
@@ -28,7 +28,6 @@ from spectral_contact.calibration import (
     fit,
 )
 
-RESULTS = Path(__file__).parents[1] / "results"
 FITS = 40
 TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
 MATERIAL = {"youngs_modulus": 200e9, "poisson_ratio": 0.3}
@@ -113,9 +112,6 @@ def record(exact: list[np.ndarray], fits: list[RoughnessFit]) -> dict:
             }
         )
     return {
-        "schema": "spectral_contact.validation.roughness_fit",
-        "version": 1,
-        "library": __version__,
         "count": len(rows),
         "truth": TRUTH,
         "radii": RADII.tolist(),
@@ -124,38 +120,32 @@ def record(exact: list[np.ndarray], fits: list[RoughnessFit]) -> dict:
     }
 
 
-def table(found: dict) -> str:
+def page(found: dict) -> str:
     """Return the summary as Markdown."""
     rows, count = found["rows"], found["count"]
-    lines = [
-        f"{count} fits of {rows[0]['degrees_of_freedom'] + 3} noisy values each:",
-        "",
-        "| parameter | truth | mean of the estimates | their scatter | mean of the standard errors "
-        "| truth within the 95 % interval |",
-        "|---|---|---|---|---|---|",
-    ]
+    cells = []
     for i, name in enumerate(PARAMETERS):
         ones = [row["fit"]["parameters"][i] for row in rows]
         values = np.array([one["value"] for one in ones])
         error = np.mean([one["relative_error"] for one in ones])
-        covered = sum(row["covered"][i] for row in rows)
-        lines.append(
-            f"| {LABELS[name]} | {TRUTH[name]:g} | {values.mean():.4g} "
-            f"| {100 * np.log(values).std(ddof=1):.2f} % | {100 * error:.2f} % "
-            f"| {covered} of {count} |"
-        )
-    for what, key, freedom in (
+        scatter = f"{100 * np.log(values).std(ddof=1):.2f} %"
+        covered = f"{sum(row['covered'][i] for row in rows)} of {count}"
+        sizes = f"{TRUTH[name]:g}", f"{values.mean():.4g}", scatter, f"{100 * error:.2f} %"
+        cells.append((LABELS[name], *sizes, covered))
+    freedom = rows[0]["degrees_of_freedom"]
+    heading = "parameter | truth | mean of the estimates | their scatter | mean of the standard "
+    heading += "errors | truth within the 95 % interval"
+    parts = [f"{count} fits of {freedom + 3} noisy values each:", table(heading, cells)]
+    for what, key, free in (
         ("squared distances of the estimates from the truth, in the covariance,", "distance", 3),
-        ("chi squares of the data", "chi_square", rows[0]["degrees_of_freedom"]),
+        ("chi squares of the data", "chi_square", freedom),
     ):
-        low, high = chi2.interval(0.95, freedom * count)
+        low, high = chi2.interval(0.95, free * count)
         total = sum(row[key] for row in rows)
-        lines += [
-            "",
-            f"The {what} add up to {total:.0f}; {low:.0f} to {high:.0f} is to be expected ",
-        ]
-        lines[-1] += "(95 %)."
-    return "\n".join(lines) + "\n"
+        parts.append(
+            f"The {what} add up to {total:.0f}; {low:.0f} to {high:.0f} is to be expected (95 %)."
+        )
+    return "\n\n".join(parts)
 
 
 def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
@@ -233,12 +223,8 @@ def main() -> None:
         fits.append(fit(start(), measured(exact, seed), PARAMETERS))
         print(f"\r{seed + 1} of {FITS}", end="", flush=True)
     found = record(exact, fits)
-    RESULTS.mkdir(exist_ok=True)
-    text = json.dumps(found, indent=1)
-    (RESULTS / "roughness_fit.json").write_text(text + "\n", encoding="utf-8")
-    (RESULTS / "roughness_fit.md").write_text(table(found), encoding="utf-8")
+    write("roughness_fit", page(found), found)
     draw(measured(exact, 0), fits, RESULTS / "roughness_fit.png")
-    print("\n" + table(found))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,77 @@
+"""What studies share: one BLAS thread, options, tables, results, and the unit of time.
+
+A study puts the folder of this module on `sys.path`. As soon as it is imported, BLAS has one thread
+in this process, and in those that it starts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from statistics import median
+from time import process_time
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+# the first for libraries that are not loaded yet
+THREADS = os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", THREADS)
+threadpool_limits(int(THREADS))
+
+RESULTS = Path(__file__).parent / "results"
+DOCS = Path(__file__).parents[1] / "docs"
+_DENSE = np.random.default_rng(0).standard_normal((1000, 1000))
+
+
+def options(
+    doc: str | None, arguments: Sequence[str] | None = None, **defaults: Any
+) -> argparse.Namespace:
+    """Return the options of a command line; each is of the type of its default, False a flag."""
+    parser = argparse.ArgumentParser(description=(doc or "").partition("\n")[0])
+    for name, default in defaults.items():
+        kind = {"action": "store_true"} if default is False else {"type": type(default)}
+        parser.add_argument(f"--{name}", default=default, help=f"default: {default}", **kind)
+    return parser.parse_args(arguments)
+
+
+def table(heading: str, rows: Iterable[Iterable[object]]) -> str:
+    """Return a table of Markdown; a vertical bar separates the headings."""
+    columns = heading.split(" | ")
+    lines = [f"| {heading} |", "|---" * len(columns) + "|"]
+    return "\n".join([*lines, *(f"| {' | '.join(map(str, cells))} |" for cells in rows)])
+
+
+def write(name: str, text: str, record: dict[str, Any] | None = None, version: int = 1) -> None:
+    """Print and write results/NAME.md, and the record to NAME.json under a schema of its name."""
+    import spectral_contact  # here, as the net times other versions
+
+    print(text)
+    RESULTS.mkdir(exist_ok=True)
+    (RESULTS / f"{name}.md").write_text(text.rstrip("\n") + "\n", encoding="utf-8")
+    if record is not None:
+        known = {"schema": f"spectral_contact.validation.{name}", "version": version}
+        whole = {**known, "library": spectral_contact.__version__, **record}
+        (RESULTS / f"{name}.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
+
+
+def stored(name: str) -> dict[str, Any]:
+    """Return the record in results/NAME.json; it is empty where there is none."""
+    path = RESULTS / f"{name}.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Return the processor's time for some work."""
+    begin = process_time()
+    work()
+    return process_time() - begin
+
+
+def unit() -> float:
+    """Return U, the seconds of one dense solve of 1000 unknowns: the median of three."""
+    return median(seconds(lambda: np.linalg.solve(_DENSE, _DENSE[0])) for _ in range(3))
