@@ -45,6 +45,7 @@ def test_what_is_not_unloaded_is_refused(changes, parameter):
     with pytest.raises(SceneError) as refused:
         SCENE.replace(**changes)
     assert refused.value.parameter == parameter
+    assert "unloaded_to" in str(refused.value)
     assert Exponential  # a nonlinear layer takes a profile
 
 
