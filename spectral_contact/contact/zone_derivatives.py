@@ -37,6 +37,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
+from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, interpolation_points
@@ -45,6 +46,8 @@ from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 
 Array = NDArray[np.float64]
 
+#: Name of the logarithm of the factor of a known displacement, as a parameter.
+LOG_DISPLACEMENT = "ln displacement"
 #: Nodes on (-1, 1), which JACOBIAN_RANGE scales, and the matrix from values at them to Chebyshev
 #: coefficients. A function of a boundary is singular where a zone has no width.
 _NODES, _FIT = chebyshev_interpolation(interpolation_points(1.0 / JACOBIAN_RANGE))
@@ -89,6 +92,7 @@ def differentiated(
     names: Sequence[str],
     tolerance: float,
     known: Sequence[NormalContact] = (),
+    displacement: KnownDisplacement | None = None,
 ) -> ZoneDerivatives:
     """Return the derivatives of the solution with given zones.
 
@@ -100,11 +104,13 @@ def differentiated(
         The zones, to all digits of the solution; boundaries with a Jacobian stay where they are.
     names : sequence of str
         Names of the parameters by which to differentiate. They must not be 0. Under a known
-        pressure alpha enters through that pressure only.
+        pressure alpha enters through that pressure only. LOG_DISPLACEMENT is one of them.
     tolerance : float
         Relative error for which the spaces are made.
     known : sequence of NormalContact
         If the pressure is known, the normal contact and its derivative by alpha.
+    displacement : KnownDisplacement, optional
+        That of what sticks, under one known pressure.
     """
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
@@ -116,9 +122,17 @@ def differentiated(
         spaces = first_spaces(*geometry, edge_power(parameters, layout.states))
     pressures = [contact.pressure for contact in known]
 
-    def system_at(parameters: Parameters, logits: Array) -> ContactSystem:
-        radii = tuple(map(Radius.from_logit, logits.tolist()))
-        return ContactSystem(radii, layout.states, spaces, parameters, pressures)
+    def system_at(
+        parameters: Parameters, logits: Array, *, displaced: bool = True
+    ) -> ContactSystem:
+        return ContactSystem(
+            tuple(map(Radius.from_logit, logits.tolist())),
+            layout.states,
+            spaces,
+            parameters,
+            pressures,
+            displacement=displacement if displaced else None,
+        )
 
     return _SolutionDerivatives(parameters, logits, system_at, names, layout.jacobian).outcome()
 
@@ -148,7 +162,8 @@ class _SolutionDerivatives:
     logits : ndarray
         Boundaries, which Newton steps correct to rounding.
     system_at : callable
-        Returns the system with some parameters and boundaries.
+        Returns the system with some parameters and boundaries, and without the known displacement
+        if `displaced` is false.
     names : sequence of str
         Names of the parameters of the derivatives.
     jacobian : ndarray, optional
@@ -159,7 +174,7 @@ class _SolutionDerivatives:
         self,
         parameters: Parameters,
         logits: Array,
-        system_at: Callable[[Parameters, Array], ContactSystem],
+        system_at: Callable[..., ContactSystem],
         names: Sequence[str],
         jacobian: Array | None,
     ) -> None:
@@ -294,11 +309,16 @@ class _SolutionDerivatives:
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
-            # rounding of the other terms is not divided by a parameter that is small
-            size = getattr(system.parameters, name)
-            increase = max(size, 1.0)
-            increased = self.parameters._replace(**{name: size + increase})
-            after = self._evaluated(self.system_at(increased, self.logits))
+            if name == LOG_DISPLACEMENT:
+                increase = -1.0
+                changed = self.system_at(self.parameters, self.logits, displaced=False)
+            else:
+                # rounding of the other terms is not divided by a parameter that is small
+                size = getattr(system.parameters, name)
+                increase = max(size, 1.0)
+                increased = self.parameters._replace(**{name: size + increase})
+                changed = self.system_at(increased, self.logits)
+            after = self._evaluated(changed)
             residual, jumps_by, residuals_by, shear_by = (
                 (increased_value - value) / increase
                 for value, increased_value in zip(before, after, strict=True)
