@@ -79,8 +79,9 @@ class SolutionSlopes:
     Without coupling the system is that for kappa = 1 and the friction ``f/kappa``.
     """
 
-    def __init__(self, own: Solution, tolerance: float) -> None:
+    def __init__(self, own: Solution, tolerance: float, *, with_slip: bool = False) -> None:
         self.own, self.scene, self.tolerance = own, own.scene, tolerance
+        self.with_slip = with_slip
         zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
         self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
         self.states = tuple(_state(own, zone) for zone in zones)
@@ -93,8 +94,8 @@ class SolutionSlopes:
             self.moving.append("friction")
         if self.couples:
             self.moving.append("poisson_ratio")
-        if self.scene.unloaded_to < 1.0:
-            self.moving = [LOAD_RATIO]
+        if self.scene.unloaded_to < 1.0 and any(self.states):
+            self.moving.append(LOAD_RATIO)
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         self.smooth = bool(self.inner) and not any(compliances) and not self.couples
 
@@ -123,20 +124,27 @@ class SolutionSlopes:
             known = [one for one in self.normal if one is not None]
             parameters = Parameters(*own, 1.0, friction / scene.kappa)
         names = [_COLUMNS[name] for name in self.moving]
-        if scene.unloaded_to == 1.0:
-            return differentiated(parameters, layout, names, self.tolerance, known)
-        return differentiated(
-            parameters, layout, names, self.tolerance, known[:1], self._displacement
-        )
+        given = parameters, layout, names, self.tolerance, known
+        if LOG_DISPLACEMENT not in names:
+            return differentiated(*given, slip=self.with_slip)
+        displacement, *changes = self._displacement
+        displaced_by = dict(zip(names, (*changes, displacement), strict=True))
+        return differentiated(*given, displacement, displaced_by)
 
     @property
-    def _displacement(self) -> KnownDisplacement:
-        """The displacement at the largest load, times one over the load ratio."""
-        largest = self.scene.replace(unloaded_to=1.0)
-        slip = Continuation(self.tolerance, ["slip"], _MOST_UNKNOWNS).solve(largest).slip_field
-        assert isinstance(slip, ZonalField)
+    def _displacement(self) -> list[KnownDisplacement]:
+        """The displacement at the largest load, and its derivatives by the parameters there.
+
+        Both are times one over the load ratio.
+        """
+        asked = "slip", "zones", "traction"
+        continuation = Continuation(self.tolerance, asked, _MOST_UNKNOWNS)
+        largest = continuation.solve(self.scene.replace(unloaded_to=1.0))
+        assert isinstance(largest.slip_field, ZonalField)
+        slopes = SolutionSlopes(largest, self.tolerance, with_slip=True)
+        slip = largest.slip_field.times(1.0 / self.scene.kappa)
         factor = 1.0 / self.scene.unloaded_to
-        return KnownDisplacement(slip.times(1.0 / self.scene.kappa), factor, 0.0)
+        return [KnownDisplacement(field, factor, 0.0) for field in (slip, *slopes.zones.slip)]
 
     def scalar(self, quantity: str, name: str, boundary: int = 0) -> float:
         """Return the derivative of a number; NaN where zones are hardly known.
@@ -148,10 +156,9 @@ class SolutionSlopes:
         scene, kappa = self.scene, self.scene.kappa
         rise = kappa_slope(scene)
         if name == LOAD_RATIO:  # the displacement over the load goes like one over the load
-            of_system = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
-            if quantity == "stick_radius":
-                return -of_system / scene.unloaded_to
-            return self.own.total_shear / scene.unloaded_to - kappa * of_system
+            moved = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
+            whole = self.own.total_shear - kappa * moved if quantity == "total_shear" else -moved
+            return whole / scene.unloaded_to
         if self.couples:
             column, factor = self._column(name)
             return factor * self._of_system(quantity, column, boundary)
@@ -185,7 +192,9 @@ class SolutionSlopes:
         if quantity == "stick_radius":
             c = self.inner[boundary]
             return 0.5 * c.value * c.rest * float(self.zones.logits[boundary, i])
-        return float((self.zones.shear if quantity == "total_shear" else self.zones.approach)[i])
+        if quantity == "approach":
+            return float(self.zones.approach[i])
+        return self.scene.unloaded_to * float(self.zones.shear[i])
 
     def noise(self, name: str, boundary: int) -> float:
         """Return what rounding makes of the derivative of a boundary, relative to that."""
@@ -204,30 +213,37 @@ class SolutionSlopes:
         if self.couples:
             column, factor = self._column(name)
             return factor * self.zones.pressure[self.moving.index(column)](s, from_edge)
+        load = self.scene.unloaded_to
         if name == LOAD_RATIO:
-            return np.asarray(self.own.pressure(from_edge=from_edge)) / self.scene.unloaded_to
+            return np.asarray(self.own.pressure(from_edge=from_edge) / load)
         change = self.normal[1]
         if name != "normal_compliance" or change is None:
             return np.zeros(s.shape)
-        return np.asarray(change.pressure(s, from_edge))
+        return np.asarray(load * change.pressure(s, from_edge))
+
+    def _traction_in_stick(self, name: str, s: Array, from_edge: Array) -> Array:
+        """Return the derivative of the traction in stick, as the system has it; 0 in slip."""
+        traction = self.zones.traction[self.moving.index(name)]
+        return np.asarray(self.scene.unloaded_to * traction(s, from_edge))
 
     def _traction(self, name: str, s: Array, from_edge: Array) -> Array:
         scene, kappa, own = self.scene, self.scene.kappa, self.own
         rise = kappa_slope(scene)
         if name == LOAD_RATIO:
-            q = own.traction(from_edge=from_edge) / scene.unloaded_to
-            return np.asarray(q - kappa * self.zones.traction[0](s, from_edge)) if self.inner else q
+            moved = self._traction_in_stick(name, s, from_edge) if self.inner else 0.0
+            q = own.traction(from_edge=from_edge)
+            return np.asarray((q - kappa * moved) / scene.unloaded_to)
         beyond = [one.below(s, from_edge) < 0.0 for one in self.inner]
         sign = np.array(self.states)[np.sum(beyond, axis=0, dtype=int)]
         if name == "poisson_ratio" and not self.couples:
             q = own.traction(from_edge=from_edge) / kappa
             if self.inner:
-                by_ratio = self.zones.traction[self.moving.index("friction")](s, from_edge)
+                by_ratio = self._traction_in_stick("friction", s, from_edge)
                 q = q - (scene.friction or 0.0) / kappa * by_ratio
             return rise * np.where(sign == 0, q, 0.0)
         value = np.zeros(s.shape)
         if not self.slips:
-            value = self.zones.traction[self.moving.index(name)](s, from_edge)
+            value = self._traction_in_stick(name, s, from_edge)
         if self.couples:
             value = value * (rise if name == "poisson_ratio" else 1.0)
         elif name != "friction":

@@ -168,8 +168,7 @@ def sensitivity(
     ------
     SceneError
         If it is no solution, or one under a profile without adhesion; for a parameter that is not
-        known, as all but the load are below the largest load; and for radii that are not in [0, 1],
-        or given twice.
+        known, and for radii that are not in [0, 1], or given twice.
     NotComputedError
         With elastic coupling, if no zones are found that obey the friction law.
     """
@@ -247,9 +246,8 @@ def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
 
 def _of_scene(scene: Scene) -> tuple[str, ...]:
     """Return what a solution can be differentiated by: of two bodies kappa."""
-    if scene.unloaded_to < 1.0:
-        return (LOAD_RATIO,)
-    return PARAMETERS if scene.mismatch is None else (*PARAMETERS[:-1], "kappa")
+    last = PARAMETERS[-1] if scene.mismatch is None else "kappa"
+    return (*PARAMETERS[:-1], last, *[LOAD_RATIO] * (scene.unloaded_to < 1.0))
 
 
 def _by_kappa(found: Sensitivity) -> Sensitivity:
@@ -367,7 +365,8 @@ class _Slopes:
             return Derivative(0.0, 0.0)
         if self.scene.normal_compliance == 0.0:
             return Derivative(math.nan, math.inf, _AT_ZERO)
-        value = approach_slope(lambda d: self.own.pressure(from_edge=d))
+        # the square of the pressure has that of the load
+        value = approach_slope(lambda d: self.own.pressure(from_edge=d)) / self.scene.unloaded_to
         return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + _ROUNDING)
 
     def _couples(self, name: str) -> bool:
