@@ -26,7 +26,6 @@ from spectral_contact.fields import Array
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution, Zone
-from spectral_contact.solving.solver import Continuation
 from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
@@ -76,12 +75,15 @@ def _of_smooth_surface(quantity: str, rim: Radius, own: Solution) -> float:
 class SolutionSlopes:
     """The derivatives at a solution, in spaces for a tolerance.
 
-    Without coupling the system is that for kappa = 1 and the friction ``f/kappa``.
+    Without coupling the system is that for kappa = 1 and the friction ``f/kappa``. Below the
+    largest load and with slip, `largest` has the derivatives there.
     """
 
-    def __init__(self, own: Solution, tolerance: float, *, with_slip: bool = False) -> None:
+    def __init__(
+        self, own: Solution, tolerance: float, largest: SolutionSlopes | None = None
+    ) -> None:
         self.own, self.scene, self.tolerance = own, own.scene, tolerance
-        self.with_slip = with_slip
+        self.largest = largest
         zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
         self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
         self.states = tuple(_state(own, zone) for zone in zones)
@@ -112,6 +114,9 @@ class SolutionSlopes:
     @cached_property
     def zones(self) -> ZoneDerivatives:
         """The derivatives by what moves; where all slips that is with coupling."""
+        return self._differentiated()
+
+    def _differentiated(self, *, slip: bool = False) -> ZoneDerivatives:
         scene = self.scene
         known: list[NormalContact] = []
         friction = scene.friction if scene.friction is not None else math.inf
@@ -125,26 +130,15 @@ class SolutionSlopes:
             parameters = Parameters(*own, 1.0, friction / scene.kappa)
         names = [_COLUMNS[name] for name in self.moving]
         given = parameters, layout, names, self.tolerance, known
-        if LOG_DISPLACEMENT not in names:
-            return differentiated(*given, slip=self.with_slip)
-        displacement, *changes = self._displacement
-        displaced_by = dict(zip(names, (*changes, displacement), strict=True))
-        return differentiated(*given, displacement, displaced_by)
-
-    @property
-    def _displacement(self) -> list[KnownDisplacement]:
-        """The displacement at the largest load, and its derivatives by the parameters there.
-
-        Both are times one over the load ratio.
-        """
-        asked = "slip", "zones", "traction"
-        continuation = Continuation(self.tolerance, asked, _MOST_UNKNOWNS)
-        largest = continuation.solve(self.scene.replace(unloaded_to=1.0))
-        assert isinstance(largest.slip_field, ZonalField)
-        slopes = SolutionSlopes(largest, self.tolerance, with_slip=True)
-        slip = largest.slip_field.times(1.0 / self.scene.kappa)
-        factor = 1.0 / self.scene.unloaded_to
-        return [KnownDisplacement(field, factor, 0.0) for field in (slip, *slopes.zones.slip)]
+        if self.largest is None:
+            return differentiated(*given, slip=slip)
+        kept = self.largest.own.slip_field
+        assert isinstance(kept, ZonalField)
+        fields = *self.largest._differentiated(slip=True).slip, kept.times(1.0 / scene.kappa)
+        factor = 1.0 / scene.unloaded_to
+        displacements = [KnownDisplacement(one, factor, 0.0) for one in fields]
+        displaced_by = dict(zip(names, displacements, strict=True))
+        return differentiated(*given, displacements[-1], displaced_by)
 
     def scalar(self, quantity: str, name: str, boundary: int = 0) -> float:
         """Return the derivative of a number; NaN where zones are hardly known.

@@ -420,9 +420,18 @@ class _Slopes:
             found = []
             for tolerance in _TIGHT:
                 self.tell(f"derivatives at {tolerance:g}")
-                found.append(SolutionSlopes(self.own, tolerance))
+                found.append(SolutionSlopes(self.own, tolerance, self._at_largest_load(tolerance)))
             self._known = found[0], found[1]
         return self._known
+
+    def _at_largest_load(self, tolerance: float) -> SolutionSlopes | None:
+        """Return the derivatives at the largest load if what has slipped there is kept."""
+        if self.scene.unloaded_to == 1.0 or "slip" not in self.kinds or not self.friction:
+            return None
+        largest = Continuation(tolerance, ("slip", "zones", "traction"), _MOST_UNKNOWNS).solve(
+            self.scene.replace(unloaded_to=1.0)
+        )
+        return SolutionSlopes(largest, tolerance)
 
     def fields(self, parameters: Iterable[str]) -> dict[tuple[str, str], FieldDerivative]:
         """Return those of pressure and traction at the radii, by quantity and parameter."""
