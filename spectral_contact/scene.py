@@ -649,8 +649,11 @@ def _checked_load_ratio(scene: Mapping[str, Any]) -> float:
     if scene["coupling"]:
         told = "False where unloaded_to is below 1: unloading is without elastic coupling"
         raise SceneError("coupling", True, told)
-    if scene["friction"] and scene["tangential_compliance"] == 0.0:
-        told = "> 0 where unloaded_to is below 1 and the scene has friction"
+    slips = scene["friction"] not in (None, 0.0, math.inf)
+    if slips and scene["tangential_compliance"] == 0.0:
+        told = (
+            "> 0 where unloaded_to is below 1, as slip back begins at once and its history counts"
+        )
         raise SceneError("tangential_compliance", 0.0, told)
     return ratio
 

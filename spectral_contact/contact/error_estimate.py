@@ -489,8 +489,8 @@ class ZoneEstimate:
         defects = scale * np.column_stack([solution.defects, self.effects[0].defects])
         columns = np.column_stack([self.values, self.changes[0]])
         residual = system.pointwise_residual(columns, np.array([scale, 0.0]), defects).tangential
-        stick_zones = _stick_zones(system, [values[:, 0] for values in residual])
-        changes = _stick_zones(system, [values[:, 1] for values in residual])
+        stick_zones = stick_zone_sources(system, [values[:, 0] for values in residual])
+        changes = stick_zone_sources(system, [values[:, 1] for values in residual])
         jump_sizes = np.abs(system.jump_rows @ self.end_perturbation.change)
         steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jump_sizes
         largest = max(
@@ -524,7 +524,7 @@ def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]
     ]
 
 
-def _stick_zones(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
+def stick_zone_sources(system: ContactSystem, residual: Sequence[Array]) -> list[StickZone]:
     """Return the quadrature of ``t^2 E dt`` over the stick zones, from E at the nodes."""
     parts: dict[int, list[tuple[OffsetRadii, Array]]] = {}
     # E is given up to the outermost part that sticks

@@ -28,10 +28,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from spectral_contact.contact.error_estimate import relative_size
-from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.friction_law import DISTANCES
-from spectral_contact.contact.layout import Layout, logit_at
+from spectral_contact.contact.layout import Layout, NoBoundariesError, logit_at
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
@@ -39,7 +37,6 @@ from spectral_contact.contact.stick_radius import JACOBIAN_FIELD_TOL
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
     MAX_STEPS,
-    ROUNDING,
     SAMPLES,
     SLIP_ROUNDING,
 )
@@ -57,12 +54,13 @@ if TYPE_CHECKING:
 
 
 class ZoneGrowth(NamedTuple):
-    """By how much slip zones grow as the load falls.
+    """Whether slip zones grow as the load falls.
 
     Attributes
     ----------
     changes : ndarray, shape (boundaries,)
-        Of the logits, positive where slip grows, per ``-d ln(load)``.
+        Of ``|q|/f`` less p on the sides that stick, per ``-d ln(load)`` with zones held fixed:
+        positive where slip grows.
     least : float
         The least of them.
     error : float
@@ -107,7 +105,7 @@ class UnloadedSearch(ZoneSearch):
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: the zones at a like load, and those that rings show."""
         if self.warm_start is not None:
-            yield Candidate(self.warm_start, "the zones at a like load", predicted=True)
+            yield Candidate(self.warm_start, "the zones at like loads", predicted=True)
         from spectral_contact.contact.active_set import ring_layout
 
         for more in range(1, 5):
@@ -142,6 +140,8 @@ class UnloadedSearch(ZoneSearch):
         refinement = refine(
             self.problem(candidate.zones, self.tolerance), self.tolerance, self.max_unknowns
         )
+        if candidate.predicted and refinement.best.error > self.tolerance:
+            raise NoBoundariesError("the tolerance is not met from these boundaries")
         solved: ZoneSolution = self.record(UNLOADING, refinement, begin)
         self.solved = solved
         return zones_outcome(solved, self.parameters, self.contact)
@@ -168,29 +168,28 @@ class UnloadedSearch(ZoneSearch):
         raise NoZonesError("; ".join(trial.text for trial in self._trials))
 
     def growth(self, zones: Layout) -> ZoneGrowth:
-        """Return by how much the slip zones grow at their ends, per ``-d ln(load)``.
+        """Return whether the slip zones grow at their ends as the load falls.
 
-        At given boundaries the boundary residual r is linear in the displacement that what sticks
-        keeps, which goes like one over the load. So with ``r_0`` the residual without it and J the
-        Jacobian, ``d logit / d ln(load) = -J^-1 r_0``. J is that of two steps, extrapolated
-        (Richardson 1911): the error is less than 1/16 of the change by that.
+        While the zones are held fixed, the traction beside an end begins to exceed friction, or to
+        fall below it. Inside of what sticks it is below, so that the end moves into what sticks if
+        it exceeds friction, and only then: by that excess over the slope of ``q - f p`` there.
+        The displacement that what sticks keeps goes like one over the load, and the traction is
+        continuous with it. So the excess is the jump without it, with opposite sign.
         """
         logits = np.array(zones.logits)
-        tolerance = JACOBIAN_FIELD_TOL
-        problem = self.problem(zones, tolerance)
-        spaces = problem.spaces(tolerance, logits)
-        undisplaced = FreeBoundaryProblem(self.parameters, zones, tolerance, known=self.contact)
-        start = FieldSolution.first(factored(undisplaced.system(spaces, logits)))
-        residual = corrected(start, ROUNDING, relative_size).fields.boundary_residual
-        coarse, fine = (
-            problem.jacobian(spaces, logits, ROUNDING, fraction=fraction) for fraction in (1.0, 0.5)
-        )
-        # a boundary grows the slip outside of it as it moves inward
-        outward = np.where(np.array(zones.states[1:]) != 0, -1.0, 1.0)
-        changes = outward * np.linalg.solve((4.0 * fine - coarse) / 3.0, residual)
-        plain = outward * np.linalg.solve(coarse, residual)
+        undisplaced = FreeBoundaryProblem(self.parameters, zones, COARSE_TOL, known=self.contact)
+        system = undisplaced.system(undisplaced.spaces(COARSE_TOL, logits), logits)
+        factors = factored(system)
+        values = factors.unit_solutions[:, 0]
+        coarse_difference = factors.coarse_differences(values, system)[0]
+        states = np.array(zones.states)
+        # one of the two zones at a boundary sticks, and its state is 0
+        jumps = (states[1:] + states[:-1])[:, None] * system.jump_rows / self.parameters.friction
+        changes = -jumps @ values
         i = int(np.argmin(changes))
-        return ZoneGrowth(changes, float(changes[i]), abs(plain[i] - changes[i]) / 16.0 + tolerance)
+        by_boundaries = self.tolerance * float(np.abs(changes).max())
+        error = abs(float(jumps[i] @ coarse_difference)) + by_boundaries
+        return ZoneGrowth(changes, float(changes[i]), error)
 
 
 def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
@@ -260,19 +259,23 @@ class Unloading:
         That for the zones at the largest load.
     loaded : PartialSlip
         Its outcome, on zones that were solved for.
+    tolerance : float
+        Bound on the relative errors of states; that of the search is tighter, and bounds those of
+        the thresholds.
     """
 
-    def __init__(self, search: UncoupledSearch, loaded: PartialSlip) -> None:
+    def __init__(self, search: UncoupledSearch, loaded: PartialSlip, tolerance: float) -> None:
         self._parameters = search.parameters
         self._contact = search.contact
         self._stick = search.stick
         self._loaded = loaded
         self._tolerance = search.tolerance
+        self._state_tolerance = tolerance
         self._max_unknowns = search.max_unknowns
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
         self._slip_error = loaded.slip_error * float(np.abs(samples).max())
 
-    def state(self, load_ratio: float, record: Record) -> PartialSlip:
+    def state(self, load_ratio: float, record: Record, start: Layout | None = None) -> PartialSlip:
         """Return the state at a load ratio below 1, for unit load.
 
         Parameters
@@ -280,6 +283,8 @@ class Unloading:
         load_ratio : float
         record : callable
             As of `ZoneSearch`.
+        start : Layout, optional
+            Zones that are predicted from those at other loads.
 
         Raises
         ------
@@ -288,7 +293,7 @@ class Unloading:
         NoZonesError
             If the friction law holds on no zones that are tried.
         """
-        search = self._search(load_ratio, record)
+        search = self._search(load_ratio, record, start=start, tolerance=self._state_tolerance)
         outcome = search.outcome()
         assert outcome.layout is not None
         if not search.growth(outcome.layout).least > 0.0:
@@ -368,6 +373,7 @@ class Unloading:
         """
         reverse, zones = self._onset_of_reverse_slip
         top = log(reverse.value)
+        tolerance = max(self._tolerance, JACOBIAN_FIELD_TOL)
         start: Layout | None = None
 
         def growth(root_x: float) -> ZoneGrowth:
@@ -375,7 +381,7 @@ class Unloading:
             if root_x == 0.0:
                 return self._search(reverse.value).growth(zones)
             load = exp(top - root_x**2)
-            search = self._search(load, start=start, tolerance=JACOBIAN_FIELD_TOL)
+            search = self._search(load, start=start, tolerance=tolerance)
             start = search.outcome().layout
             assert start is not None
             return search.growth(start)
@@ -383,10 +389,10 @@ class Unloading:
         below = sqrt(COARSE_TOL)
         while growth(below).least > 0.0:
             below *= 2.0
-        zero = brentq(lambda root_x: growth(root_x).least, 0.0, below, xtol=JACOBIAN_FIELD_TOL)
+        zero = brentq(lambda root_x: growth(root_x).least, 0.0, below, xtol=tolerance)
         # of the growth by x
         slope = growth(zero / 2.0).least / (3.0 * zero**2 / 4.0)
-        error = 2.0 * zero * JACOBIAN_FIELD_TOL + 4.0 * growth(zero).error / slope
+        error = 2.0 * zero * tolerance + 4.0 * growth(zero).error / slope
         return LoadRatio(exp(top - zero**2), error + reverse.error)
 
 

@@ -14,7 +14,7 @@ the Jacobian J. This is the derivative of polynomials through residuals at nearb
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -22,10 +22,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.error_estimate import relative_size
+from spectral_contact.contact.error_estimate import relative_size, stick_zone_sources
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import DERIVATIVE_CORRECTIONS, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.contact.zone_fields import stick_tractions
 from spectral_contact.contact.zone_problem import min_zone_width
@@ -33,10 +34,13 @@ from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known
 from spectral_contact.fields.series import (
     DiskSeries,
     EdgeWeight,
+    PressureField,
     Radius,
     ZonalField,
     ZonePiece,
 )
+from spectral_contact.spectral.annulus import Annulus
+from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.jacobi import chebyshev_interpolation, interpolation_points
@@ -45,6 +49,8 @@ from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 
 Array = NDArray[np.float64]
 
+#: Name of the logarithm of the factor of a known displacement, as a parameter.
+LOG_DISPLACEMENT = "ln displacement"
 #: Nodes on (-1, 1), which JACOBIAN_RANGE scales, and the matrix from values at them to Chebyshev
 #: coefficients. A function of a boundary is singular where a zone has no width.
 _NODES, _FIT = chebyshev_interpolation(interpolation_points(1.0 / JACOBIAN_RANGE))
@@ -73,6 +79,8 @@ class ZoneDerivatives:
     pressure, traction : list of ZonalField
         Derivatives by each parameter of the pressure, if it is unknown, and of the traction in
         stick; in slip the latter is left at 0.
+    slip : list of ZonalField
+        Derivatives by each parameter of ``u_r / kappa``, if they were asked for.
     """
 
     logits: Array
@@ -81,6 +89,7 @@ class ZoneDerivatives:
     shear: Array
     pressure: list[ZonalField]
     traction: list[ZonalField]
+    slip: list[ZonalField]
 
 
 def differentiated(
@@ -89,6 +98,9 @@ def differentiated(
     names: Sequence[str],
     tolerance: float,
     known: Sequence[NormalContact] = (),
+    displacement: KnownDisplacement | None = None,
+    displaced_by: Mapping[str, KnownDisplacement] | None = None,
+    slip: bool = False,
 ) -> ZoneDerivatives:
     """Return the derivatives of the solution with given zones.
 
@@ -100,11 +112,17 @@ def differentiated(
         The zones, to all digits of the solution; boundaries with a Jacobian stay where they are.
     names : sequence of str
         Names of the parameters by which to differentiate. They must not be 0. Under a known
-        pressure alpha enters through that pressure only.
+        pressure alpha enters through that pressure only. LOG_DISPLACEMENT is one of them.
     tolerance : float
         Relative error for which the spaces are made.
     known : sequence of NormalContact
         If the pressure is known, the normal contact and its derivative by alpha.
+    displacement : KnownDisplacement, optional
+        That of what sticks, if the pressure is known.
+    displaced_by : mapping of str to KnownDisplacement, optional
+        Its derivatives, by the names of the parameters.
+    slip : bool
+        Whether to differentiate the displacement in slip.
     """
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
@@ -116,11 +134,20 @@ def differentiated(
         spaces = first_spaces(*geometry, edge_power(parameters, layout.states))
     pressures = [contact.pressure for contact in known]
 
-    def system_at(parameters: Parameters, logits: Array) -> ContactSystem:
+    def system_at(
+        parameters: Parameters,
+        logits: Array,
+        displacement: KnownDisplacement | None = displacement,
+    ) -> ContactSystem:
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        return ContactSystem(radii, layout.states, spaces, parameters, pressures)
+        return ContactSystem(
+            radii, layout.states, spaces, parameters, pressures, displacement=displacement
+        )
 
-    return _SolutionDerivatives(parameters, logits, system_at, names, layout.jacobian).outcome()
+    solved = _SolutionDerivatives(
+        parameters, logits, system_at, names, layout.jacobian, displaced_by or {}
+    )
+    return solved.outcome(pressures if slip else ())
 
 
 class _FunctionalDerivatives(NamedTuple):
@@ -148,24 +175,29 @@ class _SolutionDerivatives:
     logits : ndarray
         Boundaries, which Newton steps correct to rounding.
     system_at : callable
-        Returns the system with some parameters and boundaries.
+        Returns the system with some parameters and boundaries, and another known displacement if
+        one is given.
     names : sequence of str
         Names of the parameters of the derivatives.
     jacobian : ndarray, optional
         In place of that of the boundary residual by the logits (`layout.fixed_disk`).
+    displaced_by : mapping of str to KnownDisplacement
+        As of `differentiated`.
     """
 
     def __init__(
         self,
         parameters: Parameters,
         logits: Array,
-        system_at: Callable[[Parameters, Array], ContactSystem],
+        system_at: Callable[..., ContactSystem],
         names: Sequence[str],
         jacobian: Array | None,
+        displaced_by: Mapping[str, KnownDisplacement],
     ) -> None:
         self.parameters = parameters
         self.names = names
         self.system_at = system_at
+        self.displaced_by = displaced_by
         #: width in the logit of the narrowest zone
         self.min_width = min_zone_width(logits)
         self.fields = self._solution(logits)
@@ -210,8 +242,8 @@ class _SolutionDerivatives:
             rows.append(_DERIVATIVE @ np.array(values) / self.min_width)
         return np.array(rows).reshape(len(logits), len(logits) + 2)
 
-    def outcome(self) -> ZoneDerivatives:
-        """Return the derivatives."""
+    def outcome(self, slip_under: Sequence[PressureField]) -> ZoneDerivatives:
+        """Return the derivatives, and under these known pressures those of the slip."""
         system = self.system
         fields = self.fields
         count = len(self.names)
@@ -251,6 +283,7 @@ class _SolutionDerivatives:
             np.asarray(approach),
             np.asarray(shear),
             *self._fields(vectors, singular),
+            self._slip(vectors, slip_under) if slip_under else [],
         )
 
     def _noise(self, logits: Array) -> Array:
@@ -290,20 +323,26 @@ class _SolutionDerivatives:
         partial = _FunctionalDerivatives(jumps, np.zeros_like(jumps), np.zeros(count))
         before = self._evaluated(system)
         for i, name in enumerate(self.names):
+            if name in self.displaced_by:
+                with_change, without = (
+                    self._evaluated(self.system_at(self.parameters, self.logits, displacement))[0]
+                    for displacement in (self.displaced_by[name], None)
+                )
+                right_sides[:, i] = with_change - without
+            if name == LOG_DISPLACEMENT:
+                continue
             if system.pressure_known and name == "alpha":
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
             # rounding of the other terms is not divided by a parameter that is small
-            size = getattr(system.parameters, name)
-            increase = max(size, 1.0)
-            increased = self.parameters._replace(**{name: size + increase})
-            after = self._evaluated(self.system_at(increased, self.logits))
+            increased, increase = self._increased(name)
+            after = self._evaluated(increased)
             residual, jumps_by, residuals_by, shear_by = (
                 (increased_value - value) / increase
                 for value, increased_value in zip(before, after, strict=True)
             )
-            right_sides[:, i] = residual
+            right_sides[:, i] += residual
             partial.jumps[:, i] = jumps_by
             partial.boundary_residuals[:, i] = residuals_by
             partial.shear[i] = shear_by
@@ -312,6 +351,68 @@ class _SolutionDerivatives:
             residual = system.residual(values, no_approach, units)
             values += self.fields.factors.step(residual + right_sides)
         return values, partial
+
+    def _increased(self, name: str) -> tuple[ContactSystem, float]:
+        """Return the system with a larger parameter, and the increase."""
+        size = getattr(self.parameters, name)
+        increase = max(size, 1.0)
+        increased = self.parameters._replace(**{name: size + increase})
+        return self.system_at(increased, self.logits), increase
+
+    def _slip(self, vectors: Array, pressures: Sequence[PressureField]) -> list[ZonalField]:
+        """Return the derivatives of ``u_r / kappa`` in slip, for vectors as columns.
+
+        The displacement is linear in the fields, and at a given place these change as at given
+        boundaries (`slip_displacement`). Beta and the friction multiply its term ``beta f p``, too.
+
+        Parameters
+        ----------
+        vectors : ndarray
+            The derivatives of the fields.
+        pressures : sequence of PressureField
+            The known pressure and its derivative by alpha.
+        """
+        system = self.system
+        states = system.states
+        slipping = [zone for zone, state in enumerate(states) if state]
+        annuli = [system.slip_annulus(zone) for zone in slipping]
+        solution = self.fields.approach * self.fields.values
+        fields = []
+        for name, vector in zip(self.names, vectors.T, strict=True):
+            residual = _tangential_residual(system, vector, annuli)
+            parameters = self.parameters
+            if name == "friction":
+                increased, increase = self._increased(name)
+                after = _tangential_residual(increased, solution, annuli)
+                before = _tangential_residual(system, solution, annuli)
+                residual = [
+                    value + (larger - smaller) / increase
+                    for value, larger, smaller in zip(residual, after, before, strict=True)
+                ]
+            if name != "alpha":
+                parameters = parameters._replace(**{name: 1.0})
+            halves = residual[len(residual) - 2 * len(annuli) :]
+            zones = [
+                SlipZone(annulus, states[zone], halves[2 * i : 2 * i + 2])
+                for i, (zone, annulus) in enumerate(zip(slipping, annuli, strict=True))
+            ]
+            displacement = slip_displacement(
+                stick_zone_sources(system, residual),
+                zones,
+                pressures[int(name == "alpha")],
+                parameters.beta,
+                parameters.friction,
+            )
+            pieces = iter(displacement.fields)
+            fields.append(
+                ZonalField(
+                    tuple(
+                        ZonePiece(outer, next(pieces) if state else None)
+                        for state, outer in zip(states, system.bounds[1:], strict=True)
+                    )
+                )
+            )
+        return fields
 
     def _evaluated(self, system: ContactSystem) -> list[Array]:
         """Return residual, jumps, E(b) and shear of the fields in another system."""
@@ -342,3 +443,14 @@ class _SolutionDerivatives:
             pieces = [ZonePiece(outer, sticks.get(k)) for k, outer in enumerate(bounds[1:])]
             tractions.append(ZonalField(tuple(pieces)))
         return pressures, tractions
+
+
+def _tangential_residual(
+    system: ContactSystem, values: Array, annuli: Sequence[Annulus]
+) -> list[Array]:
+    """Return E of a vector without defects: at the nodes of parts, then on halves of annuli."""
+    vector = values[:, None]
+    no_defects = np.zeros((len(system.radii), 1))
+    parts = system.pointwise_residual(vector, np.zeros(1), no_defects).tangential
+    halves = [half for annulus in annuli for half in system.residual_on_annulus(vector, annulus)]
+    return [residual[:, 0] for residual in (*parts, *halves)]

@@ -32,10 +32,14 @@ def asked_quantities(
     adhesive: bool = False,
     unloaded: bool = False,
 ) -> frozenset[str]:
-    """Return what is asked for, known names; everything is the default."""
+    """Return what is asked for, known names.
+
+    The default is everything but the thresholds of the load, which cost more than all of that.
+    """
     known = (*PROFILE_QUANTITIES * shaped, *ADHESION_QUANTITIES * adhesive, *QUANTITIES)
-    known += UNLOADED_QUANTITIES * unloaded
-    return frozenset(known if quantities is None else names("quantities", quantities, known))
+    if quantities is None:
+        return frozenset(known)
+    return frozenset(names("quantities", quantities, known + UNLOADED_QUANTITIES * unloaded))
 
 
 def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:

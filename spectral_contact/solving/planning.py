@@ -47,7 +47,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     quantities : iterable of str, optional
         Names out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, with adhesion out of
         `ADHESION_QUANTITIES`, too, and below the largest load out of `UNLOADED_QUANTITIES`; the
-        default is everything that the scene has.
+        default is everything that the scene has but these.
 
     Returns
     -------

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _COLLINEARITY = float(np.sqrt(np.finfo(float).eps))
 
 _T = TypeVar("_T")
-LogParameters: TypeAlias = tuple[float, float, float]
+LogParameters: TypeAlias = tuple[float, ...]
 
 
 class StepCache:
@@ -68,8 +68,8 @@ class ZonePath:
     """The zones of the latest scenes of a path, and a prediction of those of the next one.
 
     Between neighbouring scenes the logits of the boundaries are smooth functions of the logarithms
-    of compliances and friction: along a line in these, a polynomial through up to
-    `PATH_POINTS` scenes is extrapolated. Only scenes with zones of the same states are kept.
+    of compliances and friction, or of the load ratio: along a line in these, a polynomial through
+    up to `PATH_POINTS` scenes is extrapolated. Only scenes with zones of the same states are kept.
     """
 
     def __init__(self) -> None:
@@ -81,7 +81,7 @@ class ZonePath:
         Parameters
         ----------
         target : tuple of float
-            Of the next scene: ``(ln alpha, ln beta, ln f/kappa)``.
+            Of the next scene: ``(ln alpha, ln beta, ln f/kappa)``, or ``(ln load ratio,)``.
         """
         if not self._scenes:
             return None
@@ -187,8 +187,7 @@ class StickPath:
 
 def _difference(start: LogParameters, end: LogParameters) -> LogParameters:
     """Return end minus start, with 0 for a parameter that is zero in both (minus infinity)."""
-    alpha, beta, friction = (0.0 if a == b else b - a for a, b in zip(start, end, strict=True))
-    return alpha, beta, friction
+    return tuple(0.0 if a == b else b - a for a, b in zip(start, end, strict=True))
 
 
 def extrapolate(times: list[float], values: list[Array]) -> Array:

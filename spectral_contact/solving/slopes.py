@@ -17,17 +17,27 @@ from spectral_contact.contact.little_friction import full_slip_problem
 from spectral_contact.contact.normal import compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.resolution import NormalContact
-from spectral_contact.contact.zone_derivatives import ZoneDerivatives, differentiated
+from spectral_contact.contact.zone_derivatives import (
+    LOG_DISPLACEMENT,
+    ZoneDerivatives,
+    differentiated,
+)
 from spectral_contact.fields import Array
-from spectral_contact.fields.series import Radius
+from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution, Zone
+from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
 
 #: What can be differentiated by, and what the system calls it.
 PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "poisson_ratio")
-_COLUMNS: Final = dict(zip(PARAMETERS, ("alpha", "beta", "friction", "kappa"), strict=True))
+#: What scenes below their largest load are differentiated by.
+LOAD_RATIO: Final = "unloaded_to"
+_COLUMNS: Final = {
+    **dict(zip(PARAMETERS, ("alpha", "beta", "friction", "kappa"), strict=True)),
+    LOAD_RATIO: LOG_DISPLACEMENT,
+}
 _MOST_UNKNOWNS: Final = 20_000
 #: An error of the zones from which on nothing follows from them.
 _HARDLY_KNOWN: Final = 1e-3
@@ -65,11 +75,15 @@ def _of_smooth_surface(quantity: str, rim: Radius, own: Solution) -> float:
 class SolutionSlopes:
     """The derivatives at a solution, in spaces for a tolerance.
 
-    Without coupling the system is that for kappa = 1 and the friction ``f/kappa``.
+    Without coupling the system is that for kappa = 1 and the friction ``f/kappa``. Below the
+    largest load and with slip, `largest` has the derivatives there.
     """
 
-    def __init__(self, own: Solution, tolerance: float) -> None:
+    def __init__(
+        self, own: Solution, tolerance: float, largest: SolutionSlopes | None = None
+    ) -> None:
         self.own, self.scene, self.tolerance = own, own.scene, tolerance
+        self.largest = largest
         zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
         self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
         self.states = tuple(_state(own, zone) for zone in zones)
@@ -82,6 +96,8 @@ class SolutionSlopes:
             self.moving.append("friction")
         if self.couples:
             self.moving.append("poisson_ratio")
+        if self.scene.unloaded_to < 1.0 and any(self.states):
+            self.moving.append(LOAD_RATIO)
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         self.smooth = bool(self.inner) and not any(compliances) and not self.couples
 
@@ -98,6 +114,9 @@ class SolutionSlopes:
     @cached_property
     def zones(self) -> ZoneDerivatives:
         """The derivatives by what moves; where all slips that is with coupling."""
+        return self._differentiated()
+
+    def _differentiated(self, *, slip: bool = False) -> ZoneDerivatives:
         scene = self.scene
         known: list[NormalContact] = []
         friction = scene.friction if scene.friction is not None else math.inf
@@ -110,25 +129,42 @@ class SolutionSlopes:
             known = [one for one in self.normal if one is not None]
             parameters = Parameters(*own, 1.0, friction / scene.kappa)
         names = [_COLUMNS[name] for name in self.moving]
-        return differentiated(parameters, layout, names, self.tolerance, known)
+        given = parameters, layout, names, self.tolerance, known
+        if self.largest is None:
+            return differentiated(*given, slip=slip)
+        kept = self.largest.own.slip_field
+        assert isinstance(kept, ZonalField)
+        fields = *self.largest._differentiated(slip=True).slip, kept.times(1.0 / scene.kappa)
+        factor = 1.0 / scene.unloaded_to
+        displacements = [KnownDisplacement(one, factor, 0.0) for one in fields]
+        displaced_by = dict(zip(names, displacements, strict=True))
+        return differentiated(*given, displacements[-1], displaced_by)
 
-    def scalar(self, quantity: str, name: str) -> float:
-        """Return the derivative of a number; NaN where zones are hardly known."""
+    def scalar(self, quantity: str, name: str, boundary: int = 0) -> float:
+        """Return the derivative of a number; NaN where zones are hardly known.
+
+        In place of the stick radius any other boundary may be chosen by its number.
+        """
         if self.inner and (self.own.error.zones or 0.0) > _HARDLY_KNOWN:
             return math.nan
         scene, kappa = self.scene, self.scene.kappa
         rise = kappa_slope(scene)
+        if name == LOAD_RATIO:  # the displacement over the load goes like one over the load
+            moved = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
+            whole = self.own.total_shear - kappa * moved if quantity == "total_shear" else -moved
+            return whole / scene.unloaded_to
         if self.couples:
             column, factor = self._column(name)
-            return factor * self._of_system(quantity, column)
+            return factor * self._of_system(quantity, column, boundary)
         if name == "poisson_ratio":  # kappa enters shear as a factor, and friction as f/kappa
             ratio = scene.friction / kappa if self.inner and scene.friction else 0.0
-            moved = ratio * self._of_system(quantity, "friction") if ratio else 0.0
+            moved = ratio * self._of_system(quantity, "friction", boundary) if ratio else 0.0
             whole = self.own.total_shear / kappa if quantity == "total_shear" else 0.0
             scale = 1.0 if quantity == "total_shear" else 1.0 / kappa
             return rise * (whole - moved) * scale + 0.0
         factor = kappa if quantity == "total_shear" else 1.0
-        return factor * self._of_system(quantity, name) / (kappa if name == "friction" else 1.0)
+        of_system = self._of_system(quantity, name, boundary)
+        return factor * of_system / (kappa if name == "friction" else 1.0)
 
     def _column(self, name: str) -> tuple[str, float]:
         """Return the parameter of the system, with coupling, and what multiplies its derivatives.
@@ -142,22 +178,24 @@ class SolutionSlopes:
             return "friction", rise * (self.scene.friction or 0.0) / self.scene.kappa
         return name, rise
 
-    def _of_system(self, quantity: str, name: str) -> float:
+    def _of_system(self, quantity: str, name: str, boundary: int) -> float:
         """Return the derivative of a number by a parameter of the system."""
         if self.smooth:
             return _of_smooth_surface(quantity, self.inner[0], self.own)
         i = self.moving.index(name)
         if quantity == "stick_radius":
-            c = self.inner[0]
-            return 0.5 * c.value * c.rest * float(self.zones.logits[0, i])
-        return float((self.zones.shear if quantity == "total_shear" else self.zones.approach)[i])
+            c = self.inner[boundary]
+            return 0.5 * c.value * c.rest * float(self.zones.logits[boundary, i])
+        if quantity == "approach":
+            return float(self.zones.approach[i])
+        return self.scene.unloaded_to * float(self.zones.shear[i])
 
-    def noise(self, name: str) -> float:
-        """Return what rounding makes of the derivative of the stick radius, relative to that."""
+    def noise(self, name: str, boundary: int) -> float:
+        """Return what rounding makes of the derivative of a boundary, relative to that."""
         column = "friction" if name == "poisson_ratio" and not self.couples else name
         i = self.moving.index(column)
-        size = abs(float(self.zones.logits[0, i]))
-        return float(self.zones.noise[0, i]) / size if size else 0.0
+        size = abs(float(self.zones.logits[boundary, i]))
+        return float(self.zones.noise[boundary, i]) / size if size else 0.0
 
     def field(self, quantity: str, name: str, s: Array, from_edge: Array) -> Array:
         """Return the derivative of a field at some places."""
@@ -169,25 +207,37 @@ class SolutionSlopes:
         if self.couples:
             column, factor = self._column(name)
             return factor * self.zones.pressure[self.moving.index(column)](s, from_edge)
+        load = self.scene.unloaded_to
+        if name == LOAD_RATIO:
+            return np.asarray(self.own.pressure(from_edge=from_edge) / load)
         change = self.normal[1]
         if name != "normal_compliance" or change is None:
             return np.zeros(s.shape)
-        return np.asarray(change.pressure(s, from_edge))
+        return np.asarray(load * change.pressure(s, from_edge))
+
+    def _traction_in_stick(self, name: str, s: Array, from_edge: Array) -> Array:
+        """Return the derivative of the traction in stick, as the system has it; 0 in slip."""
+        traction = self.zones.traction[self.moving.index(name)]
+        return np.asarray(self.scene.unloaded_to * traction(s, from_edge))
 
     def _traction(self, name: str, s: Array, from_edge: Array) -> Array:
         scene, kappa, own = self.scene, self.scene.kappa, self.own
         rise = kappa_slope(scene)
+        if name == LOAD_RATIO:
+            moved = self._traction_in_stick(name, s, from_edge) if self.inner else 0.0
+            q = own.traction(from_edge=from_edge)
+            return np.asarray((q - kappa * moved) / scene.unloaded_to)
         beyond = [one.below(s, from_edge) < 0.0 for one in self.inner]
         sign = np.array(self.states)[np.sum(beyond, axis=0, dtype=int)]
         if name == "poisson_ratio" and not self.couples:
             q = own.traction(from_edge=from_edge) / kappa
             if self.inner:
-                by_ratio = self.zones.traction[self.moving.index("friction")](s, from_edge)
+                by_ratio = self._traction_in_stick("friction", s, from_edge)
                 q = q - (scene.friction or 0.0) / kappa * by_ratio
             return rise * np.where(sign == 0, q, 0.0)
         value = np.zeros(s.shape)
         if not self.slips:
-            value = self.zones.traction[self.moving.index(name)](s, from_edge)
+            value = self._traction_in_stick(name, s, from_edge)
         if self.couples:
             value = value * (rise if name == "poisson_ratio" else 1.0)
         elif name != "friction":

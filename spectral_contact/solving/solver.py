@@ -44,7 +44,8 @@ def solve(
         the edge included; from 1e-12 to 1e-2, and down to 1e-13 where only approach, total shear
         and stick radius are asked for.
     quantities : iterable of str, optional
-        What to compute, from `QUANTITIES`; by default everything the scene has. The refinement
+        What to compute, from `QUANTITIES`; by default everything the scene has but the thresholds
+        of the load, `reverse_ratio` and `turning_ratio`. The refinement
         adapts to these quantities.
     max_unknowns : int
         Largest number of unknowns of one linear system.

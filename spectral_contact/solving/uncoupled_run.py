@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import log
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -127,20 +128,23 @@ class UncoupledRun(Run):
             loaded = search.outcome()
             if loaded.layout is None or not loaded.verified:
                 return None
-            return Unloading(search, loaded)
+            return Unloading(search, loaded, self.rtol)
 
         unloading: Unloading | None = self.cache.get(UNLOADING, key, from_largest_load)
         told = f"the state unloaded to {load_ratio!r}"
         if unloading is None:
             reason = "the slip at the largest load is too narrow to be resolved"
             raise NotComputedError(told, reason)
+        path = self.cache.get(LOAD_RATIOS, key, ZonePath)
+        place = (log(load_ratio),)
         try:
-            solved = unloading.state(load_ratio, self.record)
+            solved = unloading.state(load_ratio, self.record, path.predict(place))
         except HistoryError as error:
             raise NotComputedError(told, str(error)) from None
         except NoZonesError as error:
             reason = f"no zones were found that obey the friction law ({error})"
             raise NotComputedError(told, reason) from None
+        path.add(place, solved.layout)
         self.store(solved, self.scene.kappa)
         self.skip("the zones are those of the step unloading", ZONE_SEARCH)
         self.updated_steps[UNLOADING] = PlannedStep(

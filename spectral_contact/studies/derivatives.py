@@ -21,11 +21,16 @@ from spectral_contact.io.checks import radii
 from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Flat
-from spectral_contact.profiles.control import refuse_profile, refuse_unloaded
+from spectral_contact.profiles.control import refuse_profile
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.mirror import with_positive_kappa
-from spectral_contact.solving.slopes import PARAMETERS, SolutionSlopes, kappa_slope
+from spectral_contact.solving.slopes import (
+    LOAD_RATIO,
+    PARAMETERS,
+    SolutionSlopes,
+    kappa_slope,
+)
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.threads import one_thread
 from spectral_contact.view.html import table_html
@@ -119,11 +124,15 @@ class Sensitivity:
         By quantity and parameter: ``derivatives["stick_radius", "friction"]``.
     fields : dict
         Those of fields, if radii were given: ``fields["traction", "friction"]``.
+    boundaries : dict
+        Those of the boundaries between zones, outward, by the parameter:
+        ``boundaries["friction"][0]`` is that of the stick radius.
     """
 
     scene: Scene
     derivatives: dict[tuple[str, str], Derivative]
     fields: dict[tuple[str, str], FieldDerivative] = field(default_factory=dict)
+    boundaries: dict[str, tuple[Derivative, ...]] = field(default_factory=dict)
 
     def __getitem__(self, pair: tuple[str, str]) -> Derivative:
         return self.derivatives[pair]
@@ -175,12 +184,13 @@ def sensitivity(
     asked = known if parameters is None else names("parameters", parameters, known)
     refuse_profile(scene, "sensitivity")
     refuse_layer(scene, "sensitivity")
-    refuse_unloaded(scene, "sensitivity")
     places = None if s is None and from_edge is None else radii(s, from_edge)
     with ProgressLine(progress) as tell, one_thread():
         problem = _Slopes(scene, places, tell)
-        own = [PARAMETERS[known.index(name)] for name in asked]
-        found = Sensitivity(scene, problem.derivatives(own), problem.fields(own))
+        own = [PARAMETERS[-1] if name == "kappa" else name for name in asked]
+        found = Sensitivity(
+            scene, problem.derivatives(own), problem.fields(own), problem.boundaries(own)
+        )
     return found if scene.mismatch is None else _by_kappa(found)
 
 
@@ -236,7 +246,8 @@ def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
 
 def _of_scene(scene: Scene) -> tuple[str, ...]:
     """Return what a solution can be differentiated by: of two bodies kappa."""
-    return PARAMETERS if scene.mismatch is None else (*PARAMETERS[:-1], "kappa")
+    last = PARAMETERS[-1] if scene.mismatch is None else "kappa"
+    return (*PARAMETERS[:-1], last, *[LOAD_RATIO] * (scene.unloaded_to < 1.0))
 
 
 def _by_kappa(found: Sensitivity) -> Sensitivity:
@@ -244,18 +255,22 @@ def _by_kappa(found: Sensitivity) -> Sensitivity:
     assert found.scene.mismatch is not None
     sense = -1.0 if found.scene.mismatch < 0.0 else 1.0
 
-    def named(pairs: dict[tuple[str, str], _D]) -> dict[tuple[str, str], _D]:
-        turned = {}
-        for (quantity, name), one in pairs.items():
-            by_kappa = name == PARAMETERS[-1]
-            # what is radial changes its sign with kappa
-            factor = sense if (quantity in _RADIAL) != by_kappa else 1.0
-            turned[quantity, "kappa" if by_kappa else name] = replace(
-                one, value=one.value * factor + 0.0
-            )
-        return turned
+    def renamed(name: str) -> str:
+        return "kappa" if name == PARAMETERS[-1] else name
 
-    return Sensitivity(found.scene, named(found.derivatives), named(found.fields))
+    def turned(quantity: str, name: str, one: _D) -> _D:
+        # what is radial changes its sign with kappa
+        factor = sense if (quantity in _RADIAL) != (name == PARAMETERS[-1]) else 1.0
+        return replace(one, value=one.value * factor + 0.0)
+
+    def named(pairs: dict[tuple[str, str], _D]) -> dict[tuple[str, str], _D]:
+        return {(pair[0], renamed(pair[1])): turned(*pair, one) for pair, one in pairs.items()}
+
+    boundaries = {
+        renamed(name): tuple(turned("zones", name, one) for one in several)
+        for name, several in found.boundaries.items()
+    }
+    return Sensitivity(found.scene, named(found.derivatives), named(found.fields), boundaries)
 
 
 class _Slopes:
@@ -296,13 +311,21 @@ class _Slopes:
                 found[quantity, name] = self._derivative(quantity, name)
         return found
 
-    def _derivative(self, quantity: str, name: str) -> Derivative:
+    def boundaries(self, parameters: Iterable[str]) -> dict[str, tuple[Derivative, ...]]:
+        """Return those of all boundaries between zones, by parameter."""
+        count = max(len(self.kinds) - 1, 0)
+        return {
+            name: tuple(self._derivative("stick_radius", name, i) for i in range(count))
+            for name in parameters
+        }
+
+    def _derivative(self, quantity: str, name: str, boundary: int = 0) -> Derivative:
         if quantity == "approach" and not self._couples(name):
             return self._approach(name)
         known = self._known_number(quantity, name)
         if known is not None:
             return known
-        best, other = (one.scalar(quantity, name) for one in self._evaluations())
+        best, other = (one.scalar(quantity, name, boundary) for one in self._evaluations())
         if not math.isfinite(best):
             return Derivative(math.nan, math.inf, _UNKNOWN)
         lost = _SAFETY * abs(best - other) + self._inherited(quantity, name)
@@ -311,7 +334,7 @@ class _Slopes:
             if quantity == "total_shear":
                 lost += _ROUNDING * (1.0 if name == "friction" else self._ratio_slope)
         elif quantity == "stick_radius":
-            lost += self._evaluations()[0].noise(name) * abs(best)
+            lost += self._evaluations()[0].noise(name, boundary) * abs(best)
         error = lost / abs(best) + _ROUNDING if best else math.inf
         return Derivative(best, error, self.note)
 
@@ -320,9 +343,11 @@ class _Slopes:
         if quantity != "total_shear":
             return 0.0
         rounding = _SHEAR_ROUNDING * self.own.total_shear
+        off = (self.own.error.total_shear or 0.0) + _ROUNDING
+        if name == LOAD_RATIO:
+            return off * abs(self.own.total_shear) / self.scene.unloaded_to
         if name != "poisson_ratio" or self.scene.couples:
             return rounding
-        off = (self.own.error.total_shear or 0.0) + _ROUNDING
         slope = abs(kappa_slope(self.scene) / self.scene.kappa * self.own.total_shear)
         return slope * off + rounding
 
@@ -332,12 +357,16 @@ class _Slopes:
         return abs(kappa_slope(self.scene) / self.scene.kappa) * (self.scene.friction or 0.0)
 
     def _approach(self, name: str) -> Derivative:
-        """Return that by the normal compliance, by reciprocity; no other one moves it."""
+        """Return that by the load, or by the normal compliance, by reciprocity; no other counts."""
+        if name == LOAD_RATIO:
+            value = self.own.approach / self.scene.unloaded_to
+            return Derivative(value, (self.own.error.approach or 0.0) + _ROUNDING)
         if name != "normal_compliance":
             return Derivative(0.0, 0.0)
         if self.scene.normal_compliance == 0.0:
             return Derivative(math.nan, math.inf, _AT_ZERO)
-        value = approach_slope(lambda d: self.own.pressure(from_edge=d))
+        # the square of the pressure has that of the load
+        value = approach_slope(lambda d: self.own.pressure(from_edge=d)) / self.scene.unloaded_to
         return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + _ROUNDING)
 
     def _couples(self, name: str) -> bool:
@@ -391,9 +420,18 @@ class _Slopes:
             found = []
             for tolerance in _TIGHT:
                 self.tell(f"derivatives at {tolerance:g}")
-                found.append(SolutionSlopes(self.own, tolerance))
+                found.append(SolutionSlopes(self.own, tolerance, self._at_largest_load(tolerance)))
             self._known = found[0], found[1]
         return self._known
+
+    def _at_largest_load(self, tolerance: float) -> SolutionSlopes | None:
+        """Return the derivatives at the largest load if what has slipped there is kept."""
+        if self.scene.unloaded_to == 1.0 or "slip" not in self.kinds or not self.friction:
+            return None
+        largest = Continuation(tolerance, ("slip", "zones", "traction"), _MOST_UNKNOWNS).solve(
+            self.scene.replace(unloaded_to=1.0)
+        )
+        return SolutionSlopes(largest, tolerance)
 
     def fields(self, parameters: Iterable[str]) -> dict[tuple[str, str], FieldDerivative]:
         """Return those of pressure and traction at the radii, by quantity and parameter."""
@@ -409,6 +447,8 @@ class _Slopes:
     def _pressure(self, name: str) -> FieldDerivative:
         scene = self.scene
         couples = self._couples(name)
+        if name == LOAD_RATIO:
+            return self._compared("pressure", name)
         if not couples and name != "normal_compliance":
             return self._constant(0.0)
         if scene.normal_compliance == 0.0:

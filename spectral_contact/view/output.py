@@ -193,7 +193,8 @@ class Output(Suggesting):
         ----------
         parameters : iterable of str, optional
             Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
-            ``"poisson_ratio"``, dimensionless; by default all. With adhesion those of load,
+            ``"poisson_ratio"``, dimensionless, and below the largest load ``"unloaded_to"``; by
+            default all. With adhesion those of load,
             approach and contact radius by ``"work_of_adhesion"``.
         s, from_edge : array_like, optional
             Radii in [0, 1], or distances from the edge, for derivatives of pressure and traction;
@@ -205,7 +206,8 @@ class Output(Suggesting):
         -------
         Sensitivity
             ``found["stick_radius", "friction"]`` has value, estimated relative error, and a note;
-            ``found.fields["traction", "friction"]`` values, estimated absolute errors, and a note.
+            ``found.fields["traction", "friction"]`` values, estimated absolute errors, and a note;
+            ``found.boundaries["friction"]`` those of all boundaries between zones.
 
         Raises
         ------

@@ -5,8 +5,8 @@ from math import inf
 import numpy as np
 import pytest
 
-from spectral_contact import NotComputedError, Scene, solve
-from tests.oracles import graded_elements, legendre_matrices
+from spectral_contact import QUANTITIES, NotComputedError, Scene, solve
+from tests.oracles import graded_elements, legendre_matrices, load_history
 
 #: The scene of docs/cycles, which slips at the edge.
 LOADED = Scene(0.1, 0.5, 0.5, 0.1)
@@ -96,10 +96,13 @@ def test_at_the_largest_load_it_is_the_loaded_scene():
     assert almost.total_shear == pytest.approx(shear, rel=2e-7)
 
 
-@pytest.mark.parametrize("friction", [None, 0.0, 0.5, inf])
-def test_without_partial_slip_all_is_proportional_to_the_load(friction):
-    loaded = solve(LOADED.replace(friction=friction), 1e-10)
-    unloaded = solve(LOADED.replace(friction=friction, unloaded_to=0.3), 1e-10)
+@pytest.mark.parametrize(
+    ("friction", "compliance"), [(None, 0.5), (0.0, 0.5), (0.5, 0.5), (inf, 0.5), (inf, 0.0)]
+)
+def test_without_partial_slip_all_is_proportional_to_the_load(friction, compliance):
+    scene = LOADED.replace(friction=friction, tangential_compliance=compliance)
+    loaded = solve(scene, 1e-10)
+    unloaded = solve(scene.replace(unloaded_to=0.3), 1e-10, [*QUANTITIES, "reverse_ratio"])
     assert unloaded.converged
     assert unloaded.approach == pytest.approx(0.3 * loaded.approach, rel=1e-15)
     assert unloaded.total_shear == pytest.approx(0.3 * loaded.total_shear, rel=1e-15)
@@ -108,6 +111,29 @@ def test_without_partial_slip_all_is_proportional_to_the_load(friction):
     np.testing.assert_allclose(unloaded.traction(s), 0.3 * loaded.traction(s), rtol=1e-14)
     with pytest.raises(NotComputedError, match=r"nothing|friction"):
         _ = unloaded.reverse_ratio
+
+
+def slip_back_begins(compliance, count):
+    """Return the load ratio below which the outermost of some rings slips back, to 1e-4."""
+    ends = 1.0 - np.linspace(1.0, 0.0, count + 1) ** 2
+    below, above = 0.0, 1.0
+    while above - below > 1e-4:
+        middle = (below + above) / 2.0
+        rings = load_history.Rings(0.5, compliance, 0.1 / KAPPA, ends)
+        rings.move_to(1.0)
+        rings.move_to(middle)
+        if rings.traction[-1] <= -middle * rings.bound[-1] * (1.0 - 1e-9):
+            below = middle
+        else:
+            above = middle
+    return above
+
+
+def test_without_tangential_compliance_slip_back_begins_at_once():
+    assert slip_back_begins(0.5, 60) == pytest.approx(0.2221247691538, rel=0.02)
+    # slip back is as wide as the square of the change of the load: here as the last ring
+    for count in (30, 60):
+        assert 1.0 - slip_back_begins(0.0, count) == pytest.approx(0.385 / count, rel=0.05)
 
 
 def test_below_the_turning_ratio_it_is_refused_by_its_name():

@@ -27,17 +27,23 @@ def from_largest_load() -> Unloading:
     return found
 
 
-def test_growth_is_the_derivative_of_the_boundaries(from_largest_load):
+def test_growth_over_the_slope_of_the_traction_is_the_derivative_of_the_boundaries(
+    from_largest_load,
+):
     step = 1e-3
-    boundaries = []
-    for load in (0.5 * np.exp(-step), 0.5, 0.5 * np.exp(step)):
-        search = from_largest_load._search(load)
-        boundaries.append(np.array(search.outcome().layout.logits))
-        if load == 0.5:
-            growth = search.growth(search.outcome().layout)
-    derivative = (boundaries[2] - boundaries[0]) / (2.0 * step)
-    np.testing.assert_allclose(growth.changes, derivative * [-1.0, 1.0] * -1.0, rtol=1e-5)
-    assert growth.least == growth.changes.min() > 0.0
+    less, outcome, more = (
+        from_largest_load._search(0.5 * np.exp(change)).outcome() for change in (-step, 0.0, step)
+    )
+    derivative = np.subtract(less.layout.logits, more.layout.logits) / (2.0 * step)
+    growth = from_largest_load._search(0.5).growth(outcome.layout)
+    # slopes of q/f - p by the logit, in what sticks inside of one boundary and outside of the other
+    distances = np.array([[-step, step], [-2.0 * step, 2.0 * step]])
+    y = 1.0 / (1.0 + np.exp(np.array(outcome.layout.logits) + distances)).ravel()
+    friction = SCENE.friction / SCENE.kappa
+    excess = (outcome.traction.evaluate(y) / friction - outcome.pressure.evaluate(y)).reshape(2, 2)
+    slopes = (2.0 * excess[0] - 0.5 * excess[1]) / distances[0]
+    np.testing.assert_allclose(derivative, -growth.changes / slopes, rtol=1e-3)
+    assert growth.least == growth.changes.min() > growth.error > 0.0
 
 
 def test_slip_back_is_left_out_with_its_boundaries():

@@ -87,6 +87,16 @@ SLIPPING_INSIDE = {
     ("stick_radius", "poisson_ratio"): 8.18380171371,
 }
 
+#: Of shear and both boundaries below the largest load, by differences of solves to 1e-12.
+UNLOADED = SLIPPING.replace(unloaded_to=0.8)
+TRUE_UNLOADED = {
+    "normal_compliance": (-0.00212235486616, -0.0634872471129, -0.0559760257521),
+    "tangential_compliance": (-0.0107018809897, 1.04081133076, 0.85672469116),
+    "friction": (0.572322262878, 7.05586041072, 6.19527061782),
+    "poisson_ratio": (-0.0123216660195, 0.979980612599, 0.860454252483),
+    "unloaded_to": (0.103410020275, 0.0378712039403, -0.000410389241039),
+}
+
 #: Of fields at these radii, by the same differences.
 RADII = [0.25, 0.6, 0.7, 0.999]
 TRUE_PRESSURE = [0.05323466613344, 0.02631986549594, 0.01107397036567, -0.1107720911622]
@@ -182,6 +192,31 @@ def test_slip_inside_has_all_boundaries_move():
         assert own[pair].error < 1e-9, pair
     pair = "stick_radius", "normal_compliance"  # of this one there is a difference to 24 digits
     assert abs(own[pair].value / -3.22073997623715 - 1.0) <= own[pair].error
+
+
+def test_those_below_the_largest_load_are_right_and_their_errors_honest():
+    own = solve(UNLOADED, 1e-6, ["approach"]).sensitivity(s=[0.3, 0.66, 0.9])
+    for name, true in TRUE_UNLOADED.items():
+        derivatives = own["total_shear", name], *own.boundaries[name]
+        for one, other in zip(derivatives, true, strict=True):
+            assert abs(one.value / other - 1.0) <= one.error + 1e-10, name
+            assert one.error < 1e-8, name
+        assert own.boundaries[name][0] == own["stick_radius", name]
+    # the pressure of the load, and slip in the middle
+    moved = own.fields["traction", "friction"]
+    np.testing.assert_allclose(moved.value, [-0.01708683, 0.24708789, 0.34505056], atol=1e-8)
+    assert own.fields["pressure", "friction"].value.max() == 0.0
+
+
+def test_what_sticks_is_proportional_to_the_load():
+    solution = solve(STUCK.replace(unloaded_to=0.3), 1e-12)
+    own = solution.sensitivity(["unloaded_to"])
+    for name in ("approach", "total_shear"):
+        one = own[name, "unloaded_to"]
+        assert abs(one.value / getattr(solution, name) * 0.3 - 1.0) <= one.error < 1e-11
+    assert own.boundaries["unloaded_to"] == ()
+    with pytest.raises(SceneError, match="unloaded_to"):
+        solve(STUCK, 1e-6, ["approach"]).sensitivity(["unloaded_to"])
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.2, 3.5])
