@@ -374,13 +374,13 @@ class SteadyCycle(Suggesting):
         return cycle
 
     @property
-    def _rows(self) -> list[_Row]:
+    def _rows(self) -> list[_TableRow]:
         error = self.error
         slip = float(self.slip_amplitude(1.0))
         return [
-            _Row("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
-            _Row("stick radius", self.stick_radius, error.stick_radius),
-            _Row("slip amplitude, edge", slip, error.slip_amplitude),
+            _TableRow("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
+            _TableRow("stick radius", self.stick_radius, error.stick_radius),
+            _TableRow("slip amplitude, edge", slip, error.slip_amplitude),
             *_dissipation_rows(self, error),
         ]
 
@@ -445,7 +445,7 @@ _DOCUMENT: Final = storage.Document(
 )
 
 
-class _Row(NamedTuple):
+class _TableRow(NamedTuple):
     """A line of a table: a number with its error estimate."""
 
     name: str
@@ -456,16 +456,16 @@ class _Row(NamedTuple):
 
 def _dissipation_rows(
     cycle: SteadyCycle | PhysicalSteadyCycle, error: CycleErrors, unit: str = ""
-) -> list[_Row]:
+) -> list[_TableRow]:
     """Return the lines of the dissipation, and of unloading and reloading in it."""
     return [
-        _Row("dissipation", cycle.dissipation, error.dissipation, unit),
-        _Row("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
-        _Row("  reloading", cycle.reloading_dissipation, error.reloading_dissipation, unit),
+        _TableRow("dissipation", cycle.dissipation, error.dissipation, unit),
+        _TableRow("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
+        _TableRow("  reloading", cycle.reloading_dissipation, error.reloading_dissipation, unit),
     ]
 
 
-def _table(title: str, numbers: list[_Row]) -> str:
+def _table(title: str, numbers: list[_TableRow]) -> str:
     cells = [(title, "value", "error estimate")]
     for one in numbers:
         unit = f" {one.unit}" if one.unit and one.value is not None else ""
@@ -550,10 +550,10 @@ class PhysicalSteadyCycle(Suggesting):
         error = self.cycle.error
         slip = float(self.slip_amplitude(from_edge=0.0))
         numbers = [
-            _Row("largest load", self.load, 0.0, "N"),
-            _Row("lowest load", self.lowest_load, 0.0, "N"),
-            _Row("stick radius", self.stick_radius, error.stick_radius, "m"),
-            _Row("slip amplitude, edge", slip, error.slip_amplitude, "m"),
+            _TableRow("largest load", self.load, 0.0, "N"),
+            _TableRow("lowest load", self.lowest_load, 0.0, "N"),
+            _TableRow("stick radius", self.stick_radius, error.stick_radius, "m"),
+            _TableRow("slip amplitude, edge", slip, error.slip_amplitude, "m"),
             *_dissipation_rows(self, error, "J"),
         ]
         return _table("SI", numbers)

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-from reporting import table, write
+from reporting import stored, table, write
 
 REPOSITORY = Path(__file__).parents[2]
 TABLE = Path(__file__).parent / "mutants.toml"
@@ -133,11 +133,11 @@ def tried(mutant: Mutant, copy: Path) -> Outcome:
 
 def report(mutants: Sequence[Mutant], outcomes: Sequence[Outcome]) -> None:
     """Write the rows of these mutants, among those of the others that there are."""
-    known = json.loads((RESULTS / "mutants.json").read_text(encoding="utf-8"))["rows"]
+    known = stored("mutants")["rows"]
     by_fault: dict[str, dict[str, Any]] = {row["fault"]: row for row in known}
     for mutant, outcome in zip(mutants, outcomes, strict=True):
         by_fault[mutant.fault] = {**mutant._asdict(), "killer": outcome.killer}
-    rows = [by_fault[one.fault] for one in MUTANTS if one.fault in by_fault]
+    rows = [by_fault[one.fault] for one in chosen([]) if one.fault in by_fault]
     survivors = [row["fault"] for row in rows if not row["killer"]]
     cells = [
         (
