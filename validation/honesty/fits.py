@@ -2,12 +2,13 @@
 
 Run as ``python validation/honesty/fits.py [curves] [seed]``; writes
 validation/results/honesty_fits.md. Noisy curves of 400 points, sigma estimated from the baseline;
-a pull is (fitted - true) / standard deviation, whose root mean square is to be 1. Loads of the
-smooth sphere are by Hertz' formula; those through a layer by `solve`, one for each depth.
+a pull is (fitted - true) / standard deviation, whose root mean square is to be 1; that of N curves
+is known to 1/sqrt(2 N). Loads of the smooth sphere are by Hertz' formula; those through a layer by `solve`, one for each depth.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 
@@ -64,6 +65,15 @@ def pulls(loads: np.ndarray, layer: bool, curves: int, seed: int) -> dict[str, n
     return found
 
 
+def about_pulls(curves: int) -> str:
+    """Return what a table of pulls shows, and the statistical error of its root mean squares."""
+    error = 1.0 / math.sqrt(2.0 * curves)
+    return (
+        "A pull is (fitted - true) over the standard deviation. The root mean square of correct "
+        f"deviations is 1; that of {curves} curves has a standard error of {error:.3f}."
+    )
+
+
 def pulls_row(contact: str, parameter: str, some: np.ndarray) -> str:
     """Return the row of a table of pulls, with the columns of `PULLS_HEADER`."""
     beyond = np.mean(np.abs(some) > 1.96)
@@ -78,8 +88,7 @@ def main(curves: int = 1000, seed: int = 1) -> None:
         "# Standard deviations of fitted parameters",
         "",
         f"By `python validation/honesty/fits.py {curves} {seed}`: {curves} noisy curves each, of",
-        f"{POINTS} points, sigma estimated from the baseline. A pull is (fitted - true) over the",
-        "standard deviation.",
+        f"{POINTS} points, sigma estimated from the baseline. {about_pulls(curves)}",
         "",
         *PULLS_HEADER,
     ]
