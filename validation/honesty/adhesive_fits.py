@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from fits import PULLS_HEADER, pulls_row
+from fits import PULLS_HEADER, about_pulls, pulls_row
 
 from spectral_contact import Scene, fit, profiles, pull_off, solve
 from spectral_contact.calibration import IndentationData
@@ -86,8 +86,8 @@ def pulls(loads: np.ndarray, layer: bool, curves: int, seed: int) -> dict[str, n
 def main(curves: int = 400, seed: int = 1) -> None:
     """Fit all curves, and write the table."""
     lines = [
-        f"{curves} noisy curves of {POINTS} points each, sigma estimated from the baseline. A pull "
-        "is (fitted - true) over the standard deviation.",
+        f"{curves} noisy curves of {POINTS} points each, sigma estimated from the baseline. "
+        f"{about_pulls(curves)}",
         "",
         *PULLS_HEADER,
     ]

@@ -3,7 +3,8 @@
 Run as ``python validation/honesty/fits.py [curves] [seed]``; writes
 validation/results/honesty_fits.md. Noisy curves of 400 points, sigma estimated from the baseline;
 a pull is (fitted - true) / standard deviation, whose root mean square is to be 1; that of N curves
-is known to 1/sqrt(2 N). Loads of the smooth sphere are by Hertz' formula; those through a layer by `solve`, one for each depth.
+is known to 1/sqrt(2 N). Loads of the smooth sphere are by Hertz' formula; those through a layer by
+`solve`, one for each depth.
 """
 
 from __future__ import annotations
