@@ -159,6 +159,14 @@ def test_a_baseline_ends_where_the_contact_begins():
     assert baseline(cone, cone**2) is None  # flat at first, but no noise
 
 
+@pytest.mark.parametrize("seed", [81, 685, 928, 1187, 3787])
+def test_points_that_are_off_by_chance_do_not_end_a_baseline(seed):
+    """Of 6000 seeds these are some with a block that is off by four standard deviations."""
+    depth, random = np.linspace(-2.0, 1.0, 300), np.random.default_rng(seed)
+    load = np.maximum(depth, 0.0) ** 1.5 + 0.01 * random.normal(size=300)
+    assert 180 <= baseline(depth, load).points <= 225
+
+
 def test_parts_are_those_before_and_after_the_deepest_row():
     there = np.array([0.0, 1.0, 2.0, 3.0])
     both = curve_parts(np.concatenate([there, there[::-1]]))
