@@ -33,8 +33,9 @@ from spectral_contact.profiles.profile_base import Profile
 Array = NDArray[np.float64]
 
 #: States through which the curve is a polynomial, and half of what they span in the logarithm of
-#: the distance from the last break: its terms, as those of ``exp(3 x)``, fall to 1e-14.
-_NODES, _HALF_WIDTH = 10, 0.12
+#: the distance from the last break where the curve grows with the third power of it, or more
+#: slowly: its terms, as those of ``exp(3 x)``, fall to 1e-14.
+_NODES, _HALF_WIDTH, _THIRD_POWER = 10, 0.12, 3.0
 #: Distance from the equator of a sphere, where its slope is infinite, over half of what they span.
 _ROOM = 12.0
 #: Longest step along the curve, in the same logarithm, and most steps of any search.
@@ -166,6 +167,8 @@ class LocalCurve:
     radius : float
     profile : Profile
         The base is its last break before the radius, or 0.
+    growth : float
+        The derivative by the radius of the logarithm of the approach without adhesion.
     """
 
     def __init__(
@@ -173,6 +176,7 @@ class LocalCurve:
         states_at: Callable[[Sequence[float]], list[Indentation]],
         radius: float,
         profile: Profile,
+        growth: float,
     ) -> None:
         breaks = (profile.flat_part, *profile.breaks, profile.reach)
         self.base = base = max((b for b in breaks if b < radius), default=0.0)
@@ -180,7 +184,9 @@ class LocalCurve:
         place = log(radius - base)
         # a singularity at the limit is as far as one at the base, which is pi away
         room = (limit - radius) / (radius - base)
-        self._half = min(_HALF_WIDTH, (profile.reach - radius) / (radius - base) / _ROOM)
+        power = max(_THIRD_POWER, growth * (radius - base))
+        half = _HALF_WIDTH * _THIRD_POWER / power
+        self._half = min(half, (profile._pole - radius) / (radius - base) / _ROOM)
         self._middle = place + min(0.0, room / 2.0 - self._half)
         nodes = chebyshev.chebpts1(_NODES)
         states = states_at((base + np.exp(self._middle + self._half * nodes)).tolist())
@@ -208,15 +214,16 @@ class LocalCurve:
         slopes = found / self._half**order
         return Rates(float(slopes[0]), float(slopes[1]))
 
-    def rate_errors(self, radius: float) -> Rates:
-        """Return the absolute errors of the first derivatives."""
+    def rate_errors(self, radius: float, order: int = 1) -> Rates:
+        """Return the absolute errors of the derivatives of an order."""
         t = self.offset(radius)
-        powers = chebyshev.chebder(np.eye(_NODES))
-        row = chebyshev.chebval(t, powers) @ self._to_terms / self._half
-        # the first term left out, by how the last ones fall, and its slope
+        powers = chebyshev.chebder(np.eye(_NODES), order)
+        row = chebyshev.chebval(t, powers) @ self._to_terms / self._half**order
+        # the first term left out, by how the last ones fall, and twice the bound of its slope
         last, before = np.abs(self._terms[-1]), np.abs(self._terms[-3])
         left_out = last * np.sqrt(last / np.maximum(before, last))
-        slopes = 2.0 * _NODES * left_out / self._half
+        steepest = _NODES / max(sqrt(1.0 - min(t**2, 1.0)), 1.0 / _NODES)
+        slopes = left_out * (2.0 * steepest / self._half) ** order
         errors = np.abs(row) @ self._errors + slopes
         return Rates(float(errors[0]), float(errors[1]))
 
@@ -308,7 +315,9 @@ class AdhesiveCurve:
 
     def local(self, radius: float) -> LocalCurve:
         """Return the curve near a radius."""
-        return LocalCurve(self.states, radius, self.profile)
+        one = self.values_only(radius)
+        growth = one.growth / (one.approach + one.pull)
+        return LocalCurve(self.states, radius, self.profile, growth)
 
     def past_flat_part(self) -> Indentation:
         """Return a state next to the one in which the contact is the flat part."""
@@ -446,9 +455,11 @@ class AdhesiveCurve:
                 step = min(max(-slope / bend if bend else 0.0, -_STEP), _STEP)
                 turns = curve.base + exp(step) * (radius - curve.base)
             radius = min(max(turns, low), high)
-        bend = control.rate(curve.rates(radius, 2))
+        bend = abs(control.rate(curve.rates(radius, 2)))
+        bend -= control.rate(curve.rate_errors(radius, 2))
         missed = abs(control.rate(curve.rates(radius)))
-        off = (missed + control.rate(curve.rate_errors(radius))) / abs(bend) if bend else inf
+        missed += control.rate(curve.rate_errors(radius))
+        off = missed / bend if bend > 0.0 else inf
         error = off * (radius - curve.base) / radius + ROUNDING
         return Fold(radius, error, value_of(self.at(radius)), curve)
 

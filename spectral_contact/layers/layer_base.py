@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import inf
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,17 @@ from spectral_contact.io.checks import real, reals
 
 #: Steps of bracketing and of bisection between neighbouring doubles.
 _STEPS = 2100
+
+
+class LawErrors(NamedTuple):
+    """Bounds on the errors of a law's values up to an overclosure.
+
+    Those of pressure and energy are absolute, that of the stiffness is relative to its value there.
+    """
+
+    pressure: float
+    stiffness: float
+    energy: float
 
 
 def positive(law: object, name: str, low: float = 1e-100, high: float = 1e100) -> None:
@@ -151,3 +162,7 @@ class Layer(ABC):
     @abstractmethod
     def _energy(self, w: Array) -> Array:
         """Return its integral from the start on."""
+
+    def _errors(self, w: float) -> LawErrors:
+        """Return bounds on the errors of the law up to an overclosure; a formula has none."""
+        return LawErrors(0.0, 0.0, 0.0)

@@ -283,3 +283,22 @@ def test_a_fold_that_rates_to_some_digits_misplace_is_found():
         for a in (0.97, 1.03)
     ]
     assert all(one.approach > last.approach for one in others)
+
+
+def test_where_a_profile_ends_does_not_move_a_pull_off_short_of_it():
+    found = []
+    for reach in (3.0, 4.0):
+        bowl = profiles.Sampled.from_functions(
+            lambda r: 0.84 * (np.cosh(1.28 * r) - 1.0),
+            lambda r: 0.84 * 1.28 * np.sinh(1.28 * r),
+            reach=reach,
+            rounded=True,
+        )
+        scene = sticky(0.00245, 4005.0, bowl, load=0.0)
+        found.append(pull_off(scene, "load", rtol=1e-10, strict=False))
+    near, far = found
+    assert near.converged
+    assert far.converged
+    for name in ("load", "contact_radius"):
+        allowed = getattr(near.error, name) + getattr(far.error, name)
+        assert off(getattr(near, name), getattr(far, name), getattr(far, name)) <= allowed

@@ -136,6 +136,8 @@ def ratios(rng: np.random.Generator, number: int) -> Outcome:
             moved = abs(first.radius / last.radius - 1.0) / (first.error + last.error + ROUNDING)
             off = abs(control.value(first.state) - control.value(last.state))
             room = control.error(first.state) + control.error(last.state)
+            if first.curve is not None:  # what `pull_off` adds for the radius
+                room += abs(control.rate(curve.rates(first.state))) * first.error
             compared.append({"pull-off radius": moved, "pull-off value": off / room})
     names = dict.fromkeys(name for one in compared for name in one)
     largest = {name: max(one[name] for one in compared if name in one) for name in names}
