@@ -318,14 +318,17 @@ class AdhesiveProblem(CurveProblem):
             raise SceneError("profile", self.profile, told)
         self.touching = self.depth >= self._first_depth()
         self.lost = 0
+
+    def improve_start(self) -> None:
+        """Start from the largest tension, the zero of the load and that of the deepest row."""
         for _ in range(_ROUNDS):
             for name, improved in (
                 ("work_of_adhesion", self._first_adhesion),
                 ("zero_point", self._first_zero),
                 ("reduced_modulus", self._first_modulus),
             ):
-                if name in free:
-                    self.start[free.index(name)] = improved()
+                if name in self.free:
+                    self.start[self.free.index(name)] = improved()
 
     def take_tolerance(self, rtol: float) -> None:
         """Solve with another tolerance from now on."""
@@ -341,10 +344,6 @@ class AdhesiveProblem(CurveProblem):
             "normal_compliance": data.normal_compliance,
             "work_of_adhesion": data.work_of_adhesion,
         }
-
-    def _above(self) -> Array:
-        """Return the loads above the baseline."""
-        return self.load - (0.0 if self.line is None else self.line.at(self.depth))
 
     def _first_depth(self) -> float:
         """Return the smallest depth in contact: next to the largest drop, or past the baseline.
@@ -388,16 +387,9 @@ class AdhesiveProblem(CurveProblem):
         power = math.log2(pulls[1] / pulls[0])
         return start + math.log(measured / pulls[0]) / power
 
-    def _first_modulus(self) -> float:
-        """Return where the search starts for the load of the deepest row to be that measured."""
-        values = self.values(self.start)
-        start = self.start[self.free.index("reduced_modulus")]
-        deepest = int(np.argmax(self.depth))
-        approach = self.depth[[deepest]] - values["zero_point"]
-        found = self.branch.loads(approach, *self._lengths(values))
-        load = values["reduced_modulus"] / 4.0 * float(found.value[0])
-        ratio = float(self._above()[deepest]) / load if load else 0.0
-        return start + math.log(ratio) if ratio > 0.0 else start
+    def _loads(self, values: dict[str, float], approach: Array) -> Array:
+        loads = self.branch.loads(approach, *self._lengths(values)).value
+        return np.asarray(values["reduced_modulus"] / 4.0 * loads)
 
     def _first_zero(self) -> float:
         """Return the zero point that gives the start the depth at which the load is 0.

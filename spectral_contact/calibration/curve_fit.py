@@ -17,8 +17,6 @@ from spectral_contact.scene import Scene
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
-#: What ends the search, over the tolerance of the solves.
-_SETTLED: Final = 1e-2
 #: Tolerance of the curves of a first search.
 _ROUGH: Final = 1e-4
 
@@ -37,22 +35,27 @@ def fit_curve(
         kind = AdhesiveProblem
     free = names("free", [free] if isinstance(free, str) else free, kind.parameters(scene))
     problem = kind(scene, data, tuple(free), rtol)
-    limits, start = problem.bounds(), problem.start
+    limits = np.array(problem.bounds())
+    # most of the way curves of a few digits do
+    rough = max(rtol, _ROUGH)
     with one_thread(), ProgressLine(progress) as tell:
         tell("the first curve")
+        problem.take_tolerance(rough)
+        problem.improve_start()
         problem.look()
-        # most of the way curves of a few digits do
-        for tolerance in sorted({max(rtol, _ROUGH), rtol}, reverse=True):
-            problem.take_tolerance(tolerance)
+        bounds = 1.0 + (limits - problem.start) / problem.scale
+        y = np.ones(len(free))
+        for tolerance in sorted({rough, rtol}, reverse=True):
+            if tolerance < rough:
+                problem.take_tolerance(tolerance)
             found = least_squares_fit(
-                lambda x: np.asarray(problem.at(tuple(x.tolist()))[0]),
-                start,
+                problem.residuals,
+                y,
                 most,
                 tell,
-                jac=lambda x: problem.at(tuple(x.tolist()))[1],
-                bounds=limits,
-                x_scale=problem.scale,
-                **dict.fromkeys(("ftol", "xtol", "gtol"), max(1e-12, _SETTLED * tolerance)),
+                jac=problem.jacobian,
+                bounds=bounds,
+                **dict.fromkeys(("ftol", "xtol", "gtol"), tolerance),
             )
-            start = found.x.tolist()
-    return problem.outcome(found)
+            y = found.x
+    return problem.outcome(y, found.active_mask)

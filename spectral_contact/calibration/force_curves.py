@@ -75,13 +75,11 @@ def baseline(depth: Array, load: Array) -> Baseline | None:
         return None
     line = _line(x[:block], y[:block])
     while line.points < len(x):
-        further = slice(line.points, line.points + block)
-        off = float(np.mean(y[further] - line.at(x[further])))
-        # of a mean, and of a line that is extended to the middle of the block
-        extended = (1.0 + 3.0 * (1.0 + block / line.points) ** 2) / line.points
-        if abs(off) > _OFF * line.sigma * np.sqrt(1.0 / block + extended):
+        # of a contact the block after the next is off, too; of noise it is not
+        if _is_off(line, x, y, block, 0) and _is_off(line, x, y, block, 1):
             break
-        line = _line(x[: further.stop], y[: further.stop])
+        end = line.points + block
+        line = _line(x[:end], y[:end])
     left = (y - line.at(x))[: line.points]
     rise = float(y[-1] - line.at(x[-1:])[0])
     is_flat = abs(line.tilt) * np.ptp(x) <= _FLAT * abs(rise)
@@ -89,6 +87,22 @@ def baseline(depth: Array, load: Array) -> Baseline | None:
     is_noise = steps @ steps >= (2.0 - 2.0 * _SMOOTH) * (left @ left)
     is_part = line.points < len(x)
     return line if is_part and is_flat and is_noise and 0.0 < line.sigma * _RISE < rise else None
+
+
+def _is_off(line: Baseline, x: Array, y: Array, block: int, ahead: int) -> bool:
+    """Return whether the mean of a block of points ahead is off the line, or there are none."""
+    from scipy.special import ndtr, stdtrit  # takes long to import
+
+    first = line.points + ahead * block
+    further = slice(first, first + block)
+    if first >= len(x):
+        return True
+    off = float(np.mean(y[further] - line.at(x[further])))
+    # variances of the mean, and of a line that is extended to the middle of the block
+    extended = (1.0 + 3.0 * (1.0 + (1 + 2 * ahead) * block / line.points) ** 2) / line.points
+    # of few points the deviation is known less well, by Student's distribution
+    most = stdtrit(line.points - 2, ndtr(_OFF))
+    return bool(abs(off) > most * line.sigma * np.sqrt(1.0 / block + extended))
 
 
 def _line(x: Array, y: Array) -> Baseline:

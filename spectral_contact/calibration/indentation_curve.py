@@ -15,18 +15,20 @@ from functools import partial
 from typing import Any, Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spectral_contact.calibration.force_curves import baseline, touch_depth
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.calibration.load_curves import CurvePoint, LoadCurve
 from spectral_contact.contact.contact_radius import RadiusScale, find_radius, indenter, value_of
 from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.pinned import PinnedContact
 from spectral_contact.equations.residuals import load as half_load
 from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.io.choices import one_of
-from spectral_contact.profiles import Profile
+from spectral_contact.profiles import Flat, Profile
 from spectral_contact.scene import Scene
 
 #: Of the instrument: the depth at which the punch touches [m], the load that is measured there
@@ -59,6 +61,8 @@ _LARGEST_ERROR: Final = 10.0
 #: Loads of more standard deviations are no noise; the start is this fraction of all depths above.
 _NOISE: Final = 3.0
 _ABOVE: Final = 0.01
+#: Load of the second row of a first guess over that of the deepest one.
+_SECOND_LOAD: Final = 0.25
 #: Chi square over its degrees of freedom beyond which a curve is not what was measured, if by
 #: chance it is as large or larger this rarely.
 _MISFIT: Final = 2.0
@@ -151,10 +155,37 @@ def first_modulus(profile: Profile, data: IndentationData) -> float:
     line = baseline(depth, load)
     above = load - (0.0 if line is None else line.at(depth))
     deepest = int(np.argmax(depth))
-    approach = float(depth[deepest] - touch_depth(depth, above, _NOISE * sigma))
+    approach = float(depth[deepest]) - _first_touch(profile, depth, above, sigma)
     if not (approach > 0.0 and above[deepest] > 0.0):
         raise SceneError("load", float(above[deepest]), "above 0 at the largest depth")
     return 4.0 * float(above[deepest]) / curve_load(profile, approach, 0.0, _ROUGH).value
+
+
+def _first_touch(profile: Profile, depth: Array, load: Array, sigma: Array) -> float:
+    """Return about the depth of first touch [m].
+
+    It is that of a smooth contact with the loads of two rows, the deepest one and one of a quarter
+    of its load. If the first load that is no noise is at a smaller depth, it is a little above that
+    one, so that every load counts.
+    """
+    from scipy.optimize import brentq  # takes long to import
+
+    touch = touch_depth(depth, load, _NOISE * sigma) - _ABOVE * float(np.ptp(depth))
+    order = np.argsort(depth, kind="stable")
+    deep, most = float(depth[order[-1]]), float(load[order[-1]])
+    row = order[np.argmax(load[order] >= _SECOND_LOAD * most)]
+    middle, measured = float(depth[row]), float(load[row])
+    if not (touch < middle < deep and 0.0 < measured < most):
+        return touch
+
+    def excess(start: float) -> float:
+        loads = [curve_load(profile, one - start, 0.0, _ROUGH).value for one in (deep, middle)]
+        return math.log(loads[0] / loads[1] * measured / most)
+
+    ends = 2.0 * touch - deep, touch
+    if not excess(ends[0]) < 0.0 < excess(ends[1]):
+        return touch
+    return float(brentq(excess, *ends, rtol=_ROUGH))
 
 
 class _CurveLoad(NamedTuple):
@@ -188,6 +219,11 @@ def curve_load(profile: Profile, approach: float, layer: float, rtol: float) -> 
 
 
 def _of_approach(profile: Profile, approach: float, layer: float, rtol: float) -> Indentation:
+    if isinstance(profile, Flat):
+        punch = PinnedContact(
+            profile.reach, layer, 0.0, rtol, _MOST_UNKNOWNS, pointwise=layer > 0.0
+        )
+        return value_of(punch.under(punch.load_of(approach), approach))
     solve = indenter(profile, layer, _MOST_UNKNOWNS)
     solved, _ = find_radius(
         profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
@@ -201,10 +237,10 @@ def _derived(profile: Profile, found: Indentation, layer: float) -> _CurveLoad:
         return _CurveLoad(found.load, found.stiffness, 0.0)
     pressure, flat, a = found.pressure, found.flat, found.radius
     assert pressure is not None
-    assert flat is not None
 
     def product(d: Array) -> Array:
-        return np.asarray(pressure(1.0 - d, d) * flat(1.0 - d, d))
+        p = pressure(1.0 - d, d)
+        return np.asarray(p * (a * p / found.approach if flat is None else flat(1.0 - d, d)))
 
     integral = half_load(product, breaks=cuts(profile, a, layer / a))
     return _CurveLoad(found.load, found.stiffness, -2.0 * math.pi * a * integral)
@@ -213,7 +249,8 @@ def _derived(profile: Profile, found: Indentation, layer: float) -> _CurveLoad:
 def curve_loads(profile: Profile, approaches: Array, layer: float, rtol: float) -> Array:
     """Return loads of many approaches with their derivatives, each as of `curve_load`.
 
-    Few contact radii are solved, and polynomials go through them.
+    Few contact radii are solved, and polynomials go through them. Those of a flat punch are
+    proportional to the approach.
 
     Parameters
     ----------
@@ -228,7 +265,14 @@ def curve_loads(profile: Profile, approaches: Array, layer: float, rtol: float) 
     """
     result = np.zeros((len(approaches), 3))
     pressed, places = np.unique(approaches[approaches > 0.0], return_inverse=True)
-    if len(pressed) < LEAST:
+    if isinstance(profile, Flat) and len(pressed):
+        deepest = curve_load(profile, float(pressed[-1]), layer, rtol)
+        shares = (pressed / pressed[-1]).tolist()
+        rows = [
+            _CurveLoad(one * deepest.value, deepest.by_approach, one * deepest.by_layer)
+            for one in shares
+        ]
+    elif len(pressed) < LEAST:
         rows = [curve_load(profile, one, layer, rtol) for one in pressed.tolist()]
     else:
         rows = list(map(_CurveLoad._make, _interpolated(profile, pressed, layer, rtol).tolist()))
@@ -318,16 +362,19 @@ class CurveProblem:
         extent = float(np.ptp(self.depth)) or 1.0
         force = float(np.ptp(self.load)) or 1.0
         start = {**dict.fromkeys(free, 0.0), **self._line_start()}
-        tilted = start.get("tilt", 0.0) * (self.depth - self.depth.min())
-        above = self.load - start.get("load_offset", 0.0) - tilted
-        # a little above the first load that is no noise, so that every load that is one counts
-        touch = touch_depth(self.depth, above, _NOISE * self.sigma) - _ABOVE * extent
-        start["zero_point"] = touch
+        if "zero_point" in free:
+            touch = _first_touch(profile, self.depth, self._above(), self.sigma)
+            start["zero_point"] = touch
         scale = {"zero_point": extent, "load_offset": force, "tilt": force / extent}
         self.start = [start[name] for name in free]
         self.scale = [scale.get(name, 1.0) for name in free]
         self.take_tolerance(rtol)
         self.evaluations = 0
+
+    def improve_start(self) -> None:
+        """Start from the modulus that gives the deepest row the load measured."""
+        if "reduced_modulus" in self.free:
+            self.start[self.free.index("reduced_modulus")] = self._first_modulus()
 
     def take_tolerance(self, rtol: float) -> None:
         """Solve with another tolerance from now on."""
@@ -348,9 +395,46 @@ class CurveProblem:
         found["tilt"] = self.line.tilt
         return {name: value for name, value in found.items() if name in self.free}
 
+    def _above(self) -> Array:
+        """Return the loads above the baseline."""
+        return self.load - (0.0 if self.line is None else self.line.at(self.depth))
+
+    def _first_modulus(self) -> float:
+        """Return where the search starts for the load of the deepest row to be that measured."""
+        values = self.values(self.start)
+        start = self.start[self.free.index("reduced_modulus")]
+        deepest = int(np.argmax(self.depth))
+        [load] = self._loads(values, self.depth[[deepest]] - values["zero_point"])
+        ratio = float(self._above()[deepest]) / load if load else 0.0
+        return start + math.log(ratio) if ratio > 0.0 else start
+
+    def _loads(self, values: dict[str, float], approach: Array) -> Array:
+        """Return the loads of approaches in contact."""
+        return self.curve(values, approach)[0]
+
     def bounds(self) -> tuple[list[float], list[float]]:
-        """Return between which values is searched."""
+        """Return between which values of x is searched."""
         return [-math.inf] * len(self.free), [math.inf] * len(self.free)
+
+    def _searched(self, y: Array) -> tuple[Array, Array]:
+        """Return x and its derivatives by the unknowns y of a search, which starts at ones.
+
+        They are in units of their scale. Above its start a compliance itself is searched instead of
+        its logarithm, since loads are nearly linear in it.
+        """
+        compliances = np.array([name == "normal_compliance" for name in self.free])
+        grown = np.where(compliances, np.maximum(y, 1.0), 1.0)
+        scale = np.array(self.scale)
+        return self.start + scale * (y - grown + np.log(grown)), scale / grown
+
+    def residuals(self, y: Array) -> Array:
+        """Return theory minus measurement over standard deviation."""
+        return np.asarray(self.at(tuple(self._searched(y)[0].tolist()))[0])
+
+    def jacobian(self, y: Array) -> Array:
+        """Return the derivatives of the residuals by y."""
+        x, rates = self._searched(y)
+        return np.asarray(self.at(tuple(x.tolist()))[1] * rates)
 
     @staticmethod
     def _log(name: str) -> bool:
@@ -419,15 +503,15 @@ class CurveProblem:
             raise SceneError("punch_youngs_modulus", data.punch_youngs_modulus, told)
         return {"youngs_modulus": reduced * (1.0 - nu) * (1.0 + nu) / (1.0 - share)}
 
-    def outcome(self, found: Any) -> IndentationFit:
+    def outcome(self, y: Array, at_bounds: NDArray[np.int_]) -> IndentationFit:
         """Return the record, if the data determine all parameters."""
-        x = tuple(found.x.tolist())
+        x = tuple(self._searched(y)[0].tolist())
         residuals, jacobian = self.at(x)
         searched = np.sqrt(np.diag(self.covariance(jacobian)))
         for name, size in zip(self.free, searched, strict=True):
             if self._log(name) and size > _LARGEST_ERROR:
                 raise SceneError("free", self.free, f"determined by the data, as {name} is not")
-        if np.any(found.active_mask):
+        if np.any(at_bounds):
             raise self._alike
         covariance = self.covariance(self.turned(jacobian, x, -1.0))
         values = self.values(x)

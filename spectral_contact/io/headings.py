@@ -25,11 +25,15 @@ _HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "traction": ("q", "traction", "shear traction", "cshear1"),
     "slip": ("u", "slip", "cslip1"),
     "displacement": ("u", "h", "displacement", "indentation", "depth", "approach"),
-    "load": ("P", "F", "load", "force", "normal force", "load on sample", "indentation force"),
+    "load": (
+        *("P", "F", "load", "force", "normal force", "load on sample", "indentation force"),
+        *("vertical deflection", "vDeflection"),
+    ),
     "depth": (
         *("h", "d", "z", "Z", "δ", "delta", "depth", "displacement", "indentation", "penetration"),
         *("approach", "indentation depth", "penetration depth", "displacement into surface"),
-        *("separation", "tip sample separation"),
+        *("separation", "tip sample separation", "tip sample distance", "vertical tip position"),
+        *("verticalTipPosition", "tipSampleSeparation"),
     ),
     "sigma": ("σ", "sigma", "standard deviation", "load error", "force error", "uncertainty"),
     "stiffness": ("S", "stiffness", "harmonic contact stiffness", "contact stiffness"),
@@ -42,6 +46,13 @@ _RATIOS: Final[Mapping[str, tuple[str, ...]]] = {
 }
 #: What dimensionless columns may have for a unit: L and E' are the units of scenes with a profile.
 _DIMENSIONLESS: Final = frozenset(("", "-", "1", "a", "L", "E'"))
+#: Part of a heading of a load that may be one in volts or of a length, too.
+_DEFLECTION: Final = "deflection"
+# As in "units: m N s", "columns: height vDeflection time".
+_LABELLED: Final = re.compile(r"(?P<label>\w+):\s+(?P<cells>\S.*)")
+#: What JPK's exports call headings and units in comments.
+_HEADING_LABELS: Final = ("columns", "fancyNames")
+_UNITS_LABEL: Final = "units"
 # As in "r [mm]", "r (mm)".
 _IN_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>.*)\]|\((?P<round>.*)\))\s*")
 # As in "r / mm", "r, mm", "r in mm", "r_mm".
@@ -209,10 +220,29 @@ def _of_other_names(
 def _commented(sheet: Sheet, expected: Sequence[Expected], width: int) -> list[_Heading] | None:
     """Return the headings of the last comment that names a quantity."""
     for comment in reversed(sheet.comments):
-        found = _named(comment, sheet.delimiter, expected, width)
+        label, cells = _label_and_cells(comment)
+        named = replace(comment, text=cells) if label in _HEADING_LABELS else comment
+        found = _named(named, sheet.delimiter, expected, width)
         if found is not None and _names_any(found, expected) and not _is_prose(found):
-            return found
+            return _with_labelled_units(found, sheet)
     return None
+
+
+def _label_and_cells(comment: TextRow) -> tuple[str, str]:
+    """Return what a comment calls its cells, or nothing, and the cells."""
+    found = _LABELLED.fullmatch(comment.text)
+    return ("", comment.text) if found is None else (found["label"], found["cells"])
+
+
+def _with_labelled_units(headings: list[_Heading], sheet: Sheet) -> list[_Heading]:
+    """Return headings with the units of the comment that is labelled so, if there is one."""
+    for comment in reversed(sheet.comments):
+        label, cells = _label_and_cells(comment)
+        if label == _UNITS_LABEL:
+            units = split_headings(cells, sheet.delimiter, len(headings))
+            if units is not None:
+                return [replace(one, unit=u) for one, u in zip(headings, units, strict=True)]
+    return headings
 
 
 def _named(
@@ -404,6 +434,9 @@ def _source(one: Expected, index: int, heading: _Heading | None, said: str | Non
     if said is not None and written and said != written:
         raise Refused(f"{where} is in {written}, not in {said}")
     unit = (said if said is not None else written) or ""
+    if heading is not None and not unit and _DEFLECTION in heading.name.lower():
+        told = "has no unit, and a deflection may be in N, V or m: give it with the column"
+        raise Refused(f"{where} {told}")
     if one.unit:
         ratio = heading is not None and one.is_ratio(heading.name)
         if ratio or unit in _DIMENSIONLESS - {""}:

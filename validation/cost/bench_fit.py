@@ -27,7 +27,7 @@ CASES: tuple[tuple[int, str, tuple[str, ...], float, float], ...] = (
     (10_000, "none", FREE, 1e-10, GOAL),
     (10_000, "linear", LAYERED, 1e-10, GOAL),
     (10_000, "linear", (*LAYERED, "load_offset", "tilt"), 1e-10, GOAL),
-    (10_000, "exponential", FREE, 1e-6, math.inf),
+    (10_000, "exponential", FREE, 1e-6, GOAL),
     (10_000, "none, adhesion", (*FREE, "work_of_adhesion"), 1e-10, GOAL),
     (10_000, "linear, adhesion", (*LAYERED, "work_of_adhesion"), 1e-10, GOAL),
 )

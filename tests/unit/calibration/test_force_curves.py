@@ -47,6 +47,30 @@ def test_an_afm_curve_with_two_segments_falling_depth_and_an_offset():
     assert told(without, "chi square is").endswith("do not cover it")
 
 
+def test_a_text_export_of_jpk_is_read_by_its_labelled_comments(tmp_path):
+    """Made by Hertz' formula: E* = 1.5 kPa, 5 um, touch at 9.2 um, -20 pN, 10 pN of noise."""
+    path = CURVES / "jpk_export.txt"
+    data = IndentationData.from_file(path)
+    assert "depth from column 1 (Vertical Tip Position) in m, load from column 2" in data.remarks[0]
+    assert "sign of the depth is turned" in told(data, "sign")
+    assert "approach, 200 points (lines 39 to 238); retraction has 202" in told(data, "part:")
+    free = ("reduced_modulus", "zero_point", "load_offset")
+    found = fit(ball(5e-6, 1e3), data, free, rtol=1e-7)
+    for name, truth in zip(free, (1500.0, -9.2e-6, -2e-11), strict=True):
+        assert abs(found[name] - truth) < 3.0 * found.error(name)
+    text, other = path.read_text(encoding="utf-8"), tmp_path / "other.txt"
+    for old, new, message in (
+        ("units: m N", "units: m V", "V is no unit of load, which is in N"),
+        ("# units: m N", "# m N", "has no unit, and a deflection may be in N, V or m"),
+        ('"Height" ', '"Tip-Sample Separation" ', "column 1 .* and column 4 .* are both depth"),
+        ('"Vertical Tip Position"', '"Piezo"', "no column of depth: the headings are Piezo, "),
+    ):
+        changed = text.replace(old, new).replace("# columns: v", "# channels v")
+        other.write_text(changed, encoding="utf-8")
+        with pytest.raises(SolutionFileError, match=message):
+            IndentationData.from_file(other)
+
+
 def test_the_retraction_and_a_loop():
     assert len(IndentationData.from_file(**AFM, part="retraction").depth) == 240
     loop = IndentationData.from_file(CURVES / "plastic.csv", part="all", sigma="4 uN")
@@ -133,6 +157,14 @@ def test_a_baseline_ends_where_the_contact_begins():
     assert baseline(depth, np.zeros(900)) is None
     cone = np.linspace(0.0, 1.0, 900)
     assert baseline(cone, cone**2) is None  # flat at first, but no noise
+
+
+@pytest.mark.parametrize("seed", [81, 685, 928, 1187, 3787])
+def test_points_that_are_off_by_chance_do_not_end_a_baseline(seed):
+    """Of 6000 seeds these are some with a block that is off by four standard deviations."""
+    depth, random = np.linspace(-2.0, 1.0, 300), np.random.default_rng(seed)
+    load = np.maximum(depth, 0.0) ** 1.5 + 0.01 * random.normal(size=300)
+    assert 180 <= baseline(depth, load).points <= 225
 
 
 def test_parts_are_those_before_and_after_the_deepest_row():

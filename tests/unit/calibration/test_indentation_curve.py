@@ -6,7 +6,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spectral_contact import ConvergenceError, Scene, SceneError, layers, profiles, solve
+from spectral_contact import (
+    ConvergenceError,
+    Scene,
+    SceneError,
+    closed_forms,
+    layers,
+    profiles,
+    solve,
+)
 from spectral_contact.calibration import IndentationData, fit, indentation_curve, layered_fits
 from spectral_contact.calibration.indentation_curve import curve_load
 from spectral_contact.calibration.layered_fits import layered_load
@@ -41,7 +49,9 @@ def test_exact_data_give_their_parameters_back():
     assert "reduced_modulus" in str(found)
 
 
-@pytest.mark.parametrize("profile", [profiles.Parabola(1.0), profiles.TruncatedCone(0.3, 1.3)])
+@pytest.mark.parametrize(
+    "profile", [profiles.Parabola(1.0), profiles.TruncatedCone(0.3, 1.3), profiles.Flat(0.8)]
+)
 def test_derivatives_are_exact(profile):
     """Against differences of fourth order: 10 digits, as their rounding allows."""
     at, layer = 0.2, 0.1
@@ -140,3 +150,57 @@ def test_a_smooth_surface_has_its_modulus():
     hertz = 4 / 3 * MODULUS * math.sqrt(1e-5) * DEPTHS**1.5
     found = fit(smooth, IndentationData(DEPTHS, hertz, 1e-6), "reduced_modulus")
     assert found["reduced_modulus"] == pytest.approx(MODULUS, rel=1e-9)
+
+
+ANGLE, RIM, LARGEST = 1.2, 3e-7, 2e-6
+RADII = np.geomspace(1.001 * RIM, LARGEST, 80)
+
+
+@pytest.mark.parametrize(
+    ("profile", "contact"),
+    [
+        (
+            profiles.TruncatedCone(RIM, ANGLE),
+            lambda a: closed_forms.truncated_cone_contact(a, RIM, ANGLE),
+        ),
+        (
+            profiles.RoundedFlat(RIM, 5e-6),
+            lambda a: closed_forms.rounded_flat_contact(a, RIM, 5e-6),
+        ),
+        (
+            profiles.Sampled((0.0, RIM, 2.0 * LARGEST), ((0.0,), (1.0 / math.tan(ANGLE),))),
+            lambda a: closed_forms.truncated_cone_contact(a, RIM, ANGLE),
+        ),
+    ],
+    ids=["truncated", "rounded", "sampled"],
+)
+def test_flat_ended_punches_have_modulus_and_zero_of_their_closed_forms(profile, contact):
+    contacts = [contact(float(a)) for a in RADII]
+    depths = np.array([one.approach for one in contacts]) + ZERO
+    forces = MODULUS / 4.0 * np.array([one.load for one in contacts])
+    start = Scene.from_physical(reduced_modulus=0.3 * MODULUS, profile=profile, load=1e-3)
+    sigma = 1e-3 * forces.max()
+    found = fit(start, IndentationData(depths, forces, sigma), ("reduced_modulus", "zero_point"))
+    assert found["reduced_modulus"] == pytest.approx(MODULUS, rel=1e-8)
+    assert found["zero_point"] == pytest.approx(ZERO, rel=1e-8)
+    noisy = forces + sigma * np.random.default_rng(3).standard_normal(len(forces))
+    found = fit(start, IndentationData(depths, noisy, sigma), found.names, rtol=1e-6)
+    assert abs(found["reduced_modulus"] - MODULUS) < 4.0 * found.error("reduced_modulus")
+    assert abs(found["zero_point"] - ZERO) < 4.0 * found.error("zero_point")
+    assert found.error("reduced_modulus") < 0.01 * MODULUS
+    assert 40.0 < found.chi_square < 130.0
+
+
+def test_a_flat_punch_has_the_modulus_of_a_straight_line():
+    """``P = 2 a E* delta``; with a layer the line is the same but for its slope."""
+    depths = np.linspace(-1e-7, 2e-7, 30)
+    forces = 2.0 * RIM * MODULUS * np.maximum(depths - ZERO, 0.0)
+    start = Scene.from_physical(
+        reduced_modulus=0.3 * MODULUS, normal_compliance=1e-19, profile=profiles.Flat(RIM), load=1.0
+    )
+    data = IndentationData(depths, forces, 1e-3 * forces.max())
+    found = fit(start.replace(normal_compliance=0.0), data, ("reduced_modulus", "zero_point"))
+    assert found["reduced_modulus"] == pytest.approx(MODULUS, rel=1e-8)
+    assert found["zero_point"] == pytest.approx(ZERO, rel=1e-8)
+    with pytest.raises(SceneError, match="cannot distinguish"):
+        fit(start, data, FREE)

@@ -249,6 +249,9 @@ def test_displacements_are_compared_inside_and_outside(true):
     assert found["displacement"].error < 1e-9
     assert found["displacement"].error <= found["displacement"].known_to
     assert "displacement compared as inside" in found.remarks[0]
+    ball = Scene(0.3, profile=sc.profiles.Parabola(2.0), contact_radius=1.0)
+    hertz = (2.0 - r[1::3] ** 2) / 4.0  # inside, where there is no layer to be named
+    assert not sc.compare(ball, r=r[1::3], displacement=hertz).remarks
     scene = Scene(0.3, 0.5)
     solved = solve(scene, 1e-12)
     own = np.where(r <= 1.0, solved.approach, solved.inside.surface(r).z)
