@@ -3,9 +3,10 @@
 Run as ``python validation/honesty/fits.py [--adhesion] [--curves N] [--seed N]``; writes
 validation/results/honesty_fits.md, or with adhesion honesty_adhesive_fits.md. Noisy curves of 400
 points, sigma estimated from the baseline; a pull is (fitted - true) / standard deviation, whose
-root mean square is to be 1; that of N curves is known to 1/sqrt(2 N). With adhesion they are retractions up to the largest tension, where a
-soft spring lets go. Loads of the smooth sphere are by the formulas of Hertz, or of Johnson, Kendall
-and Roberts; those through a layer by `solve`, one for each depth.
+root mean square is to be 1; that of N curves is known to 1/sqrt(2 N). With adhesion they are
+retractions up to the largest tension, where a soft spring lets go. Loads of the smooth sphere are
+by the formulas of Hertz, or of Johnson, Kendall and Roberts; those through a layer by `solve`, one
+for each depth.
 """
 
 from __future__ import annotations
@@ -133,10 +134,11 @@ def main() -> None:
     asked = options(__doc__, adhesion=False, curves=0, seed=1)
     study = ADHESIVE if asked.adhesion else PLAIN
     curves = asked.curves or study.curves
+    known = 1.0 / math.sqrt(2.0 * curves)
     about = (
         f"{curves} noisy curves of {POINTS} points each, sigma estimated from the baseline. A pull "
-        "is (fitted - true) over the standard deviation. The root mean square of correct deviations "
-        f"is 1; that of {curves} curves has a standard error of {1.0 / math.sqrt(2.0 * curves):.3f}."
+        "is (fitted - true) over the standard deviation. The root mean square of correct "
+        f"deviations is 1; that of {curves} curves has a standard error of {known:.3f}."
     )
     heading = "contact | parameter | mean pull | root mean square | beyond 1.96 | largest"
     write(study.name, f"{about}\n\n{table(heading, rows(study, curves, asked.seed))}")
