@@ -9,6 +9,7 @@ is an extremum, ``dW/dalpha = -1/2 int p^2 dA``, and the load is its derivative 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -26,6 +27,7 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.io.choices import one_of
+from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
@@ -131,6 +133,22 @@ class IndentationFit:
         """Number of loads less that of the parameters."""
         return len(self.residuals) - len(self.names)
 
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write measured and fitted loads at the depths, and the residuals.
+
+        Raises
+        ------
+        SolutionFileError
+            If the file cannot be written.
+        """
+        data = self.data
+        columns = data.depth, data.load, data.sigma, self.loads, self.residuals
+        lines = ["depth [m],load [N],sigma [N],fitted load [N],residual / sigma"]
+        lines += [",".join(map(str, row)) for row in zip(*columns, strict=True)]
+        path = path_text(path)
+        with reported(path, "cannot be written"):
+            replace_file(path, ("\n".join(lines) + "\n").encode())
+
     def __str__(self) -> str:
         lines = [f"{'parameter':<20} {'value':>12}  standard deviation"]
         for name, value, error in zip(self.names, self.values, self.errors, strict=True):
@@ -155,6 +173,15 @@ def first_modulus(profile: Profile, data: IndentationData) -> float:
     if not (approach > 0.0 and above[deepest] > 0.0):
         raise SceneError("load", float(above[deepest]), "above 0 at the largest depth")
     return 4.0 * float(above[deepest]) / curve_load(profile, approach, 0.0, _ROUGH).value
+
+
+def with_modulus(scene: Scene, data: IndentationData) -> Scene:
+    """Return a scene in SI units with the modulus of the half-space from which a fit may start."""
+    assert scene.profile is not None
+    modulus, nu = first_modulus(scene.profile, data), scene.poisson_ratio
+    if nu is None:
+        return scene.replace(reduced_modulus=modulus)
+    return scene.replace(youngs_modulus=modulus * (1.0 - nu * nu))
 
 
 class _CurveLoad(NamedTuple):

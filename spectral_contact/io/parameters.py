@@ -57,7 +57,8 @@ class Parameter:
         """Return all of it on one line of ASCII, as ``--help`` has it."""
         unit = f"[{self.unit}]" if self.unit and self.unit not in self.allowed else ""
         named = " ".join(one for one in (self.meaning, self.symbol, unit) if one)
-        return (f"{named}, {self.allowed}" if self.allowed else named).translate(_ASCII)
+        told = f"{named}, {self.allowed}" if self.allowed else named
+        return told.replace("math.inf", "inf").translate(_ASCII)
 
     def checked(self, name: str, value: object) -> Any:
         """Return a value of the range; an angle may have a unit.
@@ -96,7 +97,7 @@ def check_parameters(made: Any) -> None:
         object.__setattr__(made, name, parameter.checked(name, getattr(made, name)))
 
 
-#: The numbers of a scene, dimensionless; with a profile in L, E' and E'L².
+#: What a scene is given by, dimensionless; with a profile in L, E' and E'L².
 SCENE: Final[Mapping[str, Parameter]] = {
     "poisson_ratio": Parameter(
         "Poisson's ratio", "in (-1, 0.5]", "", "ν", ("nu", "ν", "poisson's ratio")
@@ -121,6 +122,7 @@ SCENE: Final[Mapping[str, Parameter]] = {
     "unloaded_to": Parameter(
         "load over the largest load", "in (0, 1], 1 being the largest load", symbol="λ"
     ),
+    "coupling": Parameter("elastic coupling: whether the traction acts back on the pressure"),
     "contact_radius": Parameter("contact radius", _POSITIVE, "m", "a"),
     "load": Parameter("load", _POSITIVE, "N", "P", ("P", "F", "force", "normal force")),
     "approach": Parameter("approach", _POSITIVE, "m", "δ", ("delta", "δ", "depth")),
@@ -131,6 +133,7 @@ SCENE: Final[Mapping[str, Parameter]] = {
         "J/m^2",
         "w",
     ),
+    "branch": Parameter("stretch of the curve of states with adhesion, from large contacts"),
 }
 #: The numbers of a scene in SI units that a dimensionless one has not, or not in that range.
 SI: Final[Mapping[str, Parameter]] = {
