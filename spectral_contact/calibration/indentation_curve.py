@@ -28,6 +28,8 @@ from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.io.parameters import parameters_of
+from spectral_contact.layers.scene_layer import KINDS as LAWS
 from spectral_contact.profiles import Profile
 from spectral_contact.scene import Scene
 
@@ -40,14 +42,11 @@ INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", *OF_INS
 _UNITS: Final = {
     **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m", "N", "N/m"), strict=True)),
     "work_of_adhesion": "J/m²",
-    "compliance": "m/Pa",
-    "coefficient": "Pa/m^exponent",
-    "exponent": "",
-    "zero_pressure": "Pa",
-    "clearance": "m",
-    "density": "1/m²",
-    "tip_radius": "m",
-    "height_deviation": "m",
+    **{
+        name: one.unit.replace("^2", "²")
+        for law in LAWS.values()
+        for name, one in parameters_of(law).items()
+    },
 }
 _MOST_UNKNOWNS: Final = 20_000
 #: Tolerance of a curve that a fit starts from.

@@ -66,6 +66,7 @@ def run(
             raise UsageError(f"{flag('value')} {name}={x}: the number must be finite")
     if file is None and not given:
         raise UsageError("give a FILE of nodes, or --value NAME=X")
+    told: list[Any] = []
     if file is not None:
         si = contact.physical is not None
         expected = [Expected("r", "m" if si else "", at_least=0.0)]
@@ -75,13 +76,13 @@ def run(
         table = reading.read(file, expected)
         found = {name: values for name, values in table.values.items() if name != "r"}
         if not found:
-            told = f"no column of {', '.join(_UNITS)}; say which is which"
-            raise UsageError(f"{file}: {told}")
+            names = ", ".join(_UNITS)
+            raise UsageError(f"{file}: no column of {names}; say which is which")
         is_ratio = expected[0].is_ratio(table.sources["r"].heading)
         given |= {**found, "s" if is_ratio else "r": table.values["r"]}
-        print(table)
+        told.append(table)
     comparison = compare(contact, **given)
-    print(comparison)
+    print(*told, comparison, sep="\n")
     if at_most is not None and not comparison.error <= at_most:
-        told = f"the largest error is {comparison.error:.1e}, --at-most is {at_most:g}"
-        raise NotSolved(told)
+        excess = f"the largest error is {comparison.error:.1e}, --at-most is {at_most:g}"
+        raise NotSolved(excess)

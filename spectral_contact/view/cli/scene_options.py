@@ -243,21 +243,21 @@ class FlatOptions:
             if "kappa" in given and "poisson_ratio" in given:
                 raise UsageError("--kappa is instead of --poisson-ratio")
             return
-        mixed = [flag(name) for name in (*_COMPLIANCES, "kappa") if name in given]
-        if mixed:
-            instead = (
-                "the moduli and Poisson's ratios" if mixed == ["--kappa"] else f"{mixed[0]}-si"
-            )
-            told = f"is dimensionless and cannot be mixed with SI input; use {instead}"
-            raise UsageError(f"{mixed[0]} {told}")
-        needed = ["youngs_modulus", "poisson_ratio"]
-        needed += [] if self.shaped else ["radius", "friction"]
-        if "reduced_modulus" in given:
-            needed = needed[2:3]
+        for name in (*_COMPLIANCES, "kappa"):
+            if name in given:
+                instead = f"{flag(name)}-si, in m/Pa"
+                if name == "kappa":
+                    instead = "the moduli and Poisson's ratios"
+                told = f"is dimensionless and cannot be mixed with SI input; use {instead}"
+                raise UsageError(f"{flag(name)} {told}")
+        reduced = "reduced_modulus" in given
+        needed = [] if reduced else ["youngs_modulus", "poisson_ratio"]
+        if not self.shaped:
+            needed += ["radius"] if reduced else ["radius", "friction"]
         missing = [flag(name) for name in needed if name not in given]
         if missing:
             told = f"SI input needs {' and '.join(missing)}: there is no default material"
-            raise UsageError(told)
+            raise UsageError(told if self.of_materials else f"{told}; or give --profile")
 
     def _left_out(self) -> list[str]:
         """Return a remark on the compliances that a scene in SI units leaves out; they are 0."""
