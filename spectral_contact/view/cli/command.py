@@ -92,7 +92,7 @@ def add_commands(parser: Parser, commands: Mapping[str, Any], dest: str = "comma
         told = Documentation.of(command)
         one = parsers.add_parser(
             name,
-            usage=f"{PROGRAM} {name} [options]{told.examples}",
+            usage=f"{PROGRAM} {name} [options]{told.examples}" if told.examples else None,
             help=_lowered(told.summary),
             description=f"{told.summary}. {told.description}",
         )
@@ -103,7 +103,8 @@ def add_commands(parser: Parser, commands: Mapping[str, Any], dest: str = "comma
 def _call(function: Callable[..., Any], arguments: argparse.Namespace) -> Any:
     """Call a function with its options, some of which may make one argument."""
     values = {}
-    for name, kind in _kinds(function).items():
+    for name, parameter in inspect.signature(function, eval_str=True).parameters.items():
+        kind = parameter.annotation
         if hasattr(kind, "of"):
             values[name] = kind.of(vars(arguments))
         elif is_dataclass(kind):
@@ -111,11 +112,6 @@ def _call(function: Callable[..., Any], arguments: argparse.Namespace) -> Any:
         else:
             values[name] = getattr(arguments, name)
     return function(**values)
-
-
-def _kinds(function: Callable[..., Any]) -> dict[str, Any]:
-    signature = inspect.signature(function, eval_str=True)
-    return {name: one.annotation for name, one in signature.parameters.items()}
 
 
 def add_options(parser: Parser, function: Callable[..., Any], title: str = "") -> Any:
