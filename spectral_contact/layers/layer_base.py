@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import inf
-from typing import Any, Final, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,17 @@ from spectral_contact.io.parameters import check_parameters
 _STEPS = 2100
 #: The range of parameters whose powers have to stay in that of doubles.
 RANGE: Final = "in [1e-100, 1e+100]"
+
+
+class LawErrors(NamedTuple):
+    """Bounds on the errors of a law's values up to an overclosure.
+
+    Those of pressure and energy are absolute, that of the stiffness is relative to its value there.
+    """
+
+    pressure: float
+    stiffness: float
+    energy: float
 
 
 class Layer(ABC):
@@ -150,3 +161,7 @@ class Layer(ABC):
     @abstractmethod
     def _energy(self, w: Array) -> Array:
         """Return its integral from the start on."""
+
+    def _errors(self, w: float) -> LawErrors:
+        """Return bounds on the errors of the law up to an overclosure; a formula has none."""
+        return LawErrors(0.0, 0.0, 0.0)

@@ -18,7 +18,7 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, values_at
 from spectral_contact.io.choices import function, listed
 from spectral_contact.io.columns import Expected, read_columns
-from spectral_contact.layers.layer_base import Layer
+from spectral_contact.layers.layer_base import LawErrors, Layer
 
 Rows = tuple[tuple[float, ...], ...]
 
@@ -106,6 +106,19 @@ class _Pieces(Layer):
         own, past, end = self._series(), np.maximum(w - self.limit, 0.0), np.array(self.limit)
         more = past * self._sum(own.pressure, end) + past**2 / 2.0 * self._sum(own.slope, end)
         return self._sum(own.energy, w) + more
+
+    def _errors(self, w: float) -> LawErrors:
+        # a series is right to the part of its largest value at which a fit is accepted
+        met = max(int(np.searchsorted(self._edges, w)), 1)
+        own = self._series()
+        pressure = _EXACT * max(float(np.abs(row).sum()) for row in own.pressure[:met])
+        slope = _EXACT * max(float(np.abs(row).sum()) for row in own.slope[:met])
+        # the integral of the pressure's error, and the rounding of Clenshaw's recurrence
+        rounding = np.finfo(float).eps * max(
+            len(row) * float(np.abs(row).sum()) for row in own.energy[:met]
+        )
+        stiffness = slope / float(self._slope(np.array(w)))
+        return LawErrors(pressure, stiffness, (w - self.start) * pressure + rounding)
 
 
 @cache

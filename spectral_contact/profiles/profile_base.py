@@ -8,7 +8,7 @@ With the height ``h`` above the lowest point, a rigid punch asks for the half-in
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from math import inf
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -125,3 +125,14 @@ class Profile(ABC):
             ``t**2 - b**2`` without cancellation, where b is the largest of the breaks below t; 0 if
             there is none.
         """
+
+    def _relative_error(self, radius: float) -> float:
+        """Return a bound on the relative error of ``H`` at a radius by that of the slope."""
+        slope_error = self._slope_error(radius)
+        if slope_error == 0.0:
+            return 0.0
+        return pi * radius * slope_error / float(self._transform(np.array([radius]))[0])
+
+    def _slope_error(self, radius: float) -> float:
+        """Return a bound on the error of the slope up to a radius; a formula has none."""
+        return 0.0

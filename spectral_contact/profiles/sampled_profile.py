@@ -253,6 +253,11 @@ class Sampled(Profile):
                 slopes = 2.0 / (high - low) * chebyshev.chebder(row)
                 bent[reached] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
 
+    def _slope_error(self, radius: float) -> float:
+        # a series is right to the part of its largest value at which a fit is accepted
+        met = [row for (low, _), row in self._pieces() if low < radius]
+        return _EXACT * float(max(np.abs(row).sum() for row in met))
+
     def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
         ends = pairwise(self.edges)
         return [(pair, np.array(row)) for pair, row in zip(ends, self.slopes, strict=True)]

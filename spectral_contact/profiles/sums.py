@@ -119,3 +119,6 @@ class Sum(Profile):
             beyond = (breaks[last] >= b) & ~within
             found = np.where(beyond, past + (breaks[last] - b) * (breaks[last] + b), found)
         return found
+
+    def _slope_error(self, radius: float) -> float:
+        return sum(one._slope_error(radius) for one in self._both)

@@ -177,6 +177,28 @@ class ProfileRun(Run):
             indentation_work=found.work_error,
             pressure=found.pressure_error,
         )
+        self._add_data_errors(found)
+
+    def _add_data_errors(self, found: Indentation) -> None:
+        """Add what is not known of a profile and a law that are given as series.
+
+        Relative to the half-integral of the slope at the edge, and to the mean pressure, their
+        errors are those of load, approach and radius, but for the one that is given.
+        """
+        scene = self.scene
+        assert scene.profile is not None
+        unknown = scene.profile._relative_error(found.radius)
+        if scene.layer is not None:
+            area = math.pi * found.radius**2
+            law = scene.layer._errors(found.overclosure)
+            unknown += law.pressure * area / found.load
+            self.errors["stiffness"] += law.stiffness
+            self.errors["indentation_work"] += law.energy * area / found.work
+        for name in ("contact_radius", "load", "approach"):
+            if getattr(scene, name) is None:
+                self.errors[name] += unknown
+        for name in ("stiffness", "indentation_work", "pressure"):
+            self.errors[name] += unknown
 
     def _adhere(self, found: Indentation, adhesion: float) -> Indentation:
         """Return a state with the work of the curve, and store what adhesion adds to it."""

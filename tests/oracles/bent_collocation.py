@@ -34,6 +34,8 @@ NEAR, CHUNK = 0.5, 2000
 THINNEST = 1e-13
 #: How far w at bends may be off a knot, over the largest, and how often they are looked for.
 STILL, ROUNDS = 1e-13, 12
+#: More bends are noise of an overclosure that stays at a knot over some width.
+MOST_BENDS = 50
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ def solved(
     Raises
     ------
     AssertionError
-        If the bends do not come to rest, as where w only just touches a knot.
+        If the bends do not come to rest, as where w only just touches a knot or stays at it.
     """
     problem = _Problem(law, height, radius, approach, start, tuple(breaks), pointed)
     bends: tuple[float, ...] = ()
@@ -87,6 +89,8 @@ def solved(
         for _ in range(ROUNDS):
             state = problem.state(bends, order, levels)
             found = state.bends()
+            if len(found) > MOST_BENDS:
+                raise AssertionError("the overclosure stays at a knot")
             if len(found) == len(bends) and state.misfit(bends) <= STILL:
                 break
             bends = found

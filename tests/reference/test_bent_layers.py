@@ -193,3 +193,17 @@ def test_full_stick_on_a_table_does_not_contradict_itself():
     s = np.linspace(0.05, 1.0, 200)
     off = np.abs(found[0].traction(s) / found[1].traction(s) - 1.0)
     assert (off <= found[0].error.traction + found[1].error.traction).all()
+
+
+@pytest.mark.parametrize("limit", [0.3, 4.0, 30.0])
+def test_a_law_that_is_sampled_far_beyond_the_overclosure_has_room_for_it(limit):
+    law = Law(
+        lambda w: np.maximum(w, 0.0) + 1.6 * np.maximum(w, 0.0) ** 3,
+        lambda w: np.where(w > 0.0, 1.0 + 4.8 * np.maximum(w, 0.0) ** 2, 0.0),
+        lambda w: np.maximum(w, 0.0) ** 2 / 2.0 + 0.4 * np.maximum(w, 0.0) ** 4,
+        (),
+    )
+    layer = layers.Sampled.from_functions(law.pressure, law.slope, start=0.0, limit=limit)
+    solution = solve(Scene(0.3, layer=layer, profile=BALL, contact_radius=0.5), 1e-9, strict=False)
+    assert solution.converged == (limit < 30.0)
+    assert_honest(solution, solved(law, BALL._height, 0.5, start=0.0))

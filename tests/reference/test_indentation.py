@@ -183,6 +183,21 @@ def test_what_a_radius_next_to_the_equator_adds_has_room(name, known):
         assert abs(getattr(found, one) / value - 1.0) <= getattr(found.error, one) + 1e-15, one
 
 
+@pytest.mark.parametrize("reach", [1.0, 6.0, 40.0])
+def test_a_function_that_is_sampled_far_beyond_the_contact_has_room_for_it(reach):
+    bowl = profiles.Sampled.from_functions(
+        lambda r: r**2 / 2.0 + r**4 / 8.0, lambda r: r + r**3 / 2.0, reach=reach, rounded=True
+    )
+    solution = solve(Scene(0.3, profile=bowl, contact_radius=0.5), 1e-10, strict=False)
+    parts = exact.parabola_contact(0.5, 1.0), exact.power_law_contact(0.5, 0.125, 4.0)
+    assert solution.converged == (reach < 40.0)
+    for name in ("load", "approach"):
+        truth = sum(getattr(part, name) for part in parts)
+        error = abs(getattr(solution, name) / truth - 1.0)
+        assert error <= getattr(solution.error, name)
+    assert solution.error.contact_radius == 0.0
+
+
 def test_a_thin_layer_tends_to_hertz_as_its_series_says():
     """The shift of the approach is of the order of alpha ln(1/alpha), and so is all else."""
     shifts = []

@@ -48,11 +48,15 @@ CLOSE = (-9.0, -0.5)
 
 @dataclass(frozen=True)
 class Drawn:
-    """A law and a profile for both sides, and the disk."""
+    """A law and a profile for both sides, and the disk.
+
+    The heights are those of the function that the library samples.
+    """
 
     layer: layers.Layer
     law: Law
     profile: profiles.Profile
+    height: Callable[[Any], Any]
     breaks: tuple[float, ...]
     radius: float
     approach: float | None
@@ -115,31 +119,44 @@ def table_law(w: list[float], p: list[float]) -> tuple[layers.Layer, Law]:
     return layers.Table(w, p), law
 
 
+def _bent_height(bend: float, more: float, r: Any) -> Any:
+    return r**2 / 2.0 + more * np.maximum(r - bend, 0.0) ** 2 / 2.0
+
+
+def _bowl_height(r: Any) -> Any:
+    return r**2 / 2.0 + r**4 / 8.0
+
+
+def _sampled(
+    height: Callable[[Any], Any], slope: Callable[[Any], Any], breaks: tuple[float, ...]
+) -> profiles.Profile:
+    return profiles.Sampled.from_functions(height, slope, reach=6.0, breaks=breaks, rounded=True)
+
+
 def drawn(rng: np.random.Generator) -> Drawn:
     """Return a scene."""
     kind = rng.integers(6)
     breaks: tuple[float, ...] = ()
     profile: profiles.Profile
+    height: Callable[[Any], Any]
     if kind == 0:
         profile = profiles.Flat(1.0)
+        height = profile._height
     elif kind <= 2:
         profile = profiles.Parabola(1.0)
+        height = profile._height
     elif kind == 3:
         profile = profiles.Cone(float(rng.uniform(0.6, 1.4)))
+        height = profile._height
     elif kind == 4:
-        bend, more = float(rng.uniform(0.2, 0.8)), decade(rng, -1.0, 1.0)
+        bend = float(rng.uniform(0.2, 0.8))
+        more = decade(rng, -1.0, 1.0)
         breaks = (bend,)
-        profile = profiles.Sampled.from_functions(
-            lambda r: r**2 / 2.0 + more * np.maximum(r - bend, 0.0) ** 2 / 2.0,
-            lambda r: r + more * np.maximum(r - bend, 0.0),
-            reach=6.0,
-            breaks=[bend],
-            rounded=True,
-        )
+        height = partial(_bent_height, bend, more)
+        profile = _sampled(height, lambda r: r + more * np.maximum(r - bend, 0.0), breaks)
     else:
-        profile = profiles.Sampled.from_functions(
-            lambda r: r**2 / 2.0 + r**4 / 8.0, lambda r: r + r**3 / 2.0, reach=6.0, rounded=True
-        )
+        height = _bowl_height
+        profile = _sampled(height, lambda r: r + r**3 / 2.0, breaks)
     flat = isinstance(profile, profiles.Flat)
     radius = 1.0 if flat else 0.3 + decade(rng, -1.0, 0.3)
     size = 1.0 if flat else float(profile.height(radius))
@@ -167,7 +184,7 @@ def drawn(rng: np.random.Generator) -> Drawn:
         steps = np.diff(w) * strength * 10.0 ** rng.uniform(-0.7, 0.7, count + 1)
         p = np.append(0.0, np.cumsum(steps))
         layer, law = table_law(w.tolist(), p.tolist())
-        return Drawn(layer, law, profile, breaks, radius, approach, f"table of {count + 2}")
+        return Drawn(layer, law, profile, height, breaks, radius, approach, f"table of {count + 2}")
     jumps, places = [], []
     for _ in range(int(rng.integers(1, 4))):
         place = str(rng.choice(["anywhere", "below the top", "above the top", "next to the least"]))
@@ -187,7 +204,7 @@ def drawn(rng: np.random.Generator) -> Drawn:
         jumps.append((knot, factor * linear / (1.0 if n == 1 else size), n))
         places.append(f"{'kink' if n == 1 else 'bend'} {place} ({off:.0e})")
     layer, law = bent_polynomial(start, limit, linear, quadratic, jumps)
-    return Drawn(layer, law, profile, breaks, radius, approach, ", ".join(places))
+    return Drawn(layer, law, profile, height, breaks, radius, approach, ", ".join(places))
 
 
 def truth_of(one: Drawn) -> BentContact:
@@ -195,7 +212,7 @@ def truth_of(one: Drawn) -> BentContact:
     given = {"start": one.layer.start} if one.approach is None else {"approach": one.approach}
     return solved(
         one.law,
-        one.profile._height,
+        one.height,
         one.radius,
         breaks=[b for b in one.breaks if b < one.radius],
         pointed=one.profile.pointed,

@@ -58,8 +58,8 @@ def page(benchmark: Benchmark, figure: str | None = None, data: str = "") -> str
 
 
 _UNITS = (
-    "With a = 1, P = 1 and E = 4 (1 − ν²) = {modulus}, in any units that fit together, every "
-    "number that a code prints is the dimensionless one. The recipes use these."
+    "With a = 1, P = 1 and E = 4 (1 − ν²) = {modulus}, in consistent units, every number that a "
+    "code prints is the dimensionless one. The recipes use these values."
 )
 
 
@@ -102,10 +102,11 @@ def _conditions(scene: Scene) -> list[str]:
         )
     effect = (
         "Pressure and traction act on each other in full, as in any elastic body, and the contact "
-        "does not open. The load grows from zero; all is proportional to it, so one step will do."
+        "does not open. The load grows from zero, and all fields are proportional to it, so one "
+        "load step suffices."
         if scene.coupling
-        else "What the traction q adds to u_z is left out, as in Goodman's approximation; what the "
-        "pressure adds to u_r is not. So p comes first, and is given when q is sought."
+        else "The effect of q on u_z is left out, as in Goodman's approximation; that of p on u_r "
+        "is not. So solve for p first, and then for q with p given."
     )
     return ["\n".join(lines), effect]
 
@@ -141,8 +142,8 @@ def _numbers(benchmark: Benchmark) -> str:
     check = benchmark.check
     first = (
         f"**{check.symbol} = {check.text}** ({_SHORT[check.quantity]}; {check.where}).\n\n"
-        f"A code passes whose relative difference is below {benchmark.tolerance:g}. "
-        f"To expect that, take {benchmark.tolerance_of}"
+        f"A code passes if its relative difference is below {benchmark.tolerance:g}. "
+        f"That takes {benchmark.tolerance_of}"
     )
     if not benchmark.values:
         return first
@@ -170,16 +171,17 @@ def _stiffness(values: tuple[Stiffness, ...]) -> str:
 def _fields(benchmark: Benchmark, data: str) -> str:
     columns = list(benchmark.fields())
     files = [f"[{benchmark.name}{end}]({data}{benchmark.name}{end})" for end in (".csv", ".json")]
+    fields = "p* and q*" if "q" in columns else "p*"
     text = (
-        f"{files[0]} has the columns `{', '.join(columns)}`: s = r/a, 1 − s without cancellation, "
-        "p* and, with friction, q*"
+        f"{files[0]} has the columns `{', '.join(columns)}`: s = r/a; 1 − s without cancellation; "
+        f"{fields}"
     )
     if "slip" in columns:
         text += "; slip is u_r* + β* q*, inward negative"
     if benchmark.scene.couples:
-        errors = "The errors of p* and q* are below 1e-10 of the two together"
+        errors = "The errors of p* and q* are below 1e-10 of √(p*² + (q*/s)²)"
     else:
-        errors = "The relative errors of p* and q* are below 1e-10"
+        errors = f"The relative error of {fields} is below 1e-10"
     return f"{text}. {errors}. {files[1]} has all other numbers."
 
 
