@@ -12,14 +12,13 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Final, Self
 
 from spectral_contact.errors import SceneError, SolutionFileError
-from spectral_contact.io.checks import flag, real
+from spectral_contact.io.checks import flag
 from spectral_contact.io.choices import Suggesting, one_of, suggesting
 from spectral_contact.io.documents import YOUNGER, check_schema, key_complaint, left_out, reported
 from spectral_contact.io.kinds import kind_tree
+from spectral_contact.io.parameters import SCENE
 from spectral_contact.io.physical_data import (
-    LARGEST_COMPLIANCE,
     NO_HALF_SPACE,
-    SMALLEST_COMPLIANCE,
     PhysicalData,
     checked_poisson_ratio,
 )
@@ -47,10 +46,8 @@ __all__ = ["PhysicalData", "Scene", "same_problem"]
 _SCHEMA: Final = "spectral_contact.scene"
 _VERSION: Final = 1
 
-_COMPLIANCE_RANGE: Final = "0 or in [1e-14, 1e14]"
 #: Of the coupling constant of two bodies. That of a Poisson's ratio is 0 or at least 5.5e-17.
 _LEAST_KAPPA: Final = 1e-16
-_LARGEST_KAPPA: Final = 0.375
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,15 +145,9 @@ class Scene(Suggesting):
         if self.poisson_ratio is not None or (self.mismatch is None and self.friction is not None):
             put(self, "poisson_ratio", checked_poisson_ratio(self.poisson_ratio))
         for name in ("normal_compliance", "tangential_compliance"):
-            value = getattr(self, name)
-            number = real(name, value, allowed=_COMPLIANCE_RANGE, low=0.0, high=LARGEST_COMPLIANCE)
-            if 0.0 < number < SMALLEST_COMPLIANCE:
-                raise SceneError(name, value, _COMPLIANCE_RANGE)
-            put(self, name, number)
+            put(self, name, SCENE[name].checked(name, getattr(self, name)))
         if self.friction is not None:
-            allowed = ">= 0 (math.inf is full stick, None no friction)"
-            friction = real("friction", self.friction, allowed=allowed, low=0.0, infinite_ok=True)
-            put(self, "friction", friction)
+            put(self, "friction", SCENE["friction"].checked("friction", self.friction))
         put(self, "coupling", flag("coupling", self.coupling))
         put(self, "profile", simplified(self.profile))
         given = {name: getattr(self, name) for name in self.__slots__}
@@ -639,9 +630,8 @@ def same_problem(one: Scene, other: Scene) -> bool:
 
 def _checked_load_ratio(scene: Mapping[str, Any]) -> float:
     """Return the load over the largest load, of a scene that can be unloaded if it is below 1."""
-    allowed = "in (0, 1], 1 being the largest load"
     given = scene["unloaded_to"]
-    ratio = real("unloaded_to", given, allowed=allowed, low=0.0, high=1.0, low_open=True)
+    ratio = float(SCENE["unloaded_to"].checked("unloaded_to", given))
     if ratio == 1.0:
         return ratio
     if scene["profile"] is not None:
@@ -659,11 +649,10 @@ def _checked_load_ratio(scene: Mapping[str, Any]) -> float:
 
 
 def _checked_kappa(name: str, value: object) -> float:
-    allowed = "0, or in (-3/8, 3/8) and of a size of at least 1e-16"
-    limits: dict[str, Any] = {"low": -_LARGEST_KAPPA, "high": _LARGEST_KAPPA}
-    kappa = real(name, value, allowed=allowed, **limits, low_open=True, high_open=True)
+    parameter = SCENE["kappa"]
+    kappa = float(parameter.checked(name, value))
     if 0.0 < abs(kappa) < _LEAST_KAPPA:
-        raise SceneError(name, value, allowed)
+        raise SceneError(name, value, parameter.allowed)
     return kappa
 
 

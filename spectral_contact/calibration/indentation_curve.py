@@ -9,6 +9,7 @@ is an extremum, ``dW/dalpha = -1/2 int p^2 dA``, and the load is its derivative 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -28,6 +29,9 @@ from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.io.choices import one_of
+from spectral_contact.io.documents import path_text, replace_file, reported
+from spectral_contact.io.parameters import parameters_of
+from spectral_contact.layers.scene_layer import KINDS as LAWS
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.scene import Scene
 
@@ -40,14 +44,11 @@ INDENTATION_PARAMETERS: Final = ("reduced_modulus", "normal_compliance", *OF_INS
 _UNITS: Final = {
     **dict(zip(INDENTATION_PARAMETERS, ("Pa", "m/Pa", "m", "N", "N/m"), strict=True)),
     "work_of_adhesion": "J/m²",
-    "compliance": "m/Pa",
-    "coefficient": "Pa/m^exponent",
-    "exponent": "",
-    "zero_pressure": "Pa",
-    "clearance": "m",
-    "density": "1/m²",
-    "tip_radius": "m",
-    "height_deviation": "m",
+    **{
+        name: one.unit.replace("^2", "²")
+        for law in LAWS.values()
+        for name, one in parameters_of(law).items()
+    },
 }
 _MOST_UNKNOWNS: Final = 20_000
 #: Tolerance of a curve that a fit starts from.
@@ -135,6 +136,22 @@ class IndentationFit:
         """Number of loads less that of the parameters."""
         return len(self.residuals) - len(self.names)
 
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write measured and fitted loads at the depths, and the residuals.
+
+        Raises
+        ------
+        SolutionFileError
+            If the file cannot be written.
+        """
+        data = self.data
+        columns = data.depth, data.load, data.sigma, self.loads, self.residuals
+        lines = ["depth [m],load [N],sigma [N],fitted load [N],residual / sigma"]
+        lines += [",".join(map(str, row)) for row in zip(*columns, strict=True)]
+        path = path_text(path)
+        with reported(path, "cannot be written"):
+            replace_file(path, ("\n".join(lines) + "\n").encode())
+
     def __str__(self) -> str:
         lines = [f"{'parameter':<20} {'value':>12}  standard deviation"]
         for name, value, error in zip(self.names, self.values, self.errors, strict=True):
@@ -186,6 +203,15 @@ def _first_touch(profile: Profile, depth: Array, load: Array, sigma: Array) -> f
     if not excess(ends[0]) < 0.0 < excess(ends[1]):
         return touch
     return float(brentq(excess, *ends, rtol=_ROUGH))
+
+
+def with_modulus(scene: Scene, data: IndentationData) -> Scene:
+    """Return a scene in SI units with the modulus of the half-space from which a fit may start."""
+    assert scene.profile is not None
+    modulus, nu = first_modulus(scene.profile, data), scene.poisson_ratio
+    if nu is None:
+        return scene.replace(reduced_modulus=modulus)
+    return scene.replace(youngs_modulus=modulus * (1.0 - nu * nu))
 
 
 class _CurveLoad(NamedTuple):

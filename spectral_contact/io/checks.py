@@ -13,6 +13,7 @@ import math
 import numbers
 import re
 from collections.abc import Callable
+from fractions import Fraction
 from functools import cache
 from typing import Any, Final, NoReturn
 
@@ -27,6 +28,10 @@ _NOT_NUMBERS = (bool, np.timedelta64)
 # Narrower than float(), which takes 1_000 and the digits of every script.
 _DECIMAL: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?", re.IGNORECASE)
 _NO_DECIMAL: Final = re.compile(r"[+-]?(inf|infinity|nan)", re.IGNORECASE)
+# The ranges that `within` reads.
+_INTERVAL: Final = re.compile(r"in ([\[(])([^][(),]+), ([^][(),]+)([\])])")
+_LEAST: Final = re.compile(r"(>=|>) (\S+)")
+_INFINITE: Final = re.compile(r"\binf\b")
 
 
 def real(
@@ -77,16 +82,56 @@ def real(
     return number + 0.0
 
 
-def within(parameter: str, value: object, interval: str) -> float:
-    """Return a real number of an interval that is written as an error has it: ``"in (0, 0.5]"``."""
-    return real(parameter, value, allowed=interval, **_bounds(interval))
+def within(parameter: str, value: object, allowed: str, unit: str = "") -> float:
+    """Return a real number of a range that is written as an error has it.
+
+    Parameters
+    ----------
+    parameter : str
+        The name that an error bears.
+    value : object
+        What the user passed.
+    allowed : str
+        The range: ``"in (0, 0.5]"``, ``"0 or in [1, 2]"``, ``"finite and > 0"`` or ``">= 0"``.
+        Other words may follow. Ends may be fractions, of pi as well. An infinite number is allowed
+        if the words name ``inf``.
+    unit : str
+        The SI unit of the number, to which a value with a unit is converted.
+
+    Raises
+    ------
+    SceneError
+        As `real`.
+    """
+    bounds = _bounds(allowed)
+    low = bounds["low"]
+    if not (allowed.startswith("0 or") and low > 0.0):
+        return real(parameter, value, allowed=allowed, unit=unit, **bounds)
+    number = real(parameter, value, allowed=allowed, unit=unit, **{**bounds, "low": 0.0})
+    if 0.0 < number < low:
+        raise SceneError(parameter, value, allowed)
+    return number
 
 
 @cache
-def _bounds(interval: str) -> dict[str, Any]:
-    low, high = map(float, interval[4:-1].split(", "))
-    opened = {"low_open": interval[3] == "(", "high_open": interval[-1] == ")"}
-    return {"low": low, "high": high, **opened}
+def _bounds(allowed: str) -> dict[str, Any]:
+    """Return the limits that `real` takes for a range in words."""
+    found = _INTERVAL.search(allowed)
+    bounds: dict[str, Any] = {"infinite_ok": bool(_INFINITE.search(allowed))}
+    if found:
+        first, low, high, last = found.groups()
+        ends = {"low": _end(low), "high": _end(high)}
+        return {**bounds, **ends, "low_open": first == "(", "high_open": last == ")"}
+    least = _LEAST.search(allowed)
+    if least:
+        return {**bounds, "low": _end(least[2]), "low_open": least[1] == ">"}
+    return {**bounds, "low": -math.inf}
+
+
+def _end(text: str) -> float:
+    """Return the end of an interval: a decimal, a fraction, or one of pi."""
+    factor = math.pi if text.startswith("pi") else 1.0
+    return factor * float(Fraction(text.replace("pi", "1")))
 
 
 def is_decimal(text: str) -> bool:
@@ -118,7 +163,7 @@ def decimal_number(text: str) -> float:
 def positive(parameter: str, value: object, unit: str = "") -> float:
     """Return a finite real number above 0, in the SI unit."""
     allowed = f"finite and > 0 [{unit}]" if unit else "finite and > 0"
-    return real(parameter, value, allowed=allowed, low=0.0, low_open=True, unit=unit)
+    return within(parameter, value, allowed, unit)
 
 
 def whole(parameter: str, value: object, low: int) -> int:

@@ -66,6 +66,31 @@ def reported(source: str, failure: str) -> Iterator[None]:
         raise SolutionFileError(source, f"{failure} ({detail})") from error
 
 
+def checked_path(path: str, suffixes: Iterable[str]) -> str:
+    """Return the path of a file that can be written, before there is any work to lose.
+
+    Raises
+    ------
+    SolutionFileError
+        If its suffix is another, it is a directory or is in none, or permission is denied.
+    """
+    place = Path(path)
+    if place.suffix.lower() not in suffixes:
+        raise SolutionFileError(path, f"the suffix must be one of {', '.join(suffixes)}")
+    try:
+        if place.is_dir():
+            raise SolutionFileError(path, "is a directory")
+        if not place.parent.is_dir():
+            raise SolutionFileError(path, "its directory does not exist")
+        # it is replaced by a file made beside it
+        needed = [Path(os.path.realpath(place)).parent, *([place] if place.exists() else [])]
+        if not all(os.access(one, os.W_OK) for one in needed):
+            raise SolutionFileError(path, "cannot be written: permission denied")
+    except OSError as error:  # a name too long, or a directory that may not be searched
+        raise SolutionFileError(path, f"cannot be written: {error.strerror or error}") from error
+    return path
+
+
 def left_out(field: Any, value: Any) -> bool:
     """Whether a document leaves out the field of a dataclass that has this value."""
     return bool(field.metadata == YOUNGER and value == field.default)

@@ -11,8 +11,9 @@ from fractions import Fraction
 from typing import Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import exactly_one, flag, positive, real, scalar, within
+from spectral_contact.io.checks import exactly_one, flag, positive, real, scalar
 from spectral_contact.io.choices import one_of
+from spectral_contact.io.parameters import SCENE, SI
 
 #: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
 #: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
@@ -103,7 +104,7 @@ class PhysicalData:
         drives = ("contact_radius", "load", "approach", "separation")
         given = [name for name in drives if getattr(self, name) is not None]
         if self.work_of_adhesion is not None:
-            adhesion = positive("work_of_adhesion", self.work_of_adhesion, "J/m^2")
+            adhesion = SI["work_of_adhesion"].checked("work_of_adhesion", self.work_of_adhesion)
             object.__setattr__(self, "work_of_adhesion", adhesion)
         if self.radius is not None:
             for name in ("contact_radius", "separation", "work_of_adhesion"):
@@ -121,9 +122,7 @@ class PhysicalData:
             value = real(name, value, allowed="finite") if signed else positive(name, value)
             object.__setattr__(self, name, value)
         for name in ("normal_compliance", "tangential_compliance"):
-            value = getattr(self, name)
-            number = real(name, value, allowed="finite and >= 0 [m/Pa]", low=0.0)
-            object.__setattr__(self, name, number)
+            object.__setattr__(self, name, SI[name].checked(name, getattr(self, name)))
 
     def _check_materials(self) -> list[str]:
         """Return which moduli are given, if they are those of one body, or two, or a sum."""
@@ -441,7 +440,7 @@ def checked_poisson_ratio(value: object, name: str = "poisson_ratio") -> float:
     SceneError
         If it is not a real number in (−1, 0.5].
     """
-    return within(name, value, "in (-1, 0.5]")
+    return float(SCENE["poisson_ratio"].checked(name, value))
 
 
 def _quarter(modulus: float | None, nu: object) -> Fraction:

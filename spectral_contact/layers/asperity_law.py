@@ -10,7 +10,7 @@ Tripp (J. Appl. Mech. 34 (1967) 153-159).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from math import gamma, inf, pi, sqrt
 from typing import Self
@@ -19,10 +19,9 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from spectral_contact.fields import Array
-from spectral_contact.io.choices import one_of
-from spectral_contact.layers.layer_base import Layer, positive
+from spectral_contact.io.parameters import declared
+from spectral_contact.layers.layer_base import RANGE, Layer
 
-_HEIGHTS = "gaussian", "exponential"
 #: ``4/3 E*`` in E'.
 _FACTOR = 16.0 / 3.0
 #: Points of the trapezoidal rule, good to -30 deviations; where it ends, an exponential of -40.
@@ -57,15 +56,15 @@ class GreenwoodWilliamson(Layer):
         If a number is not in [1e-100, 1e100], or the distribution is another.
     """
 
-    density: float
-    tip_radius: float
-    height_deviation: float
-    heights: str = "gaussian"
-
-    def __post_init__(self) -> None:
-        for name in ("density", "tip_radius", "height_deviation"):
-            positive(self, name)
-        one_of("heights", self.heights, _HEIGHTS)
+    density: float = field(metadata=declared("asperities per area", RANGE, "1/m^2"))
+    tip_radius: float = field(metadata=declared("radius of their tips", RANGE, "m"))
+    height_deviation: float = field(
+        metadata=declared("standard deviation of their heights", RANGE, "m")
+    )
+    heights: str = field(
+        default="gaussian",
+        metadata=declared("distribution of their heights", choices=("gaussian", "exponential")),
+    )
 
     def _over(self, unit: float) -> Self:
         """Return the law itself: its pressure is in E' of the half-space."""

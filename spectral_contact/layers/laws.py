@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import e, inf, log
 from typing import Self
 
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.layers.layer_base import Layer, positive
+from spectral_contact.io.parameters import declared
+from spectral_contact.layers.layer_base import RANGE, Layer
 
-#: Below 1 the layer softens under pressure; beyond, it is as good as rigid at one overclosure.
-_EXPONENTS = 1.0, 10.0
 #: Exponentials of more leave the range of doubles.
 _HIGHEST = 700.0
 #: The overclosure of CalculiX' parameter: there the pressure is this share.
 _SHARE = 0.01
 #: Where the energy of `Exponential` is a series, for it would cancel.
 _SMALL, _TERMS = 0.5, 18
+_ZERO_PRESSURE = declared("pressure at overclosure 0", RANGE, "Pa")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +36,7 @@ class Linear(Layer):
         If it is not.
     """
 
-    compliance: float
-
-    def __post_init__(self) -> None:
-        positive(self, "compliance")
+    compliance: float = field(metadata=declared("overclosure over pressure", RANGE, "m/Pa"))
 
     def _over(self, unit: float) -> Self:
         return replace(self, compliance=self.compliance * unit)
@@ -78,12 +75,11 @@ class PowerLaw(Layer):
         If a parameter is out of its range.
     """
 
-    coefficient: float
-    exponent: float
-
-    def __post_init__(self) -> None:
-        positive(self, "coefficient")
-        positive(self, "exponent", *_EXPONENTS)
+    coefficient: float = field(
+        metadata=declared("pressure at overclosure 1", RANGE, "Pa/m^exponent")
+    )
+    # below 1 the layer softens under pressure; beyond 10 it is as good as rigid at one overclosure
+    exponent: float = field(metadata=declared("exponent", "in [1, 10]"))
 
     def _over(self, unit: float) -> Self:
         return replace(self, coefficient=self.coefficient / unit)
@@ -128,12 +124,8 @@ class Exponential(Layer):
         If a parameter is out of its range.
     """
 
-    zero_pressure: float
-    clearance: float
-
-    def __post_init__(self) -> None:
-        positive(self, "zero_pressure")
-        positive(self, "clearance")
+    zero_pressure: float = field(metadata=_ZERO_PRESSURE)
+    clearance: float = field(metadata=declared("gap at which the pressure begins", RANGE, "m"))
 
     def _over(self, unit: float) -> Self:
         return replace(self, zero_pressure=self.zero_pressure / unit)
@@ -195,12 +187,10 @@ class CalculixExponential(Layer):
         If a parameter is out of its range.
     """
 
-    zero_pressure: float
-    clearance: float
-
-    def __post_init__(self) -> None:
-        positive(self, "zero_pressure")
-        positive(self, "clearance")
+    zero_pressure: float = field(metadata=_ZERO_PRESSURE)
+    clearance: float = field(
+        metadata=declared("gap at which a hundredth of that is left", RANGE, "m")
+    )
 
     def _over(self, unit: float) -> Self:
         return replace(self, zero_pressure=self.zero_pressure / unit)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from math import inf
-from typing import Any, NamedTuple, Self
+from typing import Any, Final, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,9 +12,12 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import real, reals
+from spectral_contact.io.parameters import check_parameters
 
 #: Steps of bracketing and of bisection between neighbouring doubles.
 _STEPS = 2100
+#: The range of parameters whose powers have to stay in that of doubles.
+RANGE: Final = "in [1e-100, 1e+100]"
 
 
 class LawErrors(NamedTuple):
@@ -28,17 +31,13 @@ class LawErrors(NamedTuple):
     energy: float
 
 
-def positive(law: object, name: str, low: float = 1e-100, high: float = 1e100) -> None:
-    """Check a parameter of a law, whose powers have to stay in the range of doubles."""
-    allowed = f"in [{low:g}, {high:g}]"
-    value = real(name, getattr(law, name), allowed=allowed, low=low, high=high)
-    object.__setattr__(law, name, value)
-
-
 class Layer(ABC):
     """A law of a rough layer. Immutable, comparable, hashable and picklable."""
 
     __slots__ = ()
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
 
     @property
     def start(self) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -12,10 +13,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, values_at
 from spectral_contact.io.choices import function, listed
+from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.layers.layer_base import LawErrors, Layer
 
 Rows = tuple[tuple[float, ...], ...]
@@ -165,6 +167,48 @@ class Table(_Pieces):
             raise SceneError("pressures", self.pressures, told)
         object.__setattr__(self, "overclosures", w)
         object.__setattr__(self, "pressures", p)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | os.PathLike[str],
+        columns: str | None = None,
+        *,
+        si_units: bool = False,
+        option: str = "columns",
+    ) -> Self:
+        """Read a law from a text file with a column of overclosures and one of pressures.
+
+        Parameters
+        ----------
+        path : path-like
+        columns : str, optional
+            Which column is which, as in ``"overclosure=2, pressure=1"`` (docs/files); by default
+            the headings tell, or the order.
+        si_units : bool
+            Whether the numbers are in m and Pa, or in the units of the headings, as a scene in SI
+            units has them; by default they have no units.
+        option : str
+            What `columns` is called where the user gave it, for errors.
+
+        Raises
+        ------
+        SolutionFileError
+            If the file cannot be read, or its numbers are no such law.
+        """
+        units = {"overclosure": "m", "pressure": "Pa"}
+        expected = [Expected(name, unit if si_units else "") for name, unit in units.items()]
+        found = read_columns(path, expected, columns=columns, option=option)
+        for name, values in found.values.items():
+            falls = np.flatnonzero(np.diff(values) <= 0.0)
+            if falls.size:
+                line, before = found.lines[falls[0] + 1], found.lines[falls[0]]
+                told = f"line {line}: {name} does not increase from line {before}"
+                raise SolutionFileError(found.path, f"{told} ({name} from {found.sources[name]})")
+        try:
+            return cls(*(tuple(found.values[name].tolist()) for name in units))
+        except SceneError as error:
+            raise SolutionFileError(found.path, str(error)) from error
 
     def _over(self, unit: float) -> Self:
         return replace(self, pressures=tuple(p / unit for p in self.pressures))

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import lengths
+from spectral_contact.io.parameters import check_parameters
 
 #: Radii beyond have squares that overflow.
 _FAR = 1e100
@@ -25,6 +26,9 @@ class Profile(ABC):
     """A convex axisymmetric punch. Immutable, comparable, hashable and picklable."""
 
     __slots__ = ()
+
+    def __post_init__(self) -> None:
+        check_parameters(self)
 
     @property
     def flat_part(self) -> float:

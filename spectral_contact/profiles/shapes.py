@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import atan, gamma, log, pi, sqrt, tan
-from typing import Any
+from typing import Final
 
 import numpy as np
 
 from spectral_contact.fields import Array
-from spectral_contact.io.checks import positive, real
+from spectral_contact.io.parameters import declared
 from spectral_contact.profiles.profile_base import Profile
 
-#: Beyond, powers of ordinary lengths leave the range of doubles.
-_HIGHEST_POWER = 100.0
-
-
-def _positive(profile: object, name: str) -> None:
-    object.__setattr__(profile, name, positive(name, getattr(profile, name)))
-
-
-def _half_angle(profile: object) -> None:
-    allowed = "in (0, pi/2), in radians, between the axis and the side"
-    limits: dict[str, Any] = {"low": 0.0, "high": pi / 2.0, "low_open": True, "high_open": True}
-    given = getattr(profile, "half_angle", None)
-    value = real("half_angle", given, allowed=allowed, unit="rad", **limits)
-    object.__setattr__(profile, "half_angle", value)
+_POSITIVE: Final = "finite and > 0"
+_HALF_ANGLE: Final = declared(
+    "angle", "in (0, pi/2), in radians, between the axis and the side", "rad"
+)
+_FLAT_RADIUS: Final = declared("radius of the flat part", _POSITIVE, "m")
 
 
 def _inward(t: Array, y: Array) -> Array:
@@ -48,10 +39,7 @@ class Flat(Profile):
         If it is not.
     """
 
-    radius: float
-
-    def __post_init__(self) -> None:
-        _positive(self, "radius")
+    radius: float = field(metadata=declared("radius", _POSITIVE, "m"))
 
     @property
     def reach(self) -> float:
@@ -86,10 +74,7 @@ class Parabola(Profile):
         If it is not.
     """
 
-    radius: float
-
-    def __post_init__(self) -> None:
-        _positive(self, "radius")
+    radius: float = field(metadata=declared("radius of curvature", _POSITIVE, "m"))
 
     def _height(self, r: Array) -> Array:
         return np.asarray(r**2 / (2.0 * self.radius))
@@ -119,10 +104,7 @@ class Sphere(Profile):
         If it is not.
     """
 
-    radius: float
-
-    def __post_init__(self) -> None:
-        _positive(self, "radius")
+    radius: float = field(metadata=declared("radius", _POSITIVE, "m"))
 
     @property
     def reach(self) -> float:
@@ -174,14 +156,11 @@ class PowerLaw(Profile):
         If a parameter is out of range.
     """
 
-    coefficient: float
-    exponent: float
-
-    def __post_init__(self) -> None:
-        _positive(self, "coefficient")
-        allowed = "in [1, 100]: below 1 the profile is not convex"
-        exponent = real("exponent", self.exponent, allowed=allowed, low=1.0, high=_HIGHEST_POWER)
-        object.__setattr__(self, "exponent", exponent)
+    coefficient: float = field(metadata=declared("coefficient", _POSITIVE, "m^(1-exponent)"))
+    # beyond 100 powers of ordinary lengths leave the range of doubles
+    exponent: float = field(
+        metadata=declared("exponent", "in [1, 100]: below 1 the profile is not convex")
+    )
 
     @property
     def pointed(self) -> bool:
@@ -224,10 +203,7 @@ class Cone(Profile):
         If it is not.
     """
 
-    half_angle: float
-
-    def __post_init__(self) -> None:
-        _half_angle(self)
+    half_angle: float = field(metadata=_HALF_ANGLE)
 
     @property
     def pointed(self) -> bool:
@@ -288,12 +264,8 @@ class TruncatedCone(_FlatEnded):
         If a parameter is out of range.
     """
 
-    flat_radius: float
-    half_angle: float
-
-    def __post_init__(self) -> None:
-        _positive(self, "flat_radius")
-        _half_angle(self)
+    flat_radius: float = field(metadata=_FLAT_RADIUS)
+    half_angle: float = field(metadata=_HALF_ANGLE)
 
     def _height(self, r: Array) -> Array:
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) / tan(self.half_angle))
@@ -333,12 +305,8 @@ class RoundedFlat(_FlatEnded):
         If a parameter is out of range.
     """
 
-    flat_radius: float
-    radius: float
-
-    def __post_init__(self) -> None:
-        _positive(self, "flat_radius")
-        _positive(self, "radius")
+    flat_radius: float = field(metadata=_FLAT_RADIUS)
+    radius: float = field(metadata=declared("radius of curvature of the edge", _POSITIVE, "m"))
 
     def _height(self, r: Array) -> Array:
         return np.asarray(np.maximum(r - self.flat_radius, 0.0) ** 2 / (2.0 * self.radius))

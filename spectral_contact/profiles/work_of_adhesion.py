@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import real, whole
-
-#: Beyond, cubes of the radii that go with it are no doubles.
-_LEAST: Final = 1e-100
-_MOST: Final = 1e100
+from spectral_contact.io.checks import whole
+from spectral_contact.io.parameters import SCENE
 
 
 def checked_adhesion(scene: Mapping[str, Any]) -> float | None:
@@ -27,8 +24,7 @@ def checked_adhesion(scene: Mapping[str, Any]) -> float | None:
     value = scene["work_of_adhesion"]
     if value is None:
         return None
-    told = "None, or in [1e-100, 1e100], in E'L; to switch adhesion off leave it out"
-    adhesion = real("work_of_adhesion", value, allowed=told, low=_LEAST, high=_MOST)
+    adhesion = float(SCENE["work_of_adhesion"].checked("work_of_adhesion", value))
     if scene["profile"] is None:
         told = "given with work_of_adhesion, as are a load or an approach: without a profile the "
         told += "load is the unit, and with adhesion it may be 0; a flat punch is profiles.Flat"

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from spectral_contact.errors import optional
+from spectral_contact.io.documents import netcdf, replace_file, reported
+from spectral_contact.io.parameters import SCENE
 from spectral_contact.processes import VERSION
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.quantities import FIELDS, OUTPUTS
@@ -16,27 +19,24 @@ from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import ENDINGS, Outcome, Request, Rows, requested
 from spectral_contact.sweeps.sweep_parameters import Indices, SweepParameters, alone
 from spectral_contact.view.radii import graded_radii
+from spectral_contact.view.report import table
 
 if TYPE_CHECKING:
     import xarray
 
+#: Units of parameters of dimensionless scenes that are no pure number.
+_UNITS: Final = {"separation": "L", "work_of_adhesion": "E'L", "coupling": "", "branch": ""}
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
+    **{
+        name: (f"{one.meaning} {one.symbol}".strip(), _UNITS.get(name, "1"))
+        for name, one in SCENE.items()
+    },
     **{one.name: (one.meaning, one.unit) for one in OUTPUTS},
-    "poisson_ratio": ("Poisson's ratio ν", "1"),
-    "kappa": ("coupling constant κ of two bodies", "1"),
-    "normal_compliance": ("normal compliance α* = αE/(4(1−ν²)a)", "1"),
-    "tangential_compliance": ("tangential compliance β* = βE/(4(1−ν²)a)", "1"),
-    "friction": ("coefficient of friction f", "1"),
-    "unloaded_to": ("load over the largest load λ", "1"),
     "s": ("radius s = r/a", "1"),
     "from_edge": ("distance from the edge 1 − r/a", "1"),
-    "separation": ("separation at the deformed centre", "L"),
-    "work_of_adhesion": ("work of adhesion w", "E'L"),
-    "branch": ("stretch of the curve of states, from large contacts", ""),
     "profile": ("shape of the punch", ""),
     "layer": ("law of the layer", ""),
-    "coupling": ("whether the traction acts back on the pressure", ""),
     "zone_kind": ("kind of a zone, from the centre: 1 stick, 2 slip, 0 none", "1"),
     "zone_outer": ("outer radius of a zone", "a"),
     "zone_outer_from_edge": ("distance of it from the edge", "a"),
@@ -104,20 +104,22 @@ def needed() -> Any:
     return optional("xarray", "sweep")
 
 
-def assembled(parameters: SweepParameters, request: Request, table: Collected) -> xarray.Dataset:
+def assembled(
+    parameters: SweepParameters, request: Request, collected: Collected
+) -> xarray.Dataset:
     """Return the dataset of a finished sweep."""
     dims, shape, shaped = parameters.dims, parameters.shape, parameters.shaped
     coordinates = _coordinates(parameters, request)
     variables = {}
-    for name, values in table.values.items():
+    for name, values in collected.values.items():
         if name.removesuffix("_error") in coordinates:  # what is given of a contact
             continue
         own = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
         whole = values.reshape((*shape, *values.shape[1:]))
         variables[name] = (*dims, *own), whole, _about(name, shaped)
-    ending = np.array(ENDINGS, dtype=object)[table.endings]
+    ending = np.array(ENDINGS, dtype=object)[collected.endings]
     message = np.full(parameters.size, "", dtype=object)
-    for i, text in table.messages.items():
+    for i, text in collected.messages.items():
         message[i] = text
     for name, texts in (("ending", ending), ("message", message)):
         variables[name] = dims, texts.reshape(shape), _about(name, shaped)
@@ -130,6 +132,43 @@ def assembled(parameters: SweepParameters, request: Request, table: Collected) -
     }
     dataset: xarray.Dataset = needed().Dataset(variables, coordinates, attributes)
     return dataset
+
+
+def summary(dataset: xarray.Dataset) -> str:
+    """Return how many scenes ended how, and the range of every quantity."""
+    endings = Counter(dataset.ending.values.ravel().tolist())
+    counts = ", ".join(f"{count} {ending}" for ending, count in endings.most_common())
+    cells: list[tuple[str, ...]] = [("quantity", "least", "largest", "largest error estimate")]
+    for name, column in dataset.data_vars.items():
+        if f"{name}_error" in dataset:
+            error = dataset[f"{name}_error"]
+            numbers = (column.min(), column.max(), error.max())
+            cells.append((str(name), *(f"{float(one):.4g}" for one in numbers)))
+    told = f"{dataset.ending.size} scenes: {counts}\n" + table(cells)
+    return f"{dataset.attrs['table']}\n{told}" if "table" in dataset.attrs else told
+
+
+def unsolved(dataset: xarray.Dataset) -> str:
+    """Return how many scenes of a sweep did not converge, and why the first; empty if all did."""
+    endings = dataset.ending.values.ravel().tolist()
+    wrong = [k for k, ending in enumerate(endings) if ending != "converged"]
+    if not wrong:
+        return ""
+    message = dataset.message.values.ravel().tolist()[wrong[0]]
+    many = "none" if len(wrong) == len(endings) else f"{len(endings) - len(wrong)}"
+    told = f"{many} of {len(endings)} scenes {'were' if many != 'none' else 'was'} solved"
+    return f"{told}; the first that was not: {endings[wrong[0]]}, {message}"
+
+
+def write(dataset: xarray.Dataset, path: str) -> None:
+    """Write a sweep whole to a .nc file (NetCDF), or as a table to a .csv file."""
+    if path.lower().endswith(".csv"):
+        rows = dataset if dataset.sizes else dataset.expand_dims("scene")
+        content = rows.to_dataframe().reset_index().to_csv(index=False).encode()
+    else:
+        content = netcdf(dataset)
+    with reported(path, "cannot be written"):
+        replace_file(path, content)
 
 
 def of_solution(

@@ -19,6 +19,7 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import reals
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.columns import Expected, parse_columns, read_columns
+from spectral_contact.io.parameters import SCENE, SI
 from spectral_contact.io.physical_data import PhysicalData
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.quantities import FIELDS
@@ -35,23 +36,14 @@ from spectral_contact.sweeps.sweep_parameters import (
 if TYPE_CHECKING:
     import xarray
 
-#: Parameters of a scene in SI units, with these.
+#: Parameters of a scene in SI units, with these, in the order of a dataset.
 SI_UNITS: Final[Mapping[str, str]] = {
-    "youngs_modulus": "Pa",
-    "poisson_ratio": "",
-    "reduced_modulus": "Pa",
-    "punch_youngs_modulus": "Pa",
-    "punch_poisson_ratio": "",
-    "radius": "m",
-    "normal_compliance": "m/Pa",
-    "tangential_compliance": "m/Pa",
-    "friction": "",
-    "unloaded_to": "",
-    "contact_radius": "m",
-    "load": "N",
-    "approach": "m",
-    "separation": "m",
-    "work_of_adhesion": "J/m^2",
+    name: {**SCENE, **SI}[name].unit
+    for name in (
+        *("youngs_modulus", "poisson_ratio", "reduced_modulus"),
+        *("punch_youngs_modulus", "punch_poisson_ratio", "radius"),
+        *PARAMETERS[1:],
+    )
 }
 #: Those that no dimensionless scene has.
 OF_SI_ALONE: Final = tuple(name for name in SI_UNITS if name not in PARAMETERS)
@@ -68,18 +60,6 @@ _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
     "pressure": ("pressure p", "Pa"),
     "traction": ("traction q", "Pa"),
     "slip": ("slip u_r", "m"),
-}
-#: By which headings of a table a parameter is known, besides its name.
-_HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
-    "youngs_modulus": ("E", "young's modulus"),
-    "poisson_ratio": ("nu", "ν", "poisson's ratio"),
-    "reduced_modulus": ("E*", "Er"),
-    "radius": ("a", "R", "punch radius"),
-    "normal_compliance": ("alpha", "α"),
-    "tangential_compliance": ("beta", "β"),
-    "friction": ("f", "mu", "μ", "coefficient of friction"),
-    "load": ("P", "F", "force", "normal force"),
-    "approach": ("delta", "δ", "depth"),
 }
 #: What is appended to the name of a number in SI units that has a dimensionless namesake.
 _SI: Final = "_si"
@@ -197,9 +177,9 @@ class PhysicalScenes:
         return found
 
     def _about(self, name: str) -> dict[str, str]:
-        words = name.replace("_", " ").replace("youngs", "Young's").replace("poisson", "Poisson's")
-        unit = SI_UNITS[name] if self.physical else ""
-        return {"long_name": words, **({"units": unit} if unit else {})}
+        about = (SI if self.physical and name in SI else SCENE)[name]
+        unit = about.unit if self.physical else ""
+        return {"long_name": about.meaning, **({"units": unit} if unit else {})}
 
 
 def grid_of(base: Scene, axes: Mapping[str, Any]) -> PhysicalScenes:
@@ -262,7 +242,7 @@ def table_of(base: Scene, table: Any) -> PhysicalScenes:
             Expected(
                 name,
                 SI_UNITS[name] if physical else "",
-                (name, *_HEADINGS.get(name, ())),
+                (name, *(SI if name in SI else SCENE)[name].headings),
                 required=False,
             )
             for name in names

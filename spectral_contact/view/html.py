@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Final
 
+from spectral_contact.io.parameters import SCENE, SI
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.records import Plan, Zone
 from spectral_contact.scene import Scene
@@ -17,24 +18,12 @@ from spectral_contact.view.report import quantity_cells, si_cells, zone_cells
 if TYPE_CHECKING:
     from spectral_contact.gold.table_loader import GoldSolution, GoldTable
 
-#: Symbol, and unit of the SI data, of what makes a scene.
-_SYMBOLS: Final = {
-    "poisson_ratio": ("Poisson's ratio", "ν", ""),
-    "normal_compliance": ("normal compliance", "α", "m/Pa"),
-    "tangential_compliance": ("tangential compliance", "β", "m/Pa"),
-    "friction": ("friction", "f", ""),
-    "mismatch": ("coupling constant of two bodies", "κ", ""),
-    "youngs_modulus": ("Young's modulus", "E", "Pa"),
-    "punch_youngs_modulus": ("Young's modulus of the punch", "E₂", "Pa"),
-    "punch_poisson_ratio": ("Poisson's ratio of the punch", "ν₂", ""),
-    "reduced_modulus": ("reduced modulus", "E*", "Pa"),
-    "radius": ("radius", "a", "m"),
-    "load": ("load", "P", "N"),
-    "approach": ("approach", "δ", "m"),
-    "contact_radius": ("contact radius", "a", "m"),
-    "separation": ("separation", "d", "m"),
-    "work_of_adhesion": ("work of adhesion", "w", "J/m²"),
-}
+#: What makes a scene, in the order of a table.
+_SHOWN: Final = (
+    *("poisson_ratio", "normal_compliance", "tangential_compliance", "friction", "mismatch"),
+    *("youngs_modulus", "punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus", "radius"),
+    *("load", "approach", "contact_radius", "separation", "work_of_adhesion"),
+)
 _WIDTH, _HEIGHT = 360.0, 26.0
 #: A zone is drawn no narrower, so that it is seen.
 _LEAST = 1.5
@@ -55,7 +44,9 @@ def of_scene(scene: Scene) -> str:
     """Return the parameters of a scene."""
     rows: list[tuple[str, ...]] = [("scene", "", "")]
     physical = scene.physical
-    for name, (words, symbol, unit) in _SYMBOLS.items():
+    for name in _SHOWN:
+        about = SI[name] if name in SI else SCENE["kappa" if name == "mismatch" else name]
+        words, symbol, unit = about.meaning, about.symbol, about.unit.replace("^2", "²")
         star = "*" if unit and name not in ALL_CONTROLS else ""
         value = getattr(scene, name, None)
         if name == "friction":

@@ -22,6 +22,7 @@ from spectral_contact.solution import Solution
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
+    from spectral_contact.equations.interior import Inside
     from spectral_contact.view.physical_solution import PhysicalSolution
 
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
@@ -80,6 +81,23 @@ def _less_certain(solution: Solution) -> str:
     if solution.converged:
         lines.append("  zone boundaries and slip are as certain as their conditioning allows")
     return "\n".join(lines)
+
+
+def report_inside(body: Inside) -> str:
+    """Return the largest stresses in a body, and the energies."""
+    cells: list[tuple[str, ...]] = [("", "largest", "at r", "at z", "error", "")]
+    for name in ("von_mises", "max_shear", "surface_tension"):
+        found = body.largest(name)
+        value = "-" if found.value is None else f"{found.value:.12g}"
+        error = "-" if found.error is None else f"{found.error:.1e}"
+        cells.append((name, value, f"{found.r:.8g}", f"{found.z:.8g}", error, found.remark))
+    try:
+        energies = body.energies()
+    except NotComputedError as missing:
+        return f"{table(cells)}\n{missing}"
+    parts = ("external", "strain", "layer", "friction", "defect")
+    work = [("energy", "value"), *((name, f"{getattr(energies, name):.12g}") for name in parts)]
+    return f"{table(cells)}\n{table(work)}"
 
 
 def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:

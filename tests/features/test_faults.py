@@ -4,7 +4,6 @@ import ast
 import functools
 import importlib.util
 import io
-from argparse import Namespace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,10 +18,10 @@ from spectral_contact import Scene, SolutionFileError, solve
 from spectral_contact.io import documents
 from spectral_contact.studies import convergence
 from spectral_contact.sweeps import sweep
+from spectral_contact.sweeps.dataset import write
 from spectral_contact.sweeps.request import Outcome
 from spectral_contact.sweeps.sweep_store import Store
 from spectral_contact.view import plotting
-from spectral_contact.view.cli import sweep_command
 from spectral_contact.view.report import write_csv
 
 REPOSITORY = Path(__file__).parents[2]
@@ -90,8 +89,8 @@ SAVERS = {
     "figure.pdf": lambda path: plotting.save(Drawn(), str(path)),
     "study.json": lambda path: study().save(path),
     "study.csv": lambda path: study().save(path),
-    "map.csv": lambda path: sweep_command.write(dataset(), Namespace(output=str(path), plot=None)),
-    "map.nc": lambda path: sweep_command.write(dataset(), Namespace(output=str(path), plot=None)),
+    "map.csv": lambda path: write(dataset(), str(path)),
+    "map.nc": lambda path: write(dataset(), str(path)),
     "no_shear.json": write_gold,
 }
 #: Of which a run takes long: there is no space, or Ctrl-C, and once only.

@@ -13,11 +13,13 @@ import pytest
 import spectral_contact
 from spectral_contact import ErrorEstimates, Scene, Solution, solve
 from spectral_contact import __main__ as cli
-from spectral_contact.__main__ import EXAMPLES, _parser, main
+from spectral_contact.__main__ import COMMANDS, _parser, main
 from spectral_contact.io import units
 from spectral_contact.processes import PROGRAM
+from spectral_contact.view.cli import options, solve_command
+from spectral_contact.view.cli.command import Documentation
 from spectral_contact.view.cli.options import joined, number
-from spectral_contact.view.cli.profile_options import any_scene
+from spectral_contact.view.cli.scene_options import SceneOptions
 
 STEEL = ("--youngs-modulus", "2.1e11", "--poisson-ratio", "0.3", "--radius", "0.013")
 SLIDING = (*STEEL, "--friction", "0.1")
@@ -58,7 +60,7 @@ def solved(monkeypatch):
         calls.append((arguments, options))
         return solve(*arguments, **options)
 
-    monkeypatch.setattr(cli, "solve", spy)
+    monkeypatch.setattr(solve_command, "solve", spy)
     return calls
 
 
@@ -362,8 +364,8 @@ def test_a_plot(capsys, tmp_path):
         (["more"], "more"),
         (["--radius", "1"], "SI input needs --youngs-modulus"),
         (["--load", "1"], "SI input needs --youngs-modulus and --poisson-ratio and --radius"),
-        ([*SLIDING], "either --load or --approach"),
-        ([*SLIDING, "--load", "1", "--approach", "1"], "either --load or --approach"),
+        ([*SLIDING], "--load, --approach = (None, None): must be one value"),
+        ([*SLIDING, "--load", "1", "--approach", "1"], "--load, --approach = (1.0, 1.0): must"),
         ([*SLIDING, "--load", "-1"], "--load = -1.0"),
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
         ([*STEEL, "--load", "1"], "SI input needs --friction: there is no default material"),
@@ -394,7 +396,7 @@ def test_a_directory_is_no_output(capsys, tmp_path):
 def test_the_result_is_printed_even_if_it_cannot_be_written(capsys, monkeypatch, tmp_path, suffix):
     if suffix == ".png":
         pytest.importorskip("matplotlib")
-    monkeypatch.setattr(cli, "_check_path", lambda *_: None)
+    monkeypatch.setattr(options, "checked_path", lambda path, _: path)
     path = tmp_path / "missing" / f"x{suffix}"
     option = "--plot" if suffix == ".png" else "--output"
     status, out, err = run(capsys, *STUCK, option, str(path))
@@ -406,7 +408,7 @@ def test_the_result_is_printed_even_if_it_cannot_be_written(capsys, monkeypatch,
 
 def test_a_missing_matplotlib_is_one_line_before_any_work(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    monkeypatch.setattr(cli, "solve", None)
+    monkeypatch.setattr(solve_command, "solve", None)
     line = complaint(capsys, "--plot", "x.png")
     assert line.startswith("spectral-contact: matplotlib is not installed")
     assert line.endswith('pip install ".[plot]" in your clone of spectral_contact\n')
@@ -446,7 +448,7 @@ def test_what_was_reached_is_printed_on_request(capsys):
 def test_useless_estimates_are_shown_as_they_are(capsys, monkeypatch, error):
     solution = solve(Scene(0.1, 0.5), 1e-2, ["approach"])
     bad = replace(solution, error=ErrorEstimates(approach=error), converged=False)
-    monkeypatch.setattr(cli, "solve", lambda *_, **__: bad)
+    monkeypatch.setattr(solve_command, "solve", lambda *_, **__: bad)
     status, out, _ = run(capsys)
     assert status == 0
     assert value_of(out, "approach") == "0.29"
@@ -457,7 +459,7 @@ def test_an_interrupt_is_status_130(capsys, monkeypatch):
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "solve", interrupt)
+    monkeypatch.setattr(solve_command, "solve", interrupt)
     status, out, err = run(capsys)
     assert (status, out, err) == (130, "", "spectral-contact: interrupted\n")
 
@@ -534,12 +536,12 @@ def parsers(parser, name):
                 yield from parsers(below, f"{name} {command}")
 
 
-COMMANDS = dict(parsers(cli._parser(), "spectral-contact"))
+PARSERS = dict(parsers(cli._parser(), "spectral-contact"))
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", PARSERS)
 def test_help_speaks_of_options_that_the_command_has(name):
-    parser = COMMANDS[name]
+    parser = PARSERS[name]
     known = {option for action in parser._actions for option in action.option_strings}
     assert set(re.findall(r"--[a-z][a-z-]*[a-z]", parser.format_help())) <= known
 
@@ -549,7 +551,7 @@ def test_the_command_line_names_what_no_digit_is_known_of(capsys, monkeypatch):
         solution = solve(*arguments, **options)
         return replace(solution, error=replace(solution.error, slip=float("inf")))
 
-    monkeypatch.setattr(cli, "solve", unsure)
+    monkeypatch.setattr(solve_command, "solve", unsure)
     layers = "--normal-compliance", "0.5", "--tangential-compliance", "0.5"
     status, out, _ = run(capsys, "--poisson-ratio", "0.3", *layers, "--friction", "0.1", *QUICK)
     assert status == 0
@@ -558,16 +560,19 @@ def test_the_command_line_names_what_no_digit_is_known_of(capsys, monkeypatch):
     assert "  slip: no digit is known\n" in out
 
 
-@pytest.mark.parametrize("command", EXAMPLES)
+@pytest.mark.parametrize("command", [name for name, one in COMMANDS.items() if callable(one)])
 def test_help_begins_with_examples_that_run(command, capsys):
     assert main([command, "--help"]) == 0
     told = capsys.readouterr().out
     assert told.index("examples:") < told.index("-h, --help")
-    for example in EXAMPLES[command]:
-        assert f"  {PROGRAM} {example}\n" in told
-        arguments = _parser().parse_args(joined(shlex.split(example)))
+    text = Documentation.of(COMMANDS[command]).examples
+    assert text in told
+    for example in text.replace("\\\n", "").partition("examples:")[2].strip().splitlines():
+        program, *options = shlex.split(example)
+        assert program == PROGRAM
+        arguments = _parser().parse_args(joined(options))
         if command not in ("sweep", "fit"):  # which have scenes of their own
-            assert isinstance(any_scene(arguments), Scene)
+            assert isinstance(SceneOptions.of(vars(arguments)).solved().scene, Scene)
 
 
 def test_a_command_that_is_misspelt_gets_a_suggestion(capsys):

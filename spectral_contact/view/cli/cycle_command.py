@@ -1,66 +1,62 @@
-"""Options and action of ``spectral-contact cycle``."""
+"""``spectral-contact cycle``."""
 
 from __future__ import annotations
 
-import argparse
-from typing import Final
+from typing import Annotated
 
 from spectral_contact.sweeps.steady_cycle import steady_cycle
 from spectral_contact.view import plotting
-from spectral_contact.view.cli import scene_options
-from spectral_contact.view.cli.options import add_limits, number
-from spectral_contact.view.cli.profile_options import any_scene
-
-#: Suffixes of `--output`.
-OUTPUTS: Final = (".npz", ".json", ".csv")
+from spectral_contact.view.cli.options import Number, Picture, Whole, written
+from spectral_contact.view.cli.scene_options import SceneOptions
 
 
-def add_options(command: argparse.ArgumentParser) -> None:
-    """Add what the command takes, but for the scene."""
-    group = command.add_argument_group("request")
-    group.add_argument(
-        "--lowest",
-        type=number,
-        required=True,
-        metavar="SHARE",
-        help="the lowest load over the largest one, which is that of the scene: between 0 and 1",
-    )
-    group.add_argument(
-        "--rtol",
-        type=number,
-        default=1e-8,
-        help="bound on the relative error of what is dissipated, 1e-11 to 1e-2 "
-        "(default: %(default)s)",
-    )
-    add_limits(group)
-    group.add_argument(
-        "--output",
-        metavar="FILE",
-        help="store the cycle: .npz, .json; or slip amplitude and change of the traction over the "
-        "radius: .csv",
-    )
-    group.add_argument(
-        "--plot",
-        metavar="FILE",
-        help=f"plot the loop: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
-    )
+def run(
+    scene: SceneOptions,
+    *,
+    lowest: Number,
+    rtol: Number = 1e-8,
+    max_unknowns: Whole = 20_000,
+    no_strict: bool = False,
+    output: Annotated[str | None, written(".npz", ".json", ".csv")] = None,
+    plot: Picture | None = None,
+) -> None:
+    r"""Find the steady loop of a load that cycles.
 
+    The load cycles under a flat punch between that of the scene and a lower one. Print what sticks,
+    what slips how far, and the energy that friction dissipates in each cycle. Exit status: 0 done,
+    1 tolerance not met, 2 bad input or file, 130 interrupted.
 
-def run(arguments: argparse.Namespace) -> str:
-    """Find the loop, write the files that the options name, and return what there is to say."""
-    if arguments.plot is not None:
-        plotting.require()
+    Parameters
+    ----------
+    lowest : SHARE
+        The lowest load over the largest one, which is that of the scene: between 0 and 1.
+    rtol : X
+        Bound on the relative error of what is dissipated, 1e-11 to 1e-2.
+    max_unknowns : N
+        Largest number of unknowns of one linear system.
+    no_strict : flag
+        If the tolerance cannot be met, print what was reached and exit with 0.
+    output : FILE
+        Store the cycle: .npz, .json; or slip amplitude and change of the traction over the radius:
+        .csv.
+    plot : FILE
+        Plot the loop (needs the extra: plot).
+
+    Examples
+    --------
+    spectral-contact cycle --poisson-ratio 0.1 --normal-compliance 0.5 \
+        --tangential-compliance 0.5 --friction 0.1 --lowest 0.1
+    spectral-contact cycle --youngs-modulus "210 GPa" --poisson-ratio 0.3 --radius "5 mm" \
+        --load "5 kN" --normal-compliance-si 5e-15 --tangential-compliance-si 6e-15 \
+        --friction 0.15 --lowest 0.2 --rtol 1e-4 --plot loop.png
+    """
+    contact, remarks = scene.solved()
     cycle = steady_cycle(
-        any_scene(arguments),
-        arguments.lowest,
-        rtol=arguments.rtol,
-        max_unknowns=arguments.max_unknowns,
-        strict=not arguments.no_strict,
+        contact, lowest, rtol=rtol, max_unknowns=max_unknowns, strict=not no_strict
     )
-    if arguments.output is not None:
-        store = cycle.to_csv if arguments.output.lower().endswith(".csv") else cycle.save
-        store(arguments.output)
-    if arguments.plot is not None:
-        plotting.save(cycle.plot(), arguments.plot)
-    remarks = scene_options.defaults(arguments)  # a profile has been refused
-    return "\n".join([cycle.summary(), *(f"remark: {one}" for one in remarks)])
+    if output is not None:
+        store = cycle.to_csv if output.lower().endswith(".csv") else cycle.save
+        store(output)
+    if plot is not None:
+        plotting.save(cycle.plot(), plot)
+    print(cycle.summary(), *(f"remark: {one}" for one in remarks), sep="\n")

@@ -1,39 +1,39 @@
-"""``spectral-contact explore``: its options, and the page that they begin with."""
+"""``spectral-contact explore``."""
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
+from functools import partial
 
-from spectral_contact.scene import Scene
-from spectral_contact.view.cli.options import number, whole
+from spectral_contact.view.cli.options import Number, Whole
+from spectral_contact.view.cli.scene_options import SceneOptions
 from spectral_contact.view.explorer.server import serve
 
 
-def add_options(command: argparse.ArgumentParser) -> None:
-    """Add the options of the page."""
-    group = command.add_argument_group("page")
-    group.add_argument(
-        "--rtol", type=number, help="bound on relative errors, 1e-12 to 1e-2 (default: 1e-8)"
-    )
-    group.add_argument(
-        "--port",
-        type=whole,
-        metavar="N",
-        default=0,
-        help="port of 127.0.0.1 (default: any free one)",
-    )
-    group.add_argument(
-        "--no-browser", action="store_true", help="print the address and open no browser"
-    )
+def run(
+    scene: SceneOptions,
+    *,
+    rtol: Number | None = None,
+    port: Whole = 0,
+    no_browser: bool = False,
+) -> None:
+    """Interactive explorer in a browser.
 
+    Open a page with sliders in the browser (needs the extra: explore). It shows the scene of the
+    options first. Only this machine can reach it; Ctrl-C ends it. Exit status: 0 ended by Ctrl-C,
+    2 bad input or no free port.
 
-def run(arguments: argparse.Namespace, scene: Scene, started: Callable[[str], None]) -> None:
-    """Serve the page until it is interrupted; `started` is told its address."""
-    serve(
-        scene,
-        rtol=arguments.rtol,
-        port=arguments.port,
-        started=started,
-        show=not arguments.no_browser,
-    )
+    Parameters
+    ----------
+    rtol : X
+        Bound on relative errors, 1e-12 to 1e-2; by default 1e-8.
+    port : N
+        Port of 127.0.0.1; 0 is any free one.
+    no_browser : flag
+        Print the address and open no browser.
+
+    Examples
+    --------
+    spectral-contact explore --poisson-ratio 0.3 --friction 0.05
+    """
+    started = partial(print, flush=True)
+    serve(scene.solved().scene, rtol=rtol, port=port, started=started, show=not no_browser)

@@ -2,52 +2,71 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Annotated, Any
 
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
-from spectral_contact.view.cli.options import whole
+from spectral_contact.profiles import Sampled, hull_of_points
+from spectral_contact.view.cli.options import Option, Whole, flag
 
 
-def add_reading(group: argparse._ArgumentGroup, example: str) -> None:
-    """Add the options of a file of columns, with an example of ``--columns``."""
-    group.add_argument(
-        "--columns",
-        metavar="NAMES",
-        help=f'which column of the file is which: "{example}" by number or heading, or the names '
-        "of all columns in order (default: by the headings; see docs/files.md)",
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """File of numbers.
+
+    Parameters
+    ----------
+    columns : NAMES
+        Which column of the file is which: "r=2,z=3 [mm]" by number or heading, or the names of all
+        columns in order; by default the headings tell (see docs/files.md).
+    header : LINE
+        Line of the file's headings; by default it is found.
+    decimal : SIGN
+        Point or comma, the decimal sign of the file; by default that of its numbers.
+    skip_invalid : flag
+        Leave out rows that cannot be read or have no value, and name them.
+    """
+
+    columns: str | None = None
+    header: Whole | None = None
+    decimal: Annotated[str | None, Option(choices=(".", ","))] = None
+    skip_invalid: bool = False
+
+    @property
+    def given(self) -> list[str]:
+        """The options that are given."""
+        return [flag(one.name) for one in fields(self) if getattr(self, one.name)]
+
+    def read(self, path: str, expected: Sequence[Expected]) -> NumberTable:
+        """Return the columns of a file."""
+        return read_columns(path, expected, **self.arguments("raise"))
+
+    def arguments(self, invalid: str) -> dict[str, Any]:
+        """Return what `read_columns` and `read_curve` take, with what rows without a value are."""
+        return {
+            "columns": self.columns,
+            "header": self.header,
+            "decimal": self.decimal,
+            "invalid": "skip" if self.skip_invalid else invalid,
+            "option": "--columns",
+        }
+
+
+def profile_of_points(
+    path: str, columns: str | None, *, convex_hull: bool, si: bool
+) -> tuple[Sampled, str]:
+    """Return the profile through the points of a file, and what was read from it."""
+    unit = "m" if si else ""
+    expected = (
+        Expected("r", unit, at_least=0.0),
+        Expected("height", unit, ("height", "h", "z", "Z", "profile", "gap")),
     )
-    group.add_argument(
-        "--header", type=whole, metavar="LINE", help="line of the file's headings (default: found)"
-    )
-    group.add_argument(
-        "--decimal",
-        choices=(".", ","),
-        metavar="SIGN",
-        help="point or comma, the decimal sign of the file (default: that of its numbers)",
-    )
-    group.add_argument(
-        "--skip-invalid",
-        action="store_true",
-        help="leave out rows that cannot be read or have no value, and name them",
-    )
-
-
-def reading_given(arguments: argparse.Namespace) -> list[str]:
-    """Return the options that say how a file is to be read, as far as they are given."""
-    given = vars(arguments)
-    names = ("columns", "header", "decimal", "skip_invalid")
-    return [f"--{name.replace('_', '-')}" for name in names if given[name]]
-
-
-def read(path: str, expected: Sequence[Expected], arguments: argparse.Namespace) -> NumberTable:
-    """Return the columns of a file, read as the options say."""
-    return read_columns(
-        path,
-        expected,
-        columns=arguments.columns,
-        header=arguments.header,
-        decimal=arguments.decimal,
-        invalid="skip" if arguments.skip_invalid else "raise",
-        option="--columns",
-    )
+    table = read_columns(path, expected, columns=columns, option="--profile-columns")
+    points = table.values["r"], table.values["height"]
+    profile = Sampled.from_points(*points, convex_hull=convex_hull)
+    if not convex_hull:
+        return profile, str(table)
+    hull = hull_of_points(*points)
+    away = f"the hull lies {hull.largest:.3g} from the points at most, {hull.rms:.3g} rms"
+    return profile, f"{table}; {away}{f' [{unit}]' if unit else ''}"

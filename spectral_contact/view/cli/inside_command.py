@@ -1,141 +1,93 @@
-"""``spectral-contact inside``: its options, and what they ask of `Solution.inside`."""
+"""``spectral-contact inside``."""
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
-from typing import Final
+from typing import Annotated
 
 import numpy as np
 
-from spectral_contact.equations.interior import Extreme, Inside
 from spectral_contact.equations.interior.grids import QUANTITIES, as_csv, as_npz
-from spectral_contact.errors import NotComputedError
-from spectral_contact.io.columns import Expected, NumberTable
+from spectral_contact.io.columns import Expected
 from spectral_contact.io.documents import netcdf, replace_file, reported
-from spectral_contact.scene import Scene
-from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
-from spectral_contact.view.cli.files import add_reading, read, reading_given
-from spectral_contact.view.cli.options import UsageError, number, values
-from spectral_contact.view.cli.profile_options import any_scene
-from spectral_contact.view.report import table
-
-#: Suffixes of a stored table; a grid alone can be a dataset.
-OUTPUTS: Final = (".csv", ".npz", ".nc")
+from spectral_contact.view.cli.files import Reading
+from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Values, written
+from spectral_contact.view.cli.scene_options import SceneOptions
+from spectral_contact.view.report import report_inside
 
 
-def add_options(command: argparse.ArgumentParser) -> None:
-    """Add what the command takes, but for the scene."""
-    group = command.add_argument_group("points")
-    for name, meaning in (("r", "distances from the axis"), ("z", "depths")):
-        group.add_argument(
-            f"--{name}",
-            type=values,
-            metavar="VALUES",
-            help=f"{meaning} of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in contact radii, or "
-            "in m for a scene in SI units (default: 0 to two radii)",
-        )
-    group.add_argument(
-        "--points",
-        metavar="FILE",
-        help="instead: a text file with columns r and z, in these units or those of its headings",
-    )
-    add_reading(group, "r=2,z=3 [mm]")
-    group.add_argument(
-        "--punch", action="store_true", help="points in an elastic punch, depths counted into it"
-    )
-    group = command.add_argument_group("request")
-    group.add_argument(
-        "--rtol", type=number, default=1e-8, help="bound on relative errors (default: %(default)s)"
-    )
-    group.add_argument(
-        "--quantity",
-        default="von_mises",
-        choices=QUANTITIES,
-        metavar="NAME",
-        help=f"quantity to plot (default: %(default)s): {', '.join(QUANTITIES)}",
-    )
-    group.add_argument(
-        "--output", metavar="FILE", help="store all quantities at the points: .csv, .npz or .nc"
-    )
-    group.add_argument(
-        "--plot", metavar="FILE", help="plot contours: .png, .pdf or .svg (needs the extra: plot)"
-    )
+def run(
+    scene: SceneOptions,
+    reading: Reading,
+    *,
+    r: Values | None = None,
+    z: Values | None = None,
+    points: str | None = None,
+    punch: bool = False,
+    rtol: Number = 1e-8,
+    quantity: Annotated[str, Option(choices=QUANTITIES)] = "von_mises",
+    output: Annotated[str | None, written(".csv", ".npz", ".nc")] = None,
+    plot: Picture | None = None,
+) -> None:
+    r"""Stress and displacement inside the body.
 
+    Solve one scene; print the largest stresses and the energies, store and plot stress and
+    displacement below the surface. Exit status: 0 done, 1 tolerance not met, 2 bad input or file,
+    130 interrupted.
 
-def run(arguments: argparse.Namespace) -> str:
-    """Solve, write the files that the options name, and return what there is to say."""
-    points = arguments.points
-    if points is not None and (arguments.r or arguments.z):
-        raise UsageError("--points is instead of --r and --z")
-    if points is None and reading_given(arguments):
-        raise UsageError(f"{reading_given(arguments)[0]} goes with --points")
-    output = arguments.output
+    Parameters
+    ----------
+    r, z : VALUES
+        Distances from the axis, and depths, of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in
+        contact radii, or in m for a scene in SI units; by default 0 to two radii.
+    points : FILE
+        Instead: a text file with columns r and z, in these units or those of its headings.
+    punch : flag
+        Points in an elastic punch, depths counted into it.
+    rtol : X
+        Bound on relative errors.
+    quantity : NAME
+        Quantity to plot.
+    output : FILE
+        Store all quantities at the points.
+    plot : FILE
+        Plot contours (needs the extra: plot).
+
+    Examples
+    --------
+    spectral-contact inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png \
+        --output body.csv
+    """
     suffix = "" if output is None else Path(output).suffix.lower()
+    if points is not None and (r or z):
+        raise UsageError("--points is instead of --r and --z")
+    if points is None and reading.given:
+        raise UsageError(f"{reading.given[0]} goes with --points")
     if points is not None and suffix == ".nc":
         raise UsageError("a .nc file holds a grid: not with --points")
-    if arguments.plot is not None:
-        plotting.require()
-    scene = any_scene(arguments)
-    given = None if points is None else read(points, _expected(scene), arguments)
-    solution = solve(scene, min(arguments.rtol, 1e-10))
-    body = _body(solution, in_punch=arguments.punch)
+    contact = scene.solved().scene
+    unit = "" if contact.physical is None else "m"
+    expected = [Expected(name, unit, at_least=0.0) for name in ("r", "z")]
+    table = None if points is None else reading.read(points, expected)
+    if punch and contact.physical is None:
+        raise UsageError("--punch goes with --punch-youngs-modulus and --punch-poisson-ratio")
+    solution = solve(contact, min(rtol, 1e-10))
+    physical = solution if contact.physical is None else solution.physical
+    body = solution.physical.punch_inside if punch else physical.inside
     if output is not None:
-        content = _content(body, arguments, given, suffix)
+        default = np.linspace(0.0, 2.0 * body.radius, 81)
+        radii, depths = (default if one is None else np.array(one) for one in (r, z))
+        if suffix == ".nc":
+            content = netcdf(body.to_xarray(radii, depths, rtol=rtol))
+        else:
+            places = list(np.meshgrid(radii, depths, sparse=True))
+            places = places if table is None else [table.values["r"], table.values["z"]]
+            found = body.to_table(*places, rtol=rtol)
+            content = as_npz(found) if suffix == ".npz" else as_csv(found, body.unit_names)
         with reported(output, "cannot be written"):
             replace_file(output, content)
-    if arguments.plot is not None:
-        plotting.save(plotting.plot_inside(body, arguments.quantity), arguments.plot)
-    summary = _summary(body, solution)
-    return summary if given is None else f"{given}\n{summary}"
-
-
-def _body(solution: Solution, *, in_punch: bool) -> Inside:
-    if solution.scene.physical is None:
-        if in_punch:
-            raise UsageError("--punch goes with --punch-youngs-modulus and --punch-poisson-ratio")
-        return solution.inside
-    return solution.physical.punch_inside if in_punch else solution.physical.inside
-
-
-def _content(
-    body: Inside, arguments: argparse.Namespace, given: NumberTable | None, suffix: str
-) -> bytes:
-    default = np.linspace(0.0, 2.0 * body.radius, 81)
-    r, z = (default if one is None else np.array(one) for one in (arguments.r, arguments.z))
-    if suffix == ".nc":
-        return netcdf(body.to_xarray(r, z, rtol=arguments.rtol))
-    if given is None:
-        places = list(np.meshgrid(r, z, sparse=True))
-    else:
-        places = [given.values["r"], given.values["z"]]
-    found = body.to_table(*places, rtol=arguments.rtol)
-    return as_npz(found) if suffix == ".npz" else as_csv(found, body.unit_names)
-
-
-def _expected(scene: Scene) -> tuple[Expected, ...]:
-    """Return the columns of a file of points."""
-    unit = "" if scene.physical is None else "m"
-    return tuple(Expected(name, unit, at_least=0.0) for name in ("r", "z"))
-
-
-def _summary(body: Inside, solution: Solution) -> str:
-    cells: list[tuple[str, ...]] = [("", "largest", "at r", "at z", "error", "")]
-    for name in ("von_mises", "max_shear", "surface_tension"):
-        cells.append((name, *_said(body.largest(name))))
-    told = f"{solution!r}\n{table(cells)}"
-    try:
-        energies = body.energies()
-    except NotComputedError as error:
-        return f"{told}\n{error}"
-    parts = ("external", "strain", "layer", "friction", "defect")
-    work = [("energy", "value"), *((name, f"{getattr(energies, name):.12g}") for name in parts)]
-    return f"{told}\n{table(work)}"
-
-
-def _said(found: Extreme) -> tuple[str, ...]:
-    value = "-" if found.value is None else f"{found.value:.12g}"
-    error = "-" if found.error is None else f"{found.error:.1e}"
-    return value, f"{found.r:.8g}", f"{found.z:.8g}", error, found.remark
+    if plot is not None:
+        plotting.save(plotting.plot_inside(body, quantity), plot)
+    print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")

@@ -9,19 +9,24 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Callable, Sequence
-from typing import Any, Final
+from collections.abc import Sequence
+from functools import partial
+from typing import Annotated, Any, Final
 
 import numpy as np
 
-from spectral_contact.errors import SpectralContactError
+from spectral_contact.errors import SolutionFileError, SpectralContactError
 from spectral_contact.io.checks import decimal_number, is_decimal
+from spectral_contact.io.documents import checked_path
 from spectral_contact.io.units import has_unit
+from spectral_contact.view import plotting
 
 # Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
+#: What an option is called that has another name than its parameter.
+_IMPERATIVES: Final = {"unloaded_to": "unload_to"}
 
 
 class UsageError(SpectralContactError):
@@ -29,51 +34,12 @@ class UsageError(SpectralContactError):
 
 
 class NotSolved(SpectralContactError):
-    """The request was done, and not everything of it was solved."""
-
-
-#: What an option is called that has another name than its parameter.
-_IMPERATIVES: Final = {"unloaded_to": "unload_to"}
-
-
-def add_option(
-    group: argparse._ActionsContainer,
-    name: str,
-    kind: Callable[[str], Any],
-    meaning: str,
-    metavar: str = "X",
-) -> None:
-    """Add the option of a parameter; where it is not given there is no attribute of it."""
-    group.add_argument(
-        flag(name),
-        dest=name.replace("-", "_"),
-        type=kind,
-        metavar=metavar,
-        default=argparse.SUPPRESS,
-        help=meaning,
-    )
-
-
-def add_limits(group: argparse._ActionsContainer) -> None:
-    """Add the most unknowns of a linear system, and what a missed tolerance means."""
-    group.add_argument(
-        "--max-unknowns",
-        type=whole,
-        metavar="N",
-        default=20_000,
-        help="largest number of unknowns of one linear system (default: %(default)s)",
-    )
-    group.add_argument(
-        "--no-strict",
-        action="store_true",
-        help="if the tolerance cannot be met, print what was reached and exit with 0",
-    )
+    """The request was done, and not everything was solved, or is as exact as was asked for."""
 
 
 def flag(name: str) -> str:
     """Return the option of a parameter."""
-    name = _IMPERATIVES.get(name, name)
-    return "--" + name.replace("_", "-")
+    return "--" + _IMPERATIVES.get(name, name).replace("_", "-")
 
 
 def measured(text: str) -> float | str:
@@ -110,10 +76,7 @@ def whole(text: str) -> int:
 
 def resolution(text: str) -> float:
     """Return a number, a whole one as an int: that is how a solver is called."""
-    try:
-        return whole(text)
-    except argparse.ArgumentTypeError:
-        return number(text)
+    return int(text) if _WHOLE.fullmatch(text.strip(" ")) else number(text)
 
 
 def values(text: str) -> list[float]:
@@ -155,6 +118,19 @@ def friction(text: str) -> float | None:
     return value
 
 
+def frictions(text: str) -> list[float | None]:
+    """Return coefficients of friction; ``none`` is alone."""
+    return [None] if text.strip().lower() == "none" else [*values(text)]
+
+
+def named_number(text: str) -> tuple[str, float]:
+    """Return the two sides of ``NAME=X``."""
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=X")
+    return name.strip().replace("-", "_"), number(value)
+
+
 def joined(argv: Sequence[str]) -> list[str]:
     """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options.
 
@@ -175,3 +151,46 @@ def joined(argv: Sequence[str]) -> list[str]:
 def _negative(text: str) -> bool:
     stripped = text.strip(" ")
     return text.startswith("-") and is_decimal(stripped)
+
+
+def _output(suffixes: Sequence[str], text: str) -> str:
+    try:
+        return checked_path(text, suffixes)
+    except SolutionFileError as error:  # a ValueError, whose words argparse would drop
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
+def picture(text: str) -> str:
+    """Return the path of a picture that can be drawn."""
+    plotting.require()
+    return _output(plotting.FORMATS, text)
+
+
+class Option:
+    """How an option is read: what argparse needs, names that end the help, and other names of it.
+
+    Attributes
+    ----------
+    keywords : dict
+        Arguments of argparse.
+    names, also : tuple of str
+    """
+
+    def __init__(
+        self, *names: str, read: Any = None, also: tuple[str, ...] = (), **keywords: Any
+    ) -> None:
+        self.names = names
+        self.also = also
+        self.keywords = keywords if read is None else {"type": read, **keywords}
+
+
+def written(*suffixes: str) -> Option:
+    """Return the kind of a file that is written, with one of these suffixes."""
+    return Option(*suffixes, read=partial(_output, suffixes))
+
+
+Number = Annotated[float, Option(read=number)]
+Whole = Annotated[int, Option(read=whole)]
+Values = Annotated[list[float], Option(read=values)]
+Picture = Annotated[str, Option(*plotting.FORMATS, read=picture)]
+NamedNumbers = Annotated[list[tuple[str, float]], Option(read=named_number, action="append")]

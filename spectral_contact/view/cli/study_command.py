@@ -1,127 +1,136 @@
-"""``spectral-contact study``: its options, and what they ask of `spectral_contact.studies`."""
+"""``spectral-contact study``: what it asks of `spectral_contact.studies`."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import sys
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.scene import Scene
 from spectral_contact.studies.study import OwnSolver, convergence, named_solver, work_precision
 from spectral_contact.studies.study_results import QUANTITIES, Study
-from spectral_contact.view import plotting
-from spectral_contact.view.cli.options import NotSolved, resolution
+from spectral_contact.view.cli.options import NotSolved, Option, Picture, resolution, written
+from spectral_contact.view.cli.scene_options import FlatOptions
 
-#: The studies, and what they do.
-KINDS: Final = {
-    "convergence": "error against unknowns and time of one solver",
-    "work-precision": "time to reach an accuracy, of this library and of other solvers",
-}
-#: Suffixes of a stored study.
-OUTPUTS: Final = (".json", ".csv")
 _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
 _ACCURACIES: Final = tuple(10.0**-k for k in range(2, 13, 2))
 
-
-def add_options(command: argparse.ArgumentParser, kind: str) -> None:
-    """Add what a study takes besides the scene."""
-    group = command.add_argument_group("study")
-    if kind == "convergence":
-        group.add_argument(
-            "--solver",
-            metavar="MODULE:FUNCTION",
-            help="a function of a scene and a resolution; its module may be in the current folder "
-            "(default: this library, whose resolution is rtol)",
-        )
-        group.add_argument(
-            "--resolutions",
-            type=resolution,
-            nargs="+",
-            metavar="N",
-            help="resolutions to run the solver at (default for this library: 1e-2 to 1e-12)",
-        )
-        group.add_argument("--no-times", action="store_true", help="measure errors only")
-    else:
-        group.add_argument(
-            "--solver",
-            action="append",
-            default=[],
-            metavar="MODULE:FUNCTION[=N,N,...]",
-            help="a solver to compare this library with, and its resolutions from coarse to fine; "
-            "without them it is called with the accuracies (may be repeated)",
-        )
-        group.add_argument(
-            "--accuracies",
-            type=resolution,
-            nargs="+",
-            default=_ACCURACIES,
-            metavar="E",
-            help="relative errors to be reached (default: 1e-2, 1e-4, ... 1e-12)",
-        )
-    group.add_argument(
-        "--quantity",
-        "--quantities",
-        dest="quantities",
-        nargs="+",
-        metavar="NAME",
-        help=f"quantities to measure (default: all available): {', '.join(QUANTITIES)}",
-    )
-    group.add_argument(
-        "--output",
-        metavar="FILE",
-        help="store the study: .json exactly, .csv one row for each point",
-    )
-    group.add_argument(
-        "--plot",
-        metavar="FILE",
-        help=f"plot the study: {', '.join(plotting.FORMATS)} (needs the extra: plot)",
-    )
+Numbers = Annotated[list[float], Option(read=resolution, nargs="+")]
+Names = Annotated[list[str], Option(*QUANTITIES, nargs="+", also=("--quantity",))]
+Output = Annotated[str, written(".json", ".csv")]
 
 
-def run(arguments: argparse.Namespace, scene: Scene) -> Study:
-    """Run the study that the options ask for."""
-    if arguments.plot is not None:
-        plotting.require()
-    if arguments.solver and os.getcwd() not in sys.path:
-        sys.path.insert(0, os.getcwd())
-    common: dict[str, Any] = {"quantities": arguments.quantities}
-    own = OwnSolver(_asked(arguments.quantities))
-    if arguments.kind == "work-precision":
-        solvers: dict[str, Any] = {own.name: own}
-        for text in arguments.solver:
-            name, listed, resolutions = text.partition("=")
-            solver = named_solver(name)
-            solvers[name] = (solver, _numbers(resolutions)) if listed else solver
-        return work_precision(solvers, scene, arguments.accuracies, **common)
-    resolutions = arguments.resolutions
-    if resolutions is None and arguments.solver is not None:
+def run_convergence(
+    scene: FlatOptions,
+    *,
+    solver: str | None = None,
+    resolutions: Numbers | None = None,
+    no_times: bool = False,
+    quantities: Names | None = None,
+    output: Output | None = None,
+    plot: Picture | None = None,
+) -> None:
+    """Error against unknowns and time of one solver.
+
+    Exit status: 0 done, 1 no truth or no solve, 2 bad input or file, 130 interrupted.
+
+    Parameters
+    ----------
+    solver : MODULE:FUNCTION
+        A function of a scene and a resolution; its module may be in the current folder; by default
+        this library, whose resolution is rtol.
+    resolutions : N
+        Resolutions to run the solver at; by default, for this library, 1e-2 to 1e-12.
+    no_times : flag
+        Measure errors only.
+    quantities : NAME
+        Quantities to measure; by default all available.
+    output : FILE
+        Store the study: .json exactly, .csv one row for each point.
+    plot : FILE
+        Plot the study (needs the extra: plot).
+    """
+    _find_modules_here()
+    if resolutions is None and solver is not None:
         raise SceneError("resolutions", None, "given for a --solver")
-    return convergence(
-        own if arguments.solver is None else named_solver(arguments.solver),
-        scene,
+    times: dict[str, Any] = {"repeats": 0} if no_times else {}
+    study = convergence(
+        OwnSolver(_asked(quantities)) if solver is None else named_solver(solver),
+        scene.solved().scene,
         _TOLERANCES if resolutions is None else resolutions,
-        name=arguments.solver,
-        **common | ({"repeats": 0} if arguments.no_times else {}),
+        name=solver,
+        quantities=quantities,
+        **times,
+    )
+    _finish(study, output, plot)
+
+
+def run_work_precision(
+    scene: FlatOptions,
+    *,
+    solver: Annotated[list[str] | None, Option(action="append")] = None,
+    accuracies: Numbers = _ACCURACIES,  # type: ignore[assignment]
+    quantities: Names | None = None,
+    output: Output | None = None,
+    plot: Picture | None = None,
+) -> None:
+    """Time to reach an accuracy, of this library and of other solvers.
+
+    Exit status: 0 done, 1 no truth or no solve, 2 bad input or file, 130 interrupted.
+
+    Parameters
+    ----------
+    solver : MODULE:FUNCTION[=N,N,...]
+        A solver to compare this library with, and its resolutions from coarse to fine; without them
+        it is called with the accuracies (may be repeated).
+    accuracies : E
+        Relative errors to be reached; by default 1e-2, 1e-4, ... 1e-12.
+    quantities : NAME
+        Quantities to measure; by default all available.
+    output : FILE
+        Store the study: .json exactly, .csv one row for each point.
+    plot : FILE
+        Plot the study (needs the extra: plot).
+    """
+    _find_modules_here()
+    own = OwnSolver(_asked(quantities))
+    solvers: dict[str, Any] = {own.name: own}
+    for text in solver or ():
+        name, listed, numbers = text.partition("=")
+        solvers[name] = named_solver(name)
+        if listed:
+            try:
+                at = [resolution(part) for part in numbers.split(",")]
+            except argparse.ArgumentTypeError:
+                told = "followed by numbers: =10,20,40"
+                raise SceneError("solver", f"...={numbers}", told) from None
+            solvers[name] = (solvers[name], at)
+    _finish(
+        work_precision(solvers, scene.solved().scene, accuracies, quantities=quantities),
+        output,
+        plot,
     )
 
 
-def write(study: Study, arguments: argparse.Namespace) -> None:
-    """Write the files that the options name."""
-    if arguments.output is not None:
-        study.save(arguments.output)
-    if arguments.plot is not None:
-        study.plot(arguments.plot)
+def _find_modules_here() -> None:
+    if os.getcwd() not in sys.path:
+        sys.path.insert(0, os.getcwd())
 
 
-def check_some_solved(study: Study) -> None:
-    """Raise `NotSolved` with the first reason, if no solve of a study was done."""
-    points = study.points
-    if points and all(point.failure for point in points):
-        first = points[0]
+def _finish(study: Study, output: str | None, plot: str | None) -> None:
+    """Write the files, print the study, and raise `NotSolved` if no solve of it was done."""
+    try:
+        if output is not None:
+            study.save(output)
+        if plot is not None:
+            study.plot(plot)
+    finally:
+        print(study)
+    if study.points and all(point.failure for point in study.points):
+        first = study.points[0]
         told = f"{first.solver} at {first.resolution:g}: {first.failure}"
-        raise NotSolved(f"none of {len(points)} solves was done; the first one: {told}")
+        raise NotSolved(f"none of {len(study.points)} solves was done; the first one: {told}")
 
 
 def _asked(quantities: list[str] | None) -> tuple[str, ...] | None:
@@ -129,10 +138,3 @@ def _asked(quantities: list[str] | None) -> tuple[str, ...] | None:
     if quantities is None or not set(QUANTITIES).issuperset(quantities):
         return None
     return tuple({"pressure" if name == "edge_pressure" else name: None for name in quantities})
-
-
-def _numbers(text: str) -> list[float]:
-    try:
-        return [resolution(part) for part in text.split(",")]
-    except argparse.ArgumentTypeError:
-        raise SceneError("solver", f"...={text}", "followed by numbers: =10,20,40") from None

@@ -8,9 +8,9 @@ import pytest
 import rings
 
 from spectral_contact import Scene
-from spectral_contact import __main__ as cli
 from spectral_contact.__main__ import main
 from spectral_contact.studies import OwnSolver, convergence, load, work_precision
+from spectral_contact.view.cli import options as readers
 from spectral_contact.view.cli import study_command
 
 FRICTIONLESS = ("--friction", "none")
@@ -150,7 +150,7 @@ def test_a_missing_matplotlib_is_found_before_the_work(capsys, monkeypatch):
 
 
 def test_the_table_is_printed_even_if_it_cannot_be_written(capsys, asked, monkeypatch, tmp_path):
-    monkeypatch.setattr(cli, "_check_paths", lambda *_: None)
+    monkeypatch.setattr(readers, "checked_path", lambda path, _: path)
     options = ("--no-times", "--resolutions", "1e-3", "--output", str(tmp_path / "no" / "x.json"))
     status, out, err = run(capsys, "convergence", *FRICTIONLESS, *options)
     assert status == 2
@@ -158,7 +158,7 @@ def test_the_table_is_printed_even_if_it_cannot_be_written(capsys, asked, monkey
     assert "x.json: cannot be written" in err
 
 
-@pytest.mark.parametrize("kind", study_command.KINDS)
+@pytest.mark.parametrize("kind", ["convergence", "work-precision"])
 def test_help(capsys, kind):
     status, out, _ = run(capsys, kind, "--help")
     assert status == 0

@@ -1,0 +1,87 @@
+"""``spectral-contact solve``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.quantities import FIELDS, QUANTITIES
+from spectral_contact.solution import GROWTH, StepState
+from spectral_contact.solving.planning import plan
+from spectral_contact.solving.solver import solve
+from spectral_contact.view import plotting
+from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Whole, written
+from spectral_contact.view.cli.scene_options import SceneOptions
+from spectral_contact.view.report import report, write_csv
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def run(
+    scene: SceneOptions,
+    *,
+    rtol: Number = 1e-10,
+    quantities: Annotated[tuple[str, ...] | None, Option(*QUANTITIES, read=_names)] = None,
+    max_unknowns: Whole = 20_000,
+    no_strict: bool = False,
+    output: Annotated[str | None, written(".json", ".csv", ".npz")] = None,
+    plot: Picture | None = None,
+    history: Annotated[str | None, written(".csv")] = None,
+) -> None:
+    r"""Solve one scene.
+
+    Print quantities, error estimates, zones, plan and work. Exit status: 0 solved, 1 tolerance not
+    met, 2 bad input or file, 130 interrupted.
+
+    Parameters
+    ----------
+    rtol : X
+        Bound on relative errors, 1e-13 to 1e-2.
+    quantities : A,B,...
+        What to compute; by default all of a flat punch and, under a profile, its own.
+    max_unknowns : N
+        Largest number of unknowns of one linear system.
+    no_strict : flag
+        If the tolerance cannot be met, print what was reached and exit with 0.
+    output : FILE
+        Store the solution, exactly or, in a .csv file, as a table of the fields.
+    plot : FILE
+        Plot the solution (needs the extra: plot).
+    history : FILE
+        Store load, approach, shear and stick radius as the contact grows, one row for each contact
+        radius.
+
+    Examples
+    --------
+    spectral-contact solve --poisson-ratio 0.3 --normal-compliance 0.05 \
+        --tangential-compliance 1 --friction 0.03
+    spectral-contact solve --youngs-modulus 210e9 --poisson-ratio 0.3 --radius 5e-3 --load 1000 \
+        --normal-compliance-si 5e-14 --friction 0.05 --plot punch.png
+    spectral-contact solve --profile sphere --radius 1 --load 0.1 --normal-compliance 0.01
+    """
+    contact, remarks = scene.solved()
+    physical = contact.physical
+    if quantities is not None and contact.profile is None and physical is not None:
+        # SI values hang on the load, and this on the approach where that is given
+        quantities = quantities if physical.approach is None else ("approach", *quantities)
+    todo = plan(contact, quantities)
+    is_table = output is not None and output.lower().endswith(".csv")
+    if is_table and not set(FIELDS).intersection(todo.quantities):
+        raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
+    if plot is not None:
+        plotting.check(todo)
+    grows = any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps)
+    if history is not None and not grows:
+        raise NotComputedError("history", "it needs a profile and friction")
+    solution = solve(contact, rtol, quantities, max_unknowns=max_unknowns, strict=not no_strict)
+    try:
+        if output is not None:
+            write_csv(solution, output) if is_table else solution.save(output)
+        if plot is not None:
+            plotting.save(plotting.plot_solution(solution), plot)
+        if history is not None:
+            solution.history.to_csv(history)
+    finally:  # a full disk must not cost the user the result
+        print(report(solution, remarks))
