@@ -207,3 +207,14 @@ def test_a_law_that_is_sampled_far_beyond_the_overclosure_has_room_for_it(limit)
     solution = solve(Scene(0.3, layer=layer, profile=BALL, contact_radius=0.5), 1e-9, strict=False)
     assert solution.converged == (limit < 30.0)
     assert_honest(solution, solved(law, BALL._height, 0.5, start=0.0))
+
+
+def test_steps_that_go_to_and_fro_are_halved():
+    w = [-0.195, -0.18, -0.153, -0.126, -0.104, -0.0792, -0.0533, -0.0296, -0.0235, 0.779]
+    p = [0.0, 1.47, 4.76, 7.58, 8.03, 14.1, 17.4, 18.7, 19.4, 272.0]
+    table = layers.Table(w, p)
+    cone = profiles.Cone(0.694)
+    solution = solve(Scene(0.3, layer=table, profile=cone, contact_radius=0.54), 1e-6)
+    assert solution.converged
+    truth = solved(table_law(table), cone._height, 0.54, start=w[0], pointed=True)
+    assert_honest(solution, truth)
