@@ -54,8 +54,10 @@ COARSE_TOL = 1e-3
 #: The error of a field at an edge where it has a square root is this times the change of its tail,
 #: of which it was 1.9 times at most: validation/honesty/honesty.py.
 ROOT_EDGE_SAFETY = 2.5
-#: The bound of q/p on a panel, a sum of moduli of coefficients, is multiplied by this for q/p at
-#: one place. Of 120 errors none is above 0.11 of its estimate: validation/honesty/honesty.py.
+#: The relative changes of p and q on a panel, sums of moduli of the coefficients that a coarser
+#: space lacks, bound the error of q/p anywhere on it. At one radius the error is estimated as this
+#: fraction of their sum. Of 120 such errors none exceeds 0.11 of the estimate with this factor:
+#: validation/honesty/honesty.py.
 RATIO_BOUND_FACTOR = 0.2
 
 #: Relative distance from the critical friction up to which full stick may stand for slip that no
@@ -80,8 +82,9 @@ PANEL_WIDTH = 2.0
 # validation/cost/bench.py solve and bench.py coupled show both. An estimate decides whether a space
 # is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
-#: Degrees on every panel beyond those of the digits, degrees per digit, and degrees per digit in
-#: addition on the first panel of a part whose far end is a singularity. With 0.55 and none in
+#: Degrees on every panel beyond those of the digits; degrees per digit; and degrees per digit that
+#: the first panel of a part has in addition where the field is singular at the end of the part
+#: opposite to the one that the panels are graded to. With 0.55 and none in
 #: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench.py coupled.
 SPARE_DEGREES = 3.0
 DEGREES_PER_DIGIT = 0.5
@@ -108,13 +111,15 @@ MIN_STEP_ANGLE = 0.03
 
 # Derivatives by parameters
 
-#: Corrections of the derivatives of the fields: validation/honesty/sensitivity.py.
+#: Number of corrections of the derivatives of the fields by their residuals; each gains about as
+#: many digits as the matrix has: validation/honesty/sensitivity.py.
 DERIVATIVE_CORRECTIONS = 4
 
 # Samples: numbers of points at which functions are evaluated together. Not measured again: more
 # cost time, and fewer may miss two changes of sign, or a maximum, between two points.
 
-#: Least depth at which a field is evaluated: at 0 ``q/s`` is 0/0 and rounds like 1/s, here by 30.
+#: Least depth x at which a field is evaluated. At the centre, x = 0, ``q/s`` is 0/0 and its
+#: rounding grows like 1/s; with ``s**2 = 1 - exp(-x)`` that is a factor of 30 here.
 MIN_SAMPLE_DEPTH = 1e-3
 #: Points of one section of the search for a change of sign, of the first search for the largest q/p
 #: on the panels and in the tail beyond them, and on either side of the radius of that maximum,
@@ -172,12 +177,16 @@ RINGS_PER_SPLIT = 4
 
 # .. slip everywhere under little friction (contact/little_friction.py)
 
-#: Number of regularising radii from the centre at which the pressure is used: at n radii its error
-#: is ``0.1 kappa f/n**3``. Not measured again.
+#: Within this number n of radii of the regularising disk from the centre the pressure is that of
+#: the asymptote for ``s -> 0``, beyond it that of the solution, in which the disk leaves a relative
+#: error of ``0.1 kappa f/n**3``. Not measured again.
 CENTRAL_CLEARANCE = 128.0
 
 # .. stick at a smooth edge (contact/edge_stick.py)
 #
+# The closed form of the stick at the edge is the first term for a small width w, in ``y = 1 - s**2``;
+# theta is the exponent of the pressure next to it, ``p ~ y**(theta - 1/2)``. Its errors are those of
+# the terms that are left out.
 # `python validation/physics/edge_stick.py` measures the two errors against panels.
 
 #: Relative error of the fields outside the stick at the edge, over ``w**(1/2 + theta)``: at most
@@ -189,6 +198,7 @@ EDGE_ERROR_INSIDE = 0.2
 
 # .. runs and continuation (solving/run.py, solving/sharing.py)
 
-#: Number of scenes of a path from which boundaries are extrapolated, and of stick radii of a
-#: growing contact from which another one is interpolated. Not measured again.
+#: Most scenes of a path from which the boundaries of the next one are extrapolated, and most stick
+#: radii of a growing contact from which the one at another contact radius is interpolated, to begin
+#: its search. Not measured again.
 PATH_POINTS = 6

@@ -6,14 +6,18 @@ from typing import NamedTuple
 
 
 class Parameters(NamedTuple):
-    """Of partial slip with elastic coupling.
+    """The numbers in the equations of a contact of unit radius (docs/theory).
 
     Attributes
     ----------
     alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
-    kappa, friction : float
-        The coupling, positive, and Coulomb's coefficient.
+        Normal and tangential compliance of the layer, dimensionless, 0 or positive.
+    kappa : float
+        What multiplies the displacement of one direction by the load of the other:
+        ``(1 - 2 nu)/(4 (1 - nu))`` of a half-space, and 1 where the traction is computed per unit
+        of it. A negative one is mirrored before it comes here.
+    friction : float
+        Coulomb's coefficient, over the same factor where the traction is.
     """
 
     alpha: float

@@ -24,8 +24,9 @@ from __future__ import annotations
 #: tails; with a logarithm at the boundary it is twice as many more. ABEL, ENTRIES.
 EXTRA = 12
 
-#: A tail has three polynomials in the distance, because logarithms follow the constant only after
-#: factors of the distance, which is tiny there. ENTRIES.
+#: Number of polynomials in the distance d to the boundary, of degrees 0, 1 and 2, that stand for a
+#: field in the tail between the panels and the boundary. What they lack of its expansion begins
+#: with ``d ln d``, and d is tiny. ENTRIES.
 TAIL_TERMS = 3
 
 #: On a panel of degree n a function is sampled at so many points more than n, so that its products
@@ -40,10 +41,10 @@ SAMPLING_EXTRA = 5
 NODE_STEP = 16
 
 #: Above this compliance the normal equations of a regularised least-squares problem lose no more
-#: than 30 roundings: the correction is left out, and the pressure of a flat punch has no endpoint
-#: weight; of q/s at the centre they lose some thousand
-#: roundings at compliances of 1e-3 ... 0.02. Measured against the corrected solution:
-#: ``python validation/peers/naive.py``.
+#: than 30 roundings. Then no step of iterative refinement follows their solution, and the pressure
+#: of a flat punch is expanded without the weight that is singular at the edge. At smaller
+#: compliances they lose more: at 1e-3 ... 0.02 ``q/s`` at the centre loses some thousand roundings.
+#: Measured against refined solutions: ``python validation/peers/naive.py``.
 UNCORRECTED_COMPLIANCE = 0.1
 
 #: All caches are emptied if they hold more bytes than this, 256 MiB, when they are counted:

@@ -146,7 +146,7 @@ class CycleFamily:
         highest_friction: float | None = None,
     ) -> None:
         assert scene.friction is not None
-        self._rtol, self._scene = rtol, scene
+        self._rtol = rtol
         path = Continuation(tolerance, (*ASKED, "critical_friction"), max_unknowns)
         self._solve: Callable[[float], Solution] = lambda f: path.solve(scene.replace(friction=f))
         self._stick = self._solve(math.inf)
@@ -172,8 +172,10 @@ class CycleFamily:
         # within the error of the critical friction no digit of the slip is known
         at_shakedown = critical * (1.0 - critical_error) <= loop_f < critical
         loop = self._stick if at_shakedown else self._solve(loop_f)
-        above = [state for state in self._curve.states if (state.scene.friction or 0.0) > loop_f]
-        states = (loop, *above, self._stick)
+        with_more_friction = [
+            state for state in self._curve.states if (state.scene.friction or 0.0) > loop_f
+        ]
+        states = (loop, *with_more_friction, self._stick)
         if at_shakedown:
             unloading = reloading = ValueWithError(0.0, 1.0)
         else:
