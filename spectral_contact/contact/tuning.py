@@ -184,9 +184,9 @@ CENTRAL_CLEARANCE = 128.0
 
 # .. stick at a smooth edge (contact/edge_stick.py)
 #
-# The closed form of the stick at the edge is the first term for a small width w, in ``y = 1 - s**2``;
-# theta is the exponent of the pressure next to it, ``p ~ y**(theta - 1/2)``. Its errors are those of
-# the terms that are left out.
+# The closed form of the stick at the edge is the first term for a small width w, in
+# ``y = 1 - s**2``; theta is the exponent of the pressure next to it, ``p ~ y**(theta - 1/2)``. Its
+# errors are those of the terms that are left out.
 # `python validation/physics/edge_stick.py` measures the two errors against panels.
 
 #: Relative error of the fields outside the stick at the edge, over ``w**(1/2 + theta)``: at most
