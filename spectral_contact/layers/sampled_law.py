@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.fields import Array
-from spectral_contact.io.checks import finite, values_at
-from spectral_contact.io.choices import function, listed
+from spectral_contact.io.checks import finite, flag, values_at
+from spectral_contact.io.choices import function, instance, listed
 from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.layers.layer_base import LawErrors, Layer
 
@@ -107,12 +107,16 @@ class _Pieces(Layer):
         more = past * self._sum(own.pressure, end) + past**2 / 2.0 * self._sum(own.slope, end)
         return self._sum(own.energy, w) + more
 
+    @property
+    def _fit_error(self) -> float:
+        """Error of a series over the sum of its coefficients' moduli: rounding, of exact data."""
+        return float(np.finfo(float).eps)
+
     def _errors(self, w: float) -> LawErrors:
-        # a series is right to the part of its largest value at which a fit is accepted
         met = max(int(np.searchsorted(self._edges, w)), 1)
         own = self._series()
-        pressure = _EXACT * max(float(np.abs(row).sum()) for row in own.pressure[:met])
-        slope = _EXACT * max(float(np.abs(row).sum()) for row in own.slope[:met])
+        pressure = self._fit_error * max(float(np.abs(row).sum()) for row in own.pressure[:met])
+        slope = self._fit_error * max(float(np.abs(row).sum()) for row in own.slope[:met])
         # the integral of the pressure's error, and the rounding of Clenshaw's recurrence
         rounding = np.finfo(float).eps * max(
             len(row) * float(np.abs(row).sum()) for row in own.energy[:met]
@@ -197,6 +201,8 @@ class Table(_Pieces):
             If the file cannot be read, or its numbers are no such law.
         """
         units = {"overclosure": "m", "pressure": "Pa"}
+        si_units = flag("si_units", si_units)
+        option = instance("option", option, str)
         expected = [Expected(name, unit if si_units else "") for name, unit in units.items()]
         found = read_columns(path, expected, columns=columns, option=option)
         for name, values in found.values.items():
@@ -338,6 +344,11 @@ class Sampled(_Pieces):
 
     def _series(self) -> _Series:
         return _integrated(self.edges, self.series)
+
+    @property
+    def _fit_error(self) -> float:
+        # a fit is accepted at this part of its largest value
+        return _EXACT
 
     def _check(self) -> None:
         w = np.concatenate([np.linspace(*ends, _LOOKS) for ends in pairwise(self.edges)])

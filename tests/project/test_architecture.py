@@ -160,7 +160,8 @@ def test_the_library_is_silent():
         for node in ast.walk(tree)
         if isinstance(node, ast.Call) and getattr(node.func, "id", None) == "print"
     ]
-    assert [place for place in prints if not place.startswith("spectral_contact.__main__:")] == []
+    command_line = "spectral_contact.__main__:", "spectral_contact.view.cli."
+    assert [place for place in prints if not place.startswith(command_line)] == []
 
 
 def docstring_lines(tree):

@@ -63,7 +63,7 @@ CALLS = {
     ),
     "sweep": (lambda: sweep(SCENE, poisson_ratio=[0.1, 0.2]), sweep_run, "_collected"),
     "chunk": (solve_chunk, Rows, "take"),
-    "command": (lambda: cli.main(["solve", "--poisson-ratio", "0.1"]), cli, "report"),
+    "command": (lambda: cli.main(["solve", "--poisson-ratio", "0.1"]), Run, "_normal"),
 }
 
 

@@ -33,6 +33,7 @@ from spectral_contact.studies import (
     work_precision,
 )
 from spectral_contact.sweeps import sweep
+from spectral_contact.sweeps.steady_cycle import steady_cycle
 from spectral_contact.view.plotting import graded_radii
 
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
@@ -212,6 +213,7 @@ class Examples:
             calibration.StickRadiusData([0.5], sigma=0.1),
             *(CURVE_FIT, calibration.AreaFunction([1.0])),
             greenwood_williamson(**LAYER),
+            steady_cycle(Scene(0.1, 0.5, 0.5, 0.1), 0.1, rtol=1e-3),
             calibration.fit(NORMAL, data, "normal_compliance", rtol=1e-4),
         ]
         self._instances += [self._instances[-1].parameters[0]]
