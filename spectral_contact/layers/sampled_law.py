@@ -117,10 +117,8 @@ class _Pieces(Layer):
         own = self._series()
         pressure = self._fit_error * max(float(np.abs(row).sum()) for row in own.pressure[:met])
         slope = self._fit_error * max(float(np.abs(row).sum()) for row in own.slope[:met])
-        # the integral of the pressure's error, and the rounding of Clenshaw's recurrence
-        rounding = np.finfo(float).eps * max(
-            len(row) * float(np.abs(row).sum()) for row in own.energy[:met]
-        )
+        # the integral of the pressure's error, and the rounding of its own series
+        rounding = np.finfo(float).eps * max(float(np.abs(row).sum()) for row in own.energy[:met])
         stiffness = slope / float(self._slope(np.array(w)))
         return LawErrors(pressure, stiffness, (w - self.start) * pressure + rounding)
 
