@@ -43,6 +43,7 @@ from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
     JACOBIAN_RANGE,
     NEGLIGIBLE_FRACTION,
+    REGULARISING_COMPLIANCE,
     RIGID_TRACTION_ROUNDING,
     ROOT_EDGE_SAFETY,
     ROUNDING,
@@ -109,7 +110,8 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
     for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. Where slip that is
     over has displaced what sticks, u changes sign, too, and the size is ``f p/s``, the most that u
-    can be.
+    can be. The traction in a regularising disk is rounding that changes no other field, and its
+    size is infinite.
     """
     sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
@@ -119,6 +121,10 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
         pressure, shear = sizes
         kappa = system.parameters.kappa
         sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
+    if system.parameters.beta == REGULARISING_COMPLIANCE:
+        for field, size in zip(system.fields, sizes, strict=True):
+            if field.is_shear:
+                size[:] = inf
     if system.known_displacement:
         pressures, _ = system.series(values)
         for i, field in enumerate(system.fields):

@@ -14,7 +14,7 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, fixed_disk
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.stick_radius import min_logit
-from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, ROUNDING
+from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, REGULARISING_COMPLIANCE, ROUNDING
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -41,9 +41,10 @@ def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
 
     The regularising disk is a stick zone whose boundary is no unknown. In place of beta it has a
     compliance of ``1/eps``, so that the traction in it vanishes: with beta it would exceed f p by
-    far, and the fields around it would lose digits to it. The friction is at least the rounding
-    error eps, because the traction of a smaller one is all rounding.
+    far, and the fields around it would lose digits to it. No error of this traction counts. The
+    friction is at least the rounding error eps, because the traction of a smaller one is all
+    rounding.
     """
     alpha, _, kappa, friction = parameters
-    parameters_with_disk = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    return parameters_with_disk, fixed_disk(regularising_radius(parameters).logit)
+    with_disk = Parameters(alpha, REGULARISING_COMPLIANCE, kappa, max(friction, ROUNDING))
+    return with_disk, fixed_disk(regularising_radius(parameters).logit)
