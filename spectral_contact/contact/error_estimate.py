@@ -34,16 +34,12 @@ import numpy as np
 from spectral_contact.contact.free_boundary import FieldSolution, Iterate, Perturbation
 from spectral_contact.contact.layout import Layout, NoBoundariesError, ScalarResults
 from spectral_contact.contact.refine import SpaceSolution
-from spectral_contact.contact.resolution import (
-    radius_errors,
-    relative_panel_changes,
-)
+from spectral_contact.contact.resolution import radius_errors, relative_panel_changes
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
     JACOBIAN_RANGE,
     NEGLIGIBLE_FRACTION,
-    REGULARISING_COMPLIANCE,
     RIGID_TRACTION_ROUNDING,
     ROOT_EDGE_SAFETY,
     ROUNDING,
@@ -91,16 +87,16 @@ def _field_errors(
     indicators = [np.zeros(len(space.degrees)) for space in spaces]
     panel_changes = relative_changes(system, values, change)
     for field, relative in zip(system.fields, panel_changes, strict=True):
-        k = field.part
         panels = field.panels
-        if has_root and k == last and field.is_shear == root_is_shear:
+        if has_root and field.part == last and field.is_shear == root_is_shear:
             # an error of the tail of the mesh, which no degree of a panel lowers: no indicator
             at_edge = abs(series_of(panels, field.coefficients(values)).at_ends()[-1])
             tail_change = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
             root_error = ROOT_EDGE_SAFETY * float(tail_change / at_edge)
             largest[field.is_shear] = max(root_error, largest[field.is_shear])
         largest[field.is_shear] = max(largest[field.is_shear], float(relative.max()))
-        np.maximum(indicators[k], relative, out=indicators[k])
+        indicator = indicators[field.part]
+        np.maximum(indicator, relative, out=indicator)
     return FieldErrors(largest[0], largest[1], np.concatenate(indicators))
 
 
@@ -110,28 +106,26 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
     for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. Where slip that is
     over has displaced what sticks, u changes sign, too, and the size is ``f p/s``, the most that u
-    can be. The traction in a regularising disk is rounding that changes no other field, and its
-    size is infinite.
+    can be. The traction in a regularising disk, which has the compliance ``1/eps``, is rounding
+    that changes no other field: the size of this field, the last one, is infinite.
     """
+    _, beta, kappa, friction = system.parameters
     sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
     ]
-    full_stick = not (system.pressure_known or system.radii)
-    if full_stick and any((size * size[0] <= 0.0).any() for size in sizes):
+    changes_sign = any((size * size[0] <= 0.0).any() for size in sizes)
+    if changes_sign and not (system.pressure_known or system.radii):  # in full stick
         pressure, shear = sizes
-        kappa = system.parameters.kappa
         sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
-    if system.parameters.beta == REGULARISING_COMPLIANCE:
-        for field, size in zip(system.fields, sizes, strict=True):
-            if field.is_shear:
-                size[:] = inf
+    if beta == 1.0 / ROUNDING:
+        sizes[-1][:] = inf
     if system.known_displacement:
         pressures, _ = system.series(values)
         for i, field in enumerate(system.fields):
             if field.part in system.known_displacement:
                 series = pressures[field.part]
                 radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
-                sizes[i] = system.parameters.friction * series.at_ends() / radii
+                sizes[i] = friction * series.at_ends() / radii
     return sizes
 
 
@@ -342,9 +336,8 @@ class ZoneEstimate:
     def residual_bound(self) -> Array:
         """Bounds of the errors of the boundary residual."""
         changes = np.max([np.abs(effect.boundary_residual) for effect in self.effects], axis=0)
-        bound = 2.0 * changes
-        bound += self.second_order + self.noise + self.remaining
-        return np.asarray(bound + 2.0 * np.abs(self.solution.boundary_residual))
+        changes += np.abs(self.solution.boundary_residual)
+        return np.asarray(2.0 * changes + self.second_order + self.noise + self.remaining)
 
     @cached_property
     def logit_errors(self) -> Array:
@@ -476,9 +469,9 @@ class ZoneEstimate:
         solution = replace(solution, value=value)
         if self.pointwise:
             return solution
-        indicators = of_approach + of_shear
-        error = max(approach_error, shear_error)
-        return replace(solution, error=error, indicators=indicators[:-1])
+        # of all panels but the tail, which no degree refines
+        indicators = (of_approach + of_shear)[:-1]
+        return replace(solution, error=max(approach_error, shear_error), indicators=indicators)
 
     def _displacement_source(self) -> tuple[list[StickZone], float]:
         """Return the integrals of E over the stick zones, and the largest error of E by them.
@@ -509,13 +502,11 @@ class ZoneEstimate:
 
 def _slip_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
     """Return the largest relative error of ``b^2 - a^2`` for a slip zone between a and b."""
-    bounds = system.bounds
     largest = 0.0
     end_errors = [0.0, *_square_errors(system.radii, errors), 0.0]
     for i in np.flatnonzero(system.states).tolist():
-        width = gap(*bounds[i : i + 2])
-        relative = (end_errors[i] + end_errors[i + 1]) / width if width > 0.0 else inf
-        largest = max(largest, relative)
+        width = gap(*system.bounds[i : i + 2])
+        largest = max(largest, sum(end_errors[i : i + 2]) / width if width > 0.0 else inf)
     return largest
 
 

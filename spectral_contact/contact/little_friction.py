@@ -14,7 +14,7 @@ import numpy as np
 from spectral_contact.contact.layout import Layout, fixed_disk
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.stick_radius import min_logit
-from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, REGULARISING_COMPLIANCE, ROUNDING
+from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, ROUNDING
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -46,5 +46,5 @@ def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
     rounding.
     """
     alpha, _, kappa, friction = parameters
-    with_disk = Parameters(alpha, REGULARISING_COMPLIANCE, kappa, max(friction, ROUNDING))
+    with_disk = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
     return with_disk, fixed_disk(regularising_radius(parameters).logit)

@@ -33,8 +33,6 @@ TRACTION_ROUNDING = 110.0 * ROUNDING
 #: `spectral.tuning`). 43 scenes against 20 digits have errors of 4.7e-13 at most:
 #: validation/honesty/honesty.py.
 RIGID_TRACTION_ROUNDING = 250.0 * ROUNDING
-#: The tangential compliance of a regularising disk, in which the traction is rounding.
-REGULARISING_COMPLIANCE = 1.0 / ROUNDING
 
 # Tolerances of inner steps
 
