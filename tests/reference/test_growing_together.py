@@ -10,6 +10,7 @@ from oracles.spence import Collocation
 
 from spectral_contact import NotComputedError, Scene, plan, profiles, solve
 from spectral_contact.equations import residuals
+from spectral_contact.solving.outside import outside_displacement, reached
 from spectral_contact.spectral.jacobi import graded_rule
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
@@ -269,8 +270,34 @@ def test_fields_on_a_smooth_surface_are_superposed_to_the_stick_radius(profile, 
             assert off <= getattr(found.error, name), (name, r)
 
 
-def test_the_problem_of_spence_is_solved_to_ten_digits():
-    found = solved(PARABOLA, 0.0, 0.0, 0.298714615962, 1e-10)
+SPENCE = pytest.mark.parametrize(("profile", "power"), [(PARABOLA, 2), (profiles.Cone(1.2), 1)])
+
+
+@SPENCE
+def test_the_problem_of_spence_is_solved_to_ten_digits(profile, power):
+    found = solved(profile, 0.0, 0.0, 0.298714615962, 1e-10)
     assert found.converged
     assert max(found.error.pressure, found.error.traction) < 1e-10
     assert found.stick_radius == pytest.approx(0.5, abs=1e-11)
+
+
+@SPENCE
+def test_load_and_approach_of_spence_are_within_their_estimates(profile, power):
+    """All radii are alike: the approach grows like ``b**n``, so one linear equation gives it.
+
+    It is ``h(1) = delta int_0^1 (1 - omega(x)) d(x**n)`` and ``P = n/(n + 1) delta/delta*``. The
+    integral is taken by the trapezoidal rule in ``ln(x/(1 - x))``, on which the square root at
+    ``x = 1`` is no singularity; only omega, the surface around the punch, is the library's.
+    """
+    friction = 0.298714615962
+    flat = solve(Scene(0.0, friction=friction, coupling=True), 1e-12)
+    t, step = np.linspace(-60.0, 60.0, 601, retstep=True)
+    ahead = np.log1p(np.exp(-t))
+    growth = step * power * np.exp(-power * ahead) / (1.0 + np.exp(t))
+    around = 1.0 - reached([outside_displacement(flat)], ahead)[0]
+    approach = float(profile.height(1.0)) / float(growth @ around)
+    load = power / (power + 1.0) * approach / flat.approach
+    found = solved(profile, 0.0, 0.0, friction, 1e-10)
+    for name, truth in (("load", load), ("approach", approach)):
+        off = abs(getattr(found, name) / truth - 1.0)
+        assert off <= min(getattr(found.error, name), 1e-12), name
