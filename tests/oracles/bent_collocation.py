@@ -26,6 +26,8 @@ Function = Callable[[Array], Array]
 RATIO = 0.25
 #: Points on a panel, and panels to a singular radius: first, and then. To the edge there are more.
 MESHES, EDGE_LEVELS = ((11, 7), (15, 10)), 4
+#: Meshes of a closer truth, for a scene whose solution and truth differ.
+FINER_MESHES = ((15, 10), (19, 13))
 #: The rule for a logarithmic singularity: Gauss points in a root of the distance, and which root.
 FINE, ROOT = 64, 6
 #: Panels closer than this in their lengths get that rule; pairs of points and panels at once.
@@ -74,6 +76,7 @@ def solved(
     start: float | None = None,
     breaks: Sequence[float] = (),
     pointed: bool = False,
+    meshes: Sequence[tuple[int, int]] = MESHES,
 ) -> BentContact:
     """Solve on a disk, of a given approach, or with the start of the law at the edge.
 
@@ -85,7 +88,7 @@ def solved(
     problem = _Problem(law, height, radius, approach, start, tuple(breaks), pointed)
     bends: tuple[float, ...] = ()
     contacts = []
-    for order, levels in MESHES:
+    for order, levels in meshes:
         for _ in range(ROUNDS):
             state = problem.state(bends, order, levels)
             found = state.bends()

@@ -11,7 +11,7 @@ that contradict each other are violations, too.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -26,7 +26,7 @@ from scipy.interpolate import PchipInterpolator
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
 
-from bent_collocation import STILL, BentContact, Law, solved
+from bent_collocation import FINER_MESHES, MESHES, STILL, BentContact, Law, solved
 
 from spectral_contact import Scene, Solution, layers, profiles, solve
 
@@ -201,7 +201,7 @@ def drawn(rng: np.random.Generator) -> Drawn:
     return Drawn(layer, law, profile, height, breaks, radius, approach, ", ".join(places))
 
 
-def truth_of(one: Drawn) -> BentContact:
+def truth_of(one: Drawn, meshes: Sequence[tuple[int, int]] = MESHES) -> BentContact:
     """Return the contact by collocation."""
     given = {"start": one.layer.start} if one.approach is None else {"approach": one.approach}
     return solved(
@@ -210,6 +210,7 @@ def truth_of(one: Drawn) -> BentContact:
         one.radius,
         breaks=[b for b in one.breaks if b < one.radius],
         pointed=one.profile.pointed,
+        meshes=meshes,
         **given,
     )
 
@@ -217,21 +218,32 @@ def truth_of(one: Drawn) -> BentContact:
 def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
     """Return true errors over estimates for a scene, what it is, and whether it converged."""
     one = drawn(rng)
-    truth = truth_of(one)
     controls = ["load", "approach"] + ["contact_radius"] * (one.approach is None)
     control = str(rng.choice(controls))
-    values = {"load": truth.load, "approach": truth.approach, "contact_radius": one.radius}
-    scene = Scene(0.3, layer=one.layer, profile=one.profile, **{control: values[control]})
     rtol = 10.0 ** rng.uniform(-11.0, -4.0)
     asked = None if rng.integers(2) else [*NAMES[:-1]]
-    found = solve(scene, rtol, asked, strict=False)
+    worst, converged = _solved_and_compared(one, truth_of(one), control, rtol, asked)
+    if max(worst.values()) > 1.0:
+        # the error of a truth is the difference of its two meshes, which may agree by chance
+        truth = truth_of(one, FINER_MESHES)
+        worst, converged = _solved_and_compared(one, truth, control, rtol, asked)
     label = f"{one.profile.brief[:60]}, {one.about}, {control}, rtol {rtol:.1e}"
     label += ", pressure" * (asked is None)
-    worst = _compared(found, truth, one)
+    return worst, label, converged
+
+
+def _solved_and_compared(
+    one: Drawn, truth: BentContact, control: str, rtol: float, asked: list[str] | None
+) -> tuple[dict[str, float], bool]:
+    """Return the larger ratios of two tolerances, and whether the looser solution converged."""
+    values = {"load": truth.load, "approach": truth.approach, "contact_radius": one.radius}
+    scene = Scene(0.3, layer=one.layer, profile=one.profile, **{control: values[control]})
+    found = solve(scene, rtol, asked, strict=False)
     tight = solve(scene, min(rtol, TIGHTER), asked, strict=False)
+    worst = _compared(found, truth, one)
     for name, ratio in _compared(tight, truth, one).items():
         worst[name] = max(worst[name], ratio)
-    return worst, label, bool(found.converged)
+    return worst, bool(found.converged)
 
 
 def _compared(found: Solution, truth: BentContact, one: Drawn) -> dict[str, float]:
