@@ -85,16 +85,14 @@ class ContactOperators:
             else:
                 t = np.sqrt(b.square + offset)
             weights = nodes.weights * mesh.extent / (2.0 * np.pi) * t
-            beside_boundary = self._boundary_weights(part, offset)
+            factors = self._boundary_weights(part, offset)
             self.nodes.append(nodes)
             self.offsets.append(offset)
             self.t.append(t)
             self.from_boundary.append(offset / (t + b.value))
             self.shear_weights.append(weights)
-            normal_weights = 1.0 if self.unweighted_normal else beside_boundary
-            shear_weights = 1.0 if self.unweighted_shear else beside_boundary
-            self.normal_tests.append(weights / t**2 * normal_weights)
-            self.shear_tests.append(weights * shear_weights)
+            self.normal_tests.append(weights / t**2 * (1.0 if self.unweighted_normal else factors))
+            self.shear_tests.append(weights * (1.0 if self.unweighted_shear else factors))
 
     def _boundary_weights(self, part: MeshPart, offset: Array) -> Array | float:
         """Return weights of the nodes, at least 1, that rise like 1/distance next to a boundary.
