@@ -71,7 +71,7 @@ def run(
     unit = "" if contact.physical is None else "m"
     expected = [Expected(name, unit, at_least=0.0) for name in ("r", "z")]
     table = None if points is None else reading.read(points, expected)
-    if punch and (contact.physical is None or contact.physical.punch_youngs_modulus is None):
+    if punch and contact.physical is None:
         raise UsageError("--punch goes with --punch-youngs-modulus and --punch-poisson-ratio")
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical

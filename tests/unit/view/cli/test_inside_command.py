@@ -166,12 +166,3 @@ def test_a_file_that_is_no_table_is_refused(capsys, tmp_path):
     path.write_text("r,z\n0.5,half\n")
     status, _, err = run(capsys, "--points", str(path))
     assert (status, "line 2, column 2 (z): half is not a number" in err) == (2, True)
-
-
-def test_a_rigid_punch_has_no_inside(capsys):
-    """In SI units it was refused only after the solve, by a message that named no option."""
-    scene = ("--youngs-modulus", "1e9", "--radius", "1e-3", "--load", "1")
-    status = main(["inside", *scene, "--poisson-ratio", "0.3", "--friction", "none", "--punch"])
-    out, err = capsys.readouterr()
-    assert (status, out) == (2, "")
-    assert "--punch goes with --punch-youngs-modulus and --punch-poisson-ratio" in err
