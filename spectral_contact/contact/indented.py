@@ -238,7 +238,9 @@ class _IndentationProblem(PartedProblem):
         depth = max(smooth_approach, abs(solved.shift))
         noise = _ROUNDINGS * ROUNDING * depth
         shift_error = _EDGE_FACTOR * edge_change / solved.flat_edge + noise
-        pressure_error = float(indicators.max()) + _ROUNDINGS * FIELD_ROUNDING
+        # changes by the top degrees contain this rounding, too, but may be small by accident
+        layer_rounding = _LAYER_ROUNDING * depth * self._layer_rounding(used, solved, mean)
+        pressure_error = max(float(indicators.max()), layer_rounding) + _ROUNDINGS * FIELD_ROUNDING
         breaks = [b for b in self.profile.breaks if b < a]
         break_rounding = ROUNDING * max((a / (a - b) for b in breaks), default=0.0)
         shift_error += _BREAK_ROUNDINGS * break_rounding * approach
@@ -246,7 +248,6 @@ class _IndentationProblem(PartedProblem):
             from_moment = pi / 2.0 * float(flat_energies.sum()) / flat_moment
             shift_error += solved.pull * (solved.pull_error + from_moment + ROUNDING)
         pressure_error += _BREAK_FIELD_ROUNDINGS * break_rounding
-        pressure_error += _LAYER_ROUNDING * depth * self._layer_rounding(used, solved, mean)
         stiffness_error = pi / 2.0 * float(flat_energies.sum()) / flat_moment + 2.0 * ROUNDING
         indentation = replace(
             contact,
