@@ -83,10 +83,9 @@ def run(
 
     Solve every combination of the parameters. VALUES are one number, several (0.1,0.2), or a range
     LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios; a unit stands behind them, as in
-    '1:10:4 mN'. Those of a profile's shape are one number, but for its radius in SI units. A run
-    that was stopped resumes from its --store. Exit status: 0 all solved, 1 a scene did not
-    converge, 2 bad input or file, 130 interrupted. The first reason is printed; the output files
-    name every one.
+    '1:10:4 mN'. Those of a profile's shape are one number, but for its radius in SI units. A run that was stopped resumes from its
+    --store. Exit status: 0 all solved, 1 a scene did not converge, 2 bad input or file,
+    130 interrupted. The first reason is printed; the output files name every one.
 
     Parameters
     ----------
