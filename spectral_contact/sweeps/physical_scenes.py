@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -266,28 +266,7 @@ def table_of(base: Scene, table: Any) -> PhysicalScenes:
 
 def _changed(base: Scene, names: list[str], columns: list[Array], count: int) -> tuple[Scene, ...]:
     rows = zip(*(column.tolist() for column in columns), strict=True) if columns else [()] * count
-    return tuple(with_parameters(base, dict(zip(names, row, strict=True))) for row in rows)
-
-
-def with_parameters(base: Scene, given: Mapping[str, Any]) -> Scene:
-    """Return a scene in SI units with other parameters.
-
-    Under a profile `radius` is the radius of the profile.
-
-    Raises
-    ------
-    SceneError
-        For a value out of its range, or a radius under a profile that has none.
-    """
-    changes = dict(given)
-    profile: Any = base.profile
-    if profile is not None and "radius" in changes:
-        kind = type(profile).__name__
-        if not hasattr(profile, "radius"):
-            raise SceneError("radius", changes["radius"], f"None under a {kind}, which has none")
-        [radius] = _numbers("radius", [changes.pop("radius")]).tolist()
-        changes["profile"] = replace(profile, radius=radius)
-    return base.replace(**changes)
+    return tuple(base.replace(**dict(zip(names, row, strict=True))) for row in rows)
 
 
 def _numbers(name: str, values: Any, physical: bool = True) -> Array:

@@ -31,7 +31,6 @@ from spectral_contact.sweeps.physical_scenes import (
     quantities_for,
     si_results,
     table_of,
-    with_parameters,
 )
 from spectral_contact.sweeps.request import Request, requested
 from spectral_contact.sweeps.shortcuts import eligible
@@ -127,8 +126,7 @@ def sweep(
     coupling : bool, optional
         Turns elastic coupling on or off for all scenes; by default each scene's own setting.
     youngs_modulus, radius, reduced_modulus : array_like, optional
-        The values of these for a scene in SI units. Under a profile `radius` is the radius of the
-        profile, of curvature of a `Parabola` say.
+        The values of these for a scene in SI units.
     punch_youngs_modulus, punch_poisson_ratio : array_like, optional
         The same.
     table : pandas.DataFrame, mapping or path, optional
@@ -255,9 +253,7 @@ def _physical_scenes(
         raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
     # text is a number with a unit
     single = {name: one for name, one in given.items() if np.ndim(one) == 0}
-    base = with_parameters(scenes, single)
-    if coupling is not None:
-        base = base.replace(coupling=coupling)
+    base = scenes.replace(**single, **({} if coupling is None else {"coupling": coupling}))
     several = {name: one for name, one in given.items() if name not in single}
     if table is None:
         return grid_of(base, several)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Final
+from typing import Annotated, Any
 
 from spectral_contact.io.checks import whole as checked_whole
 from spectral_contact.processes import workers as worker_processes
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.scene import Scene
 from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps.dataset import summary, unsolved, write
-from spectral_contact.sweeps.physical_scenes import table_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
 from spectral_contact.sweeps.sweep_run import sweep
 from spectral_contact.view import plotting
@@ -35,35 +33,6 @@ class SweptOptions(SceneOptions):
     several = True
 
 
-#: Profiles with a radius.
-_ROUND: Final = ("parabola", "sphere", "rounded-flat", "flat")
-
-
-def _base(given: dict[str, Any], scenes: SweptOptions, table: str | None) -> Scene:
-    """Return the scene whose parameters vary.
-
-    In SI units a table may have what a scene needs: until it is read another number stands there.
-
-    Raises
-    ------
-    UsageError
-        If neither an option nor the table has a parameter.
-    """
-    if table is None or not scenes.of_materials:
-        return SceneOptions(given).solved().scene
-    missing: dict[str, float] = {}
-    if not set(ALL_CONTROLS) & set(given):
-        missing["load"] = 1.0
-    if "radius" not in given and (not scenes.shaped or given.get("profile") in _ROUND):
-        missing["radius"] = 1.0
-    base = SceneOptions(given | missing).solved().scene
-    columns = table_of(base, table).given if missing else {}
-    for name in missing:
-        if not ({name} if name == "radius" else set(ALL_CONTROLS)) & set(columns):
-            raise UsageError(f"give {flag(name)}, or a column of it in {table}")
-    return base
-
-
 def run(
     scenes: SweptOptions,
     *,
@@ -83,7 +52,7 @@ def run(
 
     Solve every combination of the parameters. VALUES are one number, several (0.1,0.2), or a range
     LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios; a unit stands behind them, as in
-    '1:10:4 mN'. Those of a profile's shape are one number, but for its radius in SI units. A run that was stopped resumes from its
+    '1:10:4 mN'. Those of a profile's shape are one number. A run that was stopped resumes from its
     --store. Exit status: 0 all solved, 1 a scene did not converge, 2 bad input or file,
     130 interrupted. The first reason is printed; the output files name every one.
 
@@ -127,15 +96,16 @@ def run(
             if len(several) > 1:
                 axes[name.removesuffix("_si")] = several
     of_shape = [name for name in axes if name in SHAPES]
-    if of_shape and (of_shape != ["radius"] or (scenes.shaped and not scenes.of_materials)):
+    if of_shape and (scenes.shaped or of_shape != ["radius"]):
         raise UsageError(f"{flag(of_shape[0])}: a profile has one shape")
     if scenes.of_materials and not scenes.shaped:
         given.setdefault("friction", None)
-    base = _base(given, scenes, table)
+    if table is not None and scenes.of_materials and not set(ALL_CONTROLS) & set(given):
+        given |= {"load": 1.0} | ({} if scenes.shaped else {"radius": given.get("radius", 1.0)})
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
     with worker_processes(checked_whole("workers", workers, 1)) as executor:
         found = sweep(
-            base,
+            SceneOptions(given).solved().scene,
             **axes,
             layer=law or None,
             table=table,

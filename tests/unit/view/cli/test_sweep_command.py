@@ -295,38 +295,3 @@ def test_a_range_of_too_many_values_is_refused(capsys, count):
     status, out, err = run(capsys, "--friction", f"0.1:1:{count}")
     assert (status, out) == (2, "")
     assert "COUNT must be at most 10000000" in err
-
-
-def test_a_table_may_have_the_radius_of_a_profile(capsys, tmp_path):
-    table = Path(__file__).parents[3] / "data" / "tables" / "scenes_german.csv"
-    body = ("--poisson-ratio", "0.2", "--youngs-modulus", "1e9", "--profile", "sphere")
-    path = tmp_path / "scenes.csv"
-    options = (*body, "--table", str(table), "--quantities", "approach", "--output", str(path))
-    status, out, _ = run(capsys, *options)
-    assert status == 0
-    assert "3 scenes: 3 converged" in out
-    rows = list(csv.DictReader(path.read_text().splitlines()))
-    assert [float(row["radius"]) for row in rows] == pytest.approx([10e-6, 10e-6, 12.5e-6])
-    modulus = 72.5e9 / (1 - 0.2**2)  # nearly Hertz
-    hertz = (0.75 * 2.5e-3 / modulus / math.sqrt(12.5e-6)) ** (2 / 3)
-    assert float(rows[2]["approach_si"]) == pytest.approx(hertz, rel=0.01)
-
-
-@pytest.mark.parametrize("missing", ["radius", "load"])
-def test_what_neither_an_option_nor_the_table_has_is_asked_for(capsys, tmp_path, missing):
-    """The load was taken as 1 N, and the radius as 1 m."""
-    table = tmp_path / "scenes.csv"
-    left = {"radius": "load [N]", "load": "radius [m]"}[missing]
-    table.write_text(f"{left},nu\n1e-3,0.2\n")
-    body = ("--poisson-ratio", "0.2", "--youngs-modulus", "1e9", "--table", str(table))
-    status, out, err = run(capsys, *body)
-    assert (status, out) == (2, "")
-    assert f"give --{missing}, or a column of it in" in err
-
-
-def test_the_radius_of_a_profile_in_si_units_may_vary(capsys):
-    tip = ("--profile", "parabola", "--radius", "1,2,3", "--load", "1e-3")
-    body = ("--youngs-modulus", "1e9", "--poisson-ratio", "0.2", "--quantities", "approach")
-    status, out, _ = run(capsys, *tip, *body)
-    assert status == 0
-    assert "3 scenes: 3 converged" in out
