@@ -23,7 +23,7 @@ TIPS = {
 def test_the_rounding_of_the_pressure_at_a_tip_is_within_its_estimate(
     scene: tuple[profiles.Profile, float, float, float],
 ) -> None:
-    """Spaces that all resolve the pressure differ by rounding, which differs from one to another."""
+    """Spaces that all resolve the pressure differ by their own rounding alone."""
     profile, radius, compliance, adhesion = scene
     problem = _IndentationProblem(
         profile, radius, compliance, 1e-12, pointwise=True, adhesion=adhesion
