@@ -234,7 +234,7 @@ class _IndentationProblem(PartedProblem):
         # the change of the pressure without adhesion, in the tail at the edge
         regular = change.coefficients + solved.pull * flat_change.coefficients
         edge_change = float(np.abs(regular[-used[-1].panels.tail_terms :]).sum())
-        # the half-integrals of the two pressures that are added, of the order of
+        # the order of the half-integrals of the two pressures that are added
         depth = max(smooth_approach, abs(solved.shift))
         noise = _ROUNDINGS * ROUNDING * depth
         shift_error = _EDGE_FACTOR * edge_change / solved.flat_edge + noise
