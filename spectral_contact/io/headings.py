@@ -340,11 +340,11 @@ def _in_order(
     if sheet.texts:
         above = f"above numbers in {column_count(width)}"
         told = f"{_lines(sheet.texts)}: text that names no column, {above}"
-        raise Refused(f"{told}; {_remedy(expected, option)}")
+        raise NoColumnError(f"{told}; {_remedy(expected, option)}")
     if width != len(required):
         told = f"line {sheet.rows[0].line}: {column_count(width)} without headings, where "
         names = " and ".join(required)
-        raise Refused(f"{told}{names} are expected; {_remedy(expected, option)}")
+        raise NoColumnError(f"{told}{names} are expected; {_remedy(expected, option)}")
     return {name: index for index, name in enumerate(required)}
 
 
