@@ -92,16 +92,10 @@ class NotComputedError(SpectralContactError):
     def __init__(self, quantity: str, reason: str) -> None:
         self.quantity = quantity
         self.reason = reason
-        verb = "were" if _is_plural(quantity) else "was"
-        super().__init__(f"{quantity} {verb} not computed: {reason}")
+        super().__init__(f"{quantity} not computed: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self._rebuilt_from(self.quantity, self.reason)
-
-
-def _is_plural(quantity: str) -> bool:
-    """Return whether the name of a quantity is a plural, as ``energies`` and not ``stiffness``."""
-    return quantity.isidentifier() and quantity.endswith("s") and quantity[-2:] not in ("ss", "us")
 
 
 class ConvergenceError(SpectralContactError):
