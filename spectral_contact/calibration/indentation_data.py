@@ -18,16 +18,25 @@ from spectral_contact.calibration.force_curves import (
     loop_height,
     signs,
 )
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import reals
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
+from spectral_contact.io.headings import NoColumnError
 
 _EXPECTED: Final = (
     Expected("depth", "m"),
     Expected("load", "N"),
     Expected("sigma", "N", required=False, at_least=0.0),
+)
+#: What headings call the approach and the retraction, if both are side by side.
+_DIRECTIONS: Final = (
+    ("Ex", "Rt"),
+    ("extend", "retract"),
+    ("approach", "retract"),
+    ("approach", "retraction"),
+    ("loading", "unloading"),
 )
 #: Deviations by which the two parts of a loop differ on average if it is no one curve.
 _LOOP: Final = 3.0
@@ -174,9 +183,14 @@ def read_curve(
         one_of("part", part, PARTS)
     if sigma is not None:
         sigma = _sizes(sigma, 1)
-    table = read_columns(path, _EXPECTED, option=option, **reading)
-    depth, load = table.values["depth"], table.values["load"]
-    remarks = [str(table)]
+    tables = _tables(path, option, reading)
+    depth, load, lines = (
+        np.concatenate([np.asarray(values) for values in each])
+        for each in zip(
+            *((one.values["depth"], one.values["load"], one.lines) for one in tables), strict=True
+        )
+    )
+    remarks = [str(one) for one in tables]
     of_depth, of_load = signs(depth, load)
     if of_depth < 0.0:
         remarks.append(_DEPTH_TURNED)
@@ -185,20 +199,53 @@ def read_curve(
     depth = of_depth * depth
     load = of_load * load
     parts = curve_parts(depth)
+    if len(tables) > 1:
+        parts = _side_by_side(depth, len(tables[0].lines))
     rows, name = _chosen(part, parts, len(depth))
-    remarks += _on_part(name, parts, rows, table)
-    remarks += _on_order(name, depth[rows], table.lines[rows])
-    given: ArrayLike | None = sigma if sigma is not None else table.values.get("sigma")
+    remarks += _on_part(name, parts, rows, lines)
+    remarks += _on_order(name, depth[rows], lines[rows])
+    of_file = tables[0].values.get("sigma")
+    given: ArrayLike | None = sigma if sigma is not None else of_file
     if given is None:
         given, told = _noise(depth[rows], load[rows])
         remarks.append(told)
-    elif sigma is None:
-        given = table.values["sigma"][rows]
+    elif sigma is None and of_file is not None:
+        given = of_file[rows]
     if len(parts) > 1:
         remarks += _on_loop(name, loop_height(depth, load, parts), given)
     found = kind.__new__(kind)
     found._hold(depth[rows], load[rows], given, remarks)
     return found
+
+
+def _tables(
+    path: str | os.PathLike[str], option: str, reading: dict[str, Any]
+) -> list[NumberTable]:
+    """Return the columns of a file; two tables if it has approach and retraction side by side."""
+    try:
+        return [read_columns(path, _EXPECTED, option=option, **reading)]
+    except SolutionFileError as error:
+        if reading.get("columns") is not None or not isinstance(error.__cause__, NoColumnError):
+            raise
+        for directions in _DIRECTIONS:
+            each = [[one.toward(to) for one in _EXPECTED if one.required] for to in directions]
+            try:
+                return [read_columns(path, some, option=option, **reading) for some in each]
+            except SolutionFileError as other:
+                if not isinstance(other.__cause__, NoColumnError):
+                    raise
+        raise
+
+
+def _side_by_side(depth: Array, count: int) -> dict[str, Rows]:
+    """Return the rows of both parts, the first `count` the approach, in the order of a motion."""
+    rows = np.arange(len(depth))
+    first, second = rows[:count], rows[count:]
+    if depth[first[0]] > depth[first[-1]]:
+        first = first[::-1]
+    if depth[second[0]] < depth[second[-1]]:
+        second = second[::-1]
+    return {"approach": first, "retraction": second}
 
 
 def _finite(name: str, values: ArrayLike, unit: str) -> Array:
@@ -254,12 +301,12 @@ def _refuse_part(part: str | None, allowed: str) -> NoReturn:
     raise SceneError("part", part, allowed)
 
 
-def _on_part(name: str, parts: dict[str, Rows], rows: Rows, table: NumberTable) -> list[str]:
+def _on_part(name: str, parts: dict[str, Rows], rows: Rows, lines: Any) -> list[str]:
     """Return which part of the curve is taken."""
-    lines = f"lines {table.lines[rows[0]]} to {table.lines[rows[-1]]}"
+    ends = f"lines {lines[rows[0]]} to {lines[rows[-1]]}"
     if not parts:
-        return [f"the rows are in no order of depth: all are one curve ({lines})"]
-    told = f"part: {name}, {len(rows)} points ({lines})"
+        return [f"the rows are in no order of depth: all are one curve ({ends})"]
+    told = f"part: {name}, {len(rows)} points ({ends})"
     others = [f"{other} has {len(some)} points" for other, some in parts.items() if other != name]
     return [f"{told}; {', '.join(others)}" if others and name != "all" else told]
 

@@ -27,13 +27,15 @@ _HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "displacement": ("u", "h", "displacement", "indentation", "depth", "approach"),
     "load": (
         *("P", "F", "load", "force", "normal force", "load on sample", "indentation force"),
-        *("vertical deflection", "vDeflection"),
+        *("vertical deflection", "vDeflection", "deflection", "defl"),
+        *("Kraft", "Prüfkraft", "Normalkraft", "Last"),
     ),
     "depth": (
         *("h", "d", "z", "Z", "δ", "delta", "depth", "displacement", "indentation", "penetration"),
         *("approach", "indentation depth", "penetration depth", "displacement into surface"),
         *("separation", "tip sample separation", "tip sample distance", "vertical tip position"),
-        *("verticalTipPosition", "tipSampleSeparation"),
+        *("verticalTipPosition", "tipSampleSeparation", "sep"),
+        *("Eindringtiefe", "Eindringweg", "Tiefe", "Weg"),
     ),
     "sigma": ("σ", "sigma", "standard deviation", "load error", "force error", "uncertainty"),
     "stiffness": ("S", "stiffness", "harmonic contact stiffness", "contact stiffness"),
@@ -47,7 +49,7 @@ _RATIOS: Final[Mapping[str, tuple[str, ...]]] = {
 #: What dimensionless columns may have for a unit: L and E' are the units of scenes with a profile.
 _DIMENSIONLESS: Final = frozenset(("", "-", "1", "a", "L", "E'"))
 #: Part of a heading of a load that may be one in volts or of a length, too.
-_DEFLECTION: Final = "deflection"
+_DEFLECTION: Final = "defl"
 # As in "units: m N s", "columns: height vDeflection time".
 _LABELLED: Final = re.compile(r"(?P<label>\w+):\s+(?P<cells>\S.*)")
 #: What JPK's exports call headings and units in comments.
@@ -57,6 +59,8 @@ _UNITS_LABEL: Final = "units"
 _IN_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>.*)\]|\((?P<round>.*)\))\s*")
 # As in "r / mm", "r, mm", "r in mm", "r_mm".
 _APPENDED: Final = re.compile(r"(?P<name>.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|_|\s+)(?P<unit>[^\s_]+)")
+# As in "Separation_nm_Ex", "Force(pN)_Rt": the direction of a curve behind a unit.
+_DIRECTED: Final = re.compile(r"(?P<front>.+)[\s_](?P<direction>Ex|Rt)")
 #: Units of lengths, pressures and forces, as they are appended to a name without brackets.
 _PLAIN_UNIT: Final = re.compile(r"[fpnuµμmcdkMG]?(?:m|Pa|N)|Å|psi|bar")
 #: Cells of a line of units below headings.
@@ -67,6 +71,10 @@ _UNIT_CELL: Final = re.compile(
 #: Words of a comment that is a sentence and no row of headings.
 _PROSE: Final = frozenset(("and", "are", "for", "in", "is", "of", "the", "with"))
 _MOST_SHOWN: Final = 12
+
+
+class NoColumnError(Refused):
+    """No heading names a quantity that is required."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +107,11 @@ class Expected:
         if not (self.unit or self.headings):
             known += _RATIOS.get(self.name, ())
         return _plain(heading) in map(_plain, known)
+
+    def toward(self, direction: str) -> Expected:
+        """Return the same quantity with a direction behind its headings, as ``Force Ex``."""
+        known = self.headings or (self.name, *_HEADINGS.get(self.name, ()))
+        return replace(self, headings=tuple(f"{one} {direction}" for one in known))
 
     def is_ratio(self, heading: str) -> bool:
         """Return whether a heading says that this length is over the contact radius."""
@@ -148,6 +161,11 @@ class _Heading:
             return cls(text, bracketed["name"], unit.strip())
         if any(one.is_called(text) or one.is_ratio(text) for one in expected):
             return cls(text, text, None)
+        directed = _DIRECTED.fullmatch(text)
+        if directed:
+            front = cls.read(directed["front"], expected)
+            if front.unit is not None:
+                return cls(text, f"{front.name} {directed['direction']}", front.unit)
         appended = _APPENDED.fullmatch(text)
         if appended and _PLAIN_UNIT.fullmatch(appended["unit"]):
             return cls(text, appended["name"], appended["unit"])
@@ -175,7 +193,7 @@ def find_sources(
     missing = [one.name for one in expected if one.required and one.name not in places]
     if missing:
         told = f"no column of {' and '.join(missing)}"
-        raise Refused(f"{told}: {_shown(headings, width)}; {_remedy(expected, option)}")
+        raise NoColumnError(f"{told}: {_shown(headings, width)}; {_remedy(expected, option)}")
     found = {}
     for one in expected:
         if one.name in places:
@@ -322,11 +340,11 @@ def _in_order(
     if sheet.texts:
         above = f"above numbers in {column_count(width)}"
         told = f"{_lines(sheet.texts)}: text that names no column, {above}"
-        raise Refused(f"{told}; {_remedy(expected, option)}")
+        raise NoColumnError(f"{told}; {_remedy(expected, option)}")
     if width != len(required):
         told = f"line {sheet.rows[0].line}: {column_count(width)} without headings, where "
         names = " and ".join(required)
-        raise Refused(f"{told}{names} are expected; {_remedy(expected, option)}")
+        raise NoColumnError(f"{told}{names} are expected; {_remedy(expected, option)}")
     return {name: index for index, name in enumerate(required)}
 
 
@@ -337,6 +355,8 @@ def _by_headings(
     places: dict[str, int] = {}
     for one in expected:
         named = [k for k, heading in enumerate(headings) if one.is_called(heading.name)]
+        if len(named) > 1:
+            named = _of_its_dimension(one, headings, named)
         if len(named) > 1:
             several = " and ".join(f"column {k + 1} ({headings[k].text})" for k in named)
             raise Refused(f"{several} are both {one.name}; {_remedy(expected, option)}")
@@ -350,6 +370,24 @@ def _by_headings(
         told = f"column {twice + 1} ({headings[twice].text}) may be {names}"
         raise Refused(f"{told}; {_remedy(expected, option)}")
     return places
+
+
+def _of_its_dimension(one: Expected, headings: Sequence[_Heading], named: list[int]) -> list[int]:
+    """Return the only column whose unit is one of the quantity, if the others have other units."""
+    units = [headings[k].unit or "" for k in named]
+    if not all(units) or not one.unit:
+        return named
+    fitting = [k for k, unit in zip(named, units, strict=True) if _fits(one, unit)]
+    return fitting if len(fitting) == 1 else named
+
+
+def _fits(one: Expected, unit: str) -> bool:
+    """Return whether a unit is one of a quantity."""
+    try:
+        _factor(one, unit, "")
+    except Refused:
+        return False
+    return True
 
 
 def _refuse_ratio(one: Expected, headings: Iterable[_Heading]) -> None:

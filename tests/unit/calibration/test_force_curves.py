@@ -82,8 +82,8 @@ def test_the_retraction_and_a_loop():
 
 def test_a_german_export_with_units_below_the_headings():
     """E* = 73 GPa, 10 um, and nm and uN in a line of their own."""
-    with pytest.raises(SolutionFileError, match=r"the headings are Zeit, Eindringtiefe, Prüfkraft"):
-        IndentationData.from_file(GERMAN["path"])
+    by_headings = IndentationData.from_file(GERMAN["path"], sigma=1.5e-6)
+    assert by_headings.load == IndentationData.from_file(**GERMAN, sigma=1.5e-6).load
     with pytest.raises(SceneError, match=r"sigma = None: must be given: the curve has no"):
         IndentationData.from_file(**GERMAN)
     data = IndentationData.from_file(**GERMAN, sigma=1.5e-6)
@@ -225,3 +225,57 @@ def test_deviations_of_noisy_curves_cover_the_truth():
         pulls.append([(found[name] - value) / found.error(name) for name, value in truth.items()])
     assert np.sqrt(np.mean(np.square(pulls))) == pytest.approx(1.0, abs=0.25)
     assert np.abs(pulls).max() < 4.0
+
+
+SIDES = {
+    "NanoScope": "Defl_V_Ex\tDefl_V_Rt\tDefl_pN_Ex\tDefl_pN_Rt\tSep_nm_Ex\tSep_nm_Rt",
+    "unit before": "V_Ex\tV_Rt\tForce(pN)_Ex\tForce(pN)_Rt\tSeparation(nm)_Ex\tSeparation(nm)_Rt",
+    "unit behind": "V_Ex\tV_Rt\tForce_Ex(pN)\tForce_Rt(pN)\tSeparation_Ex(nm)\tSeparation_Rt(nm)",
+}
+
+
+@pytest.mark.parametrize("headings", SIDES.values(), ids=SIDES)
+def test_both_directions_side_by_side_are_two_parts(tmp_path, headings):
+    """By Hertz' formula: E* = 16 kPa, 5 um, 5 pN of noise; the retraction is shorter."""
+    pytest.importorskip("pint", reason="part of the extra: units")
+    noise = np.random.default_rng(3).normal(0.0, 5.0, (2, 128))
+    depth = np.linspace(-600.0, 400.0, 128)
+    loads = 4 / 3 * 16e3 * np.sqrt(5e-6) * (np.clip(depth, 0.0, None) * 1e-9) ** 1.5 * 1e12
+    lines = [headings]
+    if "Defl" in headings:
+        lines = [r"\*Force file list", r"\*File list end", headings]
+    first = len(lines) + 1
+    for k in range(128):
+        out, back = loads[k] + noise[0, k], loads[-1 - k] + noise[1, k]
+        cells = [out / 1e3, back / 1e3, out, back, -depth[k], -depth[-1 - k]]
+        texts = [f"{one:.5f}" for one in cells]
+        if k >= 121:
+            texts[1::2] = ["", "", ""]
+        lines.append("\t".join(texts))
+    path = tmp_path / "curve.txt"
+    path.write_bytes("\r\n".join(lines).encode())
+    data = IndentationData.from_file(path)
+    told(data, f"part: approach, 128 points (lines {first} to {first + 127}); retraction has 121")
+    back = IndentationData.from_file(path, part="retraction", sigma=5e-12)
+    assert len(back.depth) == 121
+    for curve in (data, back):
+        found = fit(ball(5e-6, 1e3), curve, ("reduced_modulus", "zero_point"))
+        assert abs(found["reduced_modulus"] - 16e3) < 4.0 * found.error("reduced_modulus")
+        assert abs(found["zero_point"]) < 4.0 * found.error("zero_point")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_a_spreadsheet_of_a_german_windows(tmp_path, encoding):
+    """By Hertz' formula: E* = 16 kPa, 5 um, touch at 80 nm."""
+    pytest.importorskip("pint", reason="part of the extra: units")
+    lines = ["Eindringtiefe [µm];Kraft [nN];Bemerkung"]
+    for depth in np.linspace(-0.5, 0.4, 40):
+        load = 4 / 3 * 16e3 * np.sqrt(5e-6) * (max(depth, 0.0) * 1e-6) ** 1.5 * 1e9
+        lines.append(f"{depth + 0.08:.6f};{load:.6f};".replace(".", ","))
+    path = tmp_path / "Kurve.csv"
+    path.write_bytes("\r\n".join([*lines, ";;", ""]).encode(encoding))
+    data = IndentationData.from_file(path, sigma=1e-12)
+    told(data, "1 rows left out: line 42, column 1 (depth): there is no value")
+    found = fit(ball(5e-6, 1e3), data, ("reduced_modulus", "zero_point"))
+    assert found["reduced_modulus"] == pytest.approx(16e3, rel=1e-4)
+    assert found["zero_point"] == pytest.approx(8e-8, rel=1e-4)
