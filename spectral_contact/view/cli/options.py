@@ -15,13 +15,15 @@ from typing import Annotated, Any, Final
 import numpy as np
 
 from spectral_contact.errors import SpectralContactError
-from spectral_contact.io.checks import decimal_number, is_decimal
+from spectral_contact.io.checks import decimal_number
 from spectral_contact.io.documents import checked_path
 from spectral_contact.io.units import has_unit
 from spectral_contact.view import plotting
 
 # Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+#: How a negative number begins, alone or in a list, a range or before a unit.
+_NEGATIVE: Final = re.compile(r"-(?:[0-9.]|inf|nan)", re.IGNORECASE)
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
 #: What an option is called that has another name than its parameter.
@@ -130,8 +132,8 @@ def joined(argv: Sequence[str]) -> list[str]:
         if found[-2:] == ["--profile", "points"] and not text.startswith("--"):
             found.append(f"--profile-file={text}")
             continue
-        is_negative = text.startswith("-") and is_decimal(text.strip(" "))
-        if is_negative and found and found[-1].startswith("--") and "=" not in found[-1]:
+        is_value = _NEGATIVE.match(text) and found and found[-1].startswith("--")
+        if is_value and "=" not in found[-1]:
             found[-1] = f"{found[-1]}={text}"
         else:
             found.append(text)
