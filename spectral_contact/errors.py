@@ -92,7 +92,7 @@ class NotComputedError(SpectralContactError):
     def __init__(self, quantity: str, reason: str) -> None:
         self.quantity = quantity
         self.reason = reason
-        super().__init__(f"{quantity} was not computed: {reason}")
+        super().__init__(f"{quantity} not computed: {reason}")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return self._rebuilt_from(self.quantity, self.reason)

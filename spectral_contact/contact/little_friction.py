@@ -24,9 +24,10 @@ def regularising_radius(parameters: Parameters) -> Radius:
 
     With normal compliance it is the least radius that is solved for. Without normal compliance p is
     like a power of s around the disk, and next to a disk of radius c its rounding error is like
-    ``eps/c`` with the rounding error eps of doubles. The radius that keeps rounding and the error
-    of the disk below the estimates is ``2 sqrt(eps) (kappa f)**(-1/3)``. It is so small that
-    CENTRAL_CLEARANCE times it is a sixteenth of the contact radius.
+    ``ROUNDING/c``. A radius of ``2 sqrt(ROUNDING) (kappa f)**(-1/3)`` keeps rounding and the error
+    of the disk below the estimates. A longer one is cut to ``1/(16 CENTRAL_CLEARANCE)``, because
+    the disk is taken to disturb the fields within CENTRAL_CLEARANCE of its radii, and this part of
+    the contact shall end at a sixteenth of the contact radius or before.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
@@ -40,11 +41,10 @@ def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
     """Return the parameters and zones whose solution stands for slip everywhere.
 
     The regularising disk is a stick zone whose boundary is no unknown. In place of beta it has a
-    compliance of ``1/eps``, so that the traction in it vanishes: with beta it would exceed f p by
-    far, and the fields around it would lose digits to it. No error of this traction counts. The
-    friction is at least the rounding error eps, because the traction of a smaller one is all
-    rounding.
+    compliance of ``1/ROUNDING``, so that the traction in it vanishes: with beta it would exceed f p
+    by far, and the fields around it would lose digits to it. No error of this traction counts. The
+    friction is at least ROUNDING, because the traction of a smaller one is all rounding.
     """
     alpha, _, kappa, friction = parameters
-    with_disk = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    return with_disk, fixed_disk(regularising_radius(parameters).logit)
+    disk_parameters = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
+    return disk_parameters, fixed_disk(regularising_radius(parameters).logit)

@@ -10,23 +10,22 @@ from __future__ import annotations
 
 # Spaces, refinement, error estimates
 #
-# "digits" below means ``-ln`` of the tolerance, "depth" means ``x = -ln d`` with the distance d to
-# the end of a part in units of its extent, and a "slope of degrees" is degrees per digit.
+# "depth" below means ``x = -ln d`` with the distance d to the end of a part in units of its extent.
 
-# Rounding. Each of these is a relative error that no refinement removes.
+# Rounding: relative errors that no refinement removes. An error estimate is at least as large.
 
-#: Approach and total shear without boundaries, and boundaries. Measured against 20 digits:
-#: validation/honesty/honesty.py.
+#: Error of the approach, of the total shear where there is no free boundary, and of the free
+#: boundaries themselves. Measured against solutions with 20 digits: validation/honesty/honesty.py.
 ROUNDING = 2e-15
-#: The pressure, or a ratio q/p, at one place; closed forms; and approach and shear with slip, of
+#: Error of p or q/p at one radius, of closed forms, and of approach and total shear with slip, for
 #: which two methods differ by half of this at most in 60 scenes: validation/honesty/honesty.py.
 FIELD_ROUNDING = 20.0 * ROUNDING
 #: Boundary residuals and relative changes of fields that are smaller than this are rounding. With
 #: 1e-15 or 1e-12 no space of 91 scenes is another one; with 4e-14 coupled slip inside takes 1.5
 #: times as long at rtol 1e-12: validation/honesty/honesty.py, validation/cost/bench.py coupled.
 RESIDUAL_NOISE = 1e-13
-#: ``q/s`` at one place. It is least accurate at the centre: two solves of 400 scenes on different
-#: panels differ by 1.8e-13 at most: validation/honesty/honesty.py coupled.
+#: Error of ``q/s`` at one radius. It is least accurate at the centre: two solves of 400 scenes on
+#: different panels differ by 1.8e-13 at most: validation/honesty/honesty.py coupled.
 TRACTION_ROUNDING = 110.0 * ROUNDING
 #: The same in full stick or on one stick disk where the tangential compliance is too small to
 #: regularise the traction (beta over the stick radius below UNCORRECTED_COMPLIANCE of
@@ -82,10 +81,11 @@ PANEL_WIDTH = 2.0
 # validation/cost/bench.py solve and bench.py coupled show both. An estimate decides whether a space
 # is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
-#: Degrees on every panel beyond those of the digits; degrees per digit; and degrees per digit that
-#: the first panel of a part has in addition where the field is singular at the end of the part
-#: opposite to the one that the panels are graded to. With 0.55 and none in
-#: addition, coupled slip takes up to 2.5 times as long: validation/cost/bench.py coupled.
+#: Degree of a panel: SPARE_DEGREES + DEGREES_PER_DIGIT times ``-ln`` of the tolerance. The panels
+#: of a part are graded to one of its ends. Where the field is singular at the other end, too,
+#: START_DEGREES times ``-ln`` of the tolerance is added on the panel next to that end, which is the
+#: first one. With 0.55 and 0 for the last two numbers coupled slip takes up to 2.5 times as long:
+#: validation/cost/bench.py coupled.
 SPARE_DEGREES = 3.0
 DEGREES_PER_DIGIT = 0.5
 START_DEGREES = 0.4
@@ -111,19 +111,21 @@ MIN_STEP_ANGLE = 0.03
 
 # Derivatives by parameters
 
-#: Number of corrections of the derivatives of the fields by their residuals; each gains about as
-#: many digits as the matrix has: validation/honesty/sensitivity.py.
+#: Steps of iterative refinement of the derivatives of the fields. A step divides the error by about
+#: ``1/(eps cond)`` of the matrix, with the precision eps it is factored in:
+#: validation/honesty/sensitivity.py.
 DERIVATIVE_CORRECTIONS = 4
 
-# Samples: numbers of points at which functions are evaluated together. Not measured again: more
-# cost time, and fewer may miss two changes of sign, or a maximum, between two points.
+# Samples: how many radii a field is evaluated at in one call, to look for a change of sign or a
+# maximum. Not measured again: more cost time, and fewer may miss two changes of sign, or a maximum,
+# between two of them.
 
 #: Least depth x at which a field is evaluated. At the centre, x = 0, ``q/s`` is 0/0 and its
 #: rounding grows like 1/s; with ``s**2 = 1 - exp(-x)`` that is a factor of 30 here.
 MIN_SAMPLE_DEPTH = 1e-3
-#: Points of one section of the search for a change of sign, of the first search for the largest q/p
-#: on the panels and in the tail beyond them, and on either side of the radius of that maximum,
-#: where the set that violates the law may be tiny.
+#: Radii of each step of the search for a change of sign; and of each of three looks for the largest
+#: q/p: on the panels, in the tail beyond them, and around the radius of the maximum of the first
+#: two, where the set that violates the friction law may be tiny.
 SAMPLES = 129
 #: Points over the whole depth at which q/p of full stick is compared with the friction.
 ONSET_SAMPLES = 4001
@@ -152,7 +154,8 @@ DISPLACEMENT_SMOOTHING = 16.0
 
 # .. onset of slip (contact/onset.py, solving/coupled_run.py)
 
-#: Error of full stick in place of slip that was not resolved, over ``1 - f/f_crit``.
+#: Just below the critical friction f_crit full stick stands for slip in a zone too narrow to be
+#: resolved. The relative error of that is this factor times ``1 - f/f_crit``.
 #: `python validation/honesty/honesty.py thresholds` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
 
@@ -166,9 +169,9 @@ FIRST_RINGS = 60
 #: Changes of all wrong rings at once that may fail to lower their number before one ring is changed
 #: at a time.
 RING_PATIENCE = 4
-#: Distances of ring boundaries from the edge are even numbers to this power. With 3 or 5 the
-#: approach is as good (a relative error of 1e-5 with 60 rings); rings that are equally wide in the
-#: logit all the way err 60 times as much.
+#: The distances of the boundaries of n rings from the edge are ``(k/n)**RING_GRADING``. With 3 or 5
+#: the approach is as good (a relative error of 1e-5 with 60 rings); rings that are equally wide in
+#: the logit all the way err 60 times as much.
 RING_GRADING = 4
 #: Width in the logit of the widest rings; 25 scenes have the same zones with 0.75 and with 3.
 MAX_RING_WIDTH = 1.5
@@ -198,7 +201,7 @@ EDGE_ERROR_INSIDE = 0.2
 
 # .. runs and continuation (solving/run.py, solving/sharing.py)
 
-#: Most scenes of a path from which the boundaries of the next one are extrapolated, and most stick
-#: radii of a growing contact from which the one at another contact radius is interpolated, to begin
-#: its search. Not measured again.
+#: The search for boundaries begins at those of similar scenes: in a sweep, extrapolated from at
+#: most so many scenes before; in a growing contact, interpolated from the stick radii at at most so
+#: many other contact radii. Not measured again.
 PATH_POINTS = 6

@@ -306,7 +306,7 @@ def block(
             )
         else:
             unit = _separated_block(source, degrees, target, nodes, side, distance)
-    # with dz = reach dd the integral scales like the square root of the extent
+    # with dz = extent dd the integral scales like the square root of the extent
     scale = unit.scale * float(np.sqrt(source.extent))
     if values_only:
         nothing = np.zeros_like(unit.boundary_value)

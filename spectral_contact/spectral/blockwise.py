@@ -1,4 +1,8 @@
-"""Block-diagonal matrices, multiplied from either side without their zeros."""
+"""Block-diagonal matrices, multiplied from either side without their zeros.
+
+A matrix that maps Legendre coefficients to values at Gauss points, or back, has a block for each
+panel of a mesh.
+"""
 
 from __future__ import annotations
 

@@ -24,11 +24,11 @@ P = ParamSpec("P")
 
 #: The name of every cache, and its entries by the arguments that made them.
 _CACHES: list[tuple[str, dict[Any, Any]]] = []
-#: What a cache has of arguments that made no entry yet.
+#: Stands for "no entry" in a lookup, because None may be an entry.
 _ABSENT: Any = object()
-#: Functions that empty caches of another kind.
+#: Functions that `clear_caches` calls besides; they empty caches that other modules keep.
 _FURTHER_CLEARS: list[Callable[[], None]] = []
-#: Bytes of the entries that were made since all entries were counted.
+#: Bytes of the entries that were made since the bytes of all entries were last counted.
 _uncounted = 0
 
 
@@ -102,7 +102,7 @@ def _bytes(value: Any, counted: set[int]) -> int:
 
 
 def clear_with_caches(*clears: Callable[[], None]) -> None:
-    """Have `clear_caches` call these functions, which empty caches of another kind."""
+    """Have `clear_caches` call these functions, which empty caches that are no `bounded_cache`."""
     _FURTHER_CLEARS.extend(clears)
 
 

@@ -2,9 +2,9 @@
 
 It is minus the derivative of `ContactSystem.residual` by the unknowns. ``T q`` and ``N p`` are Gram
 matrices of half-integrals, summed over the nodes of each part (docs/theory, Abel factorisation).
-Where nodes have no emphasis (`ContactOperators`), that of the central disk is a power of its radius
-times that of the unit disk, which is cached, and the coupling of the two equations is a sum of
-products of loads, in which no kernel is left.
+Where an equation is tested without boundary weights (`ContactOperators`), the Gram matrix of the
+central disk is a power of its radius times that of the unit disk, which is cached, and the coupling
+of the two equations is a sum of products of loads, in which no kernel is left.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
 
 
 def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> None:
-    """Add the terms of the traction in the normal equation at the nodes i, with emphasis."""
+    """Add what the traction adds to the normal equation at the nodes i, with boundary weights."""
     outer = system.operators.outer_pressure[i]
     inner = system.operators.inner_shear[i]
     t = system.operators.t[i]
@@ -115,7 +115,7 @@ def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> Non
 
 
 def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None:
-    """Add the terms of the pressure in the tangential equation at the nodes i, with emphasis."""
+    """Add what the pressure adds to the shear equation at the nodes i, with boundary weights."""
     outer = system.operators.outer_stick[i]
     inner = system.operators.inner_pressure[i]
     factor = system.operators.shear_tests[i] * 2.0 * system.parameters.kappa / system.operators.t[i]
@@ -129,7 +129,7 @@ def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None
 
 
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
-    """Add the coupling terms of equations without emphasis, in which no kernel is left.
+    """Add the coupling terms of equations without boundary weights, in which no kernel is left.
 
     ``<phi, int_s^1 q> = int phi s ds int q ds`` where q lies outside of phi, and
     ``<s psi, g[p]> = int psi s ds int p s ds`` where p lies inside of psi.

@@ -42,7 +42,7 @@ class ContactOperators:
         Weights with which W and E are tested.
     unweighted_normal, unweighted_shear : bool
         Whether `normal_tests` are the weights of ``dt / pi``, and `shear_tests` those of
-        ``t**2 dt / pi``, without `_emphasis`.
+        ``t**2 dt / pi``, without `_boundary_weights`.
     outer_pressure, outer_shear : list of NodeOperators
         Half-integrals of p and of u over radii outside of the nodes.
     inner_pressure, inner_shear : list of NodeOperators
@@ -54,8 +54,8 @@ class ContactOperators:
     def __init__(self, fields: ContactFields) -> None:
         self._parts = fields.parts
         self._pressure_known = fields.pressure_known
-        # an equation is tested without emphasis if it has a compliance or no boundary; then its
-        # coupling is a sum of products of loads (`contact_matrix`)
+        # an equation is tested without boundary weights if it has a compliance or no boundary; then
+        # its coupling is a sum of products of loads (`contact_matrix`)
         alpha, beta, _, _ = fields.parameters
         full_stick = not fields.radii
         self.unweighted_normal = alpha > 0.0 or full_stick
@@ -85,16 +85,16 @@ class ContactOperators:
             else:
                 t = np.sqrt(b.square + offset)
             weights = nodes.weights * mesh.extent / (2.0 * np.pi) * t
-            emphasis = self._emphasis(part, offset)
+            factors = self._boundary_weights(part, offset)
             self.nodes.append(nodes)
             self.offsets.append(offset)
             self.t.append(t)
             self.from_boundary.append(offset / (t + b.value))
             self.shear_weights.append(weights)
-            self.normal_tests.append(weights / t**2 * (1.0 if self.unweighted_normal else emphasis))
-            self.shear_tests.append(weights * (1.0 if self.unweighted_shear else emphasis))
+            self.normal_tests.append(weights / t**2 * (1.0 if self.unweighted_normal else factors))
+            self.shear_tests.append(weights * (1.0 if self.unweighted_shear else factors))
 
-    def _emphasis(self, part: MeshPart, offset: Array) -> Array | float:
+    def _boundary_weights(self, part: MeshPart, offset: Array) -> Array | float:
         """Return weights of the nodes, at least 1, that rise like 1/distance next to a boundary.
 
         An equation without compliance holds only up to the truncation error of the space. Without

@@ -1,4 +1,4 @@
-"""What the coupled equations depend on besides the zones."""
+"""The parameters of the equations of a flat punch of unit radius."""
 
 from __future__ import annotations
 
@@ -6,18 +6,21 @@ from typing import NamedTuple
 
 
 class Parameters(NamedTuple):
-    """The numbers in the equations of a contact of unit radius (docs/theory).
+    """The parameters of the equations (docs/theory, symbols), dimensionless.
+
+    Without elastic coupling q is proportional to kappa if f/kappa is kept. Such a contact is solved
+    with kappa = 1 and the friction f/kappa, and its traction is multiplied by kappa afterwards.
 
     Attributes
     ----------
     alpha, beta : float
-        Normal and tangential compliance of the layer, dimensionless, 0 or positive.
+        Normal and tangential compliance of the layer, 0 or positive.
     kappa : float
-        What multiplies the displacement of one direction by the load of the other:
-        ``(1 - 2 nu)/(4 (1 - nu))`` of a half-space, and 1 where the traction is computed per unit
-        of it. A negative one is mirrored before it comes here.
+        Coupling parameter, ``(1 - 2 nu)/(4 (1 - nu))`` of a half-space, positive: it multiplies the
+        radial displacement that p causes and the normal displacement that q causes. Of a negative
+        one the caller changes the sign, and the sign of q with it. 1 without elastic coupling.
     friction : float
-        Coulomb's coefficient, over the same factor where the traction is.
+        Coulomb's coefficient f. Without elastic coupling f/kappa.
     """
 
     alpha: float

@@ -19,9 +19,10 @@ TIME
 
 from __future__ import annotations
 
-#: A panel of degree n takes n + EXTRA Gauss points, so that the analytic factors of an integrand
-#: (exponentials, square roots away from their zeros) are integrated to rounding. So do rules on
-#: tails; with a logarithm at the boundary it is twice as many more. ABEL, ENTRIES.
+#: On a panel of degree n a function is integrated with n + EXTRA Gauss points, so that the analytic
+#: factors of an integrand (exponentials, square roots away from their zeros) are integrated to
+#: rounding. On a tail of n polynomials it takes n + EXTRA points, too, and n + 2 EXTRA where the
+#: integrand has a logarithm at the boundary. ABEL, ENTRIES.
 EXTRA = 12
 
 #: Number of polynomials in the distance d to the boundary, of degrees 0, 1 and 2, that stand for a
@@ -34,10 +35,10 @@ TAIL_TERMS = 3
 #: Measured against functions in closed form: ``pytest tests/unit/spectral/test_panels.py``.
 SAMPLING_EXTRA = 5
 
-#: A panel of degree n has ``NODE_STEP * ceil(2 n / NODE_STEP + 1)`` Galerkin nodes, at least 16
-#: more than 2 n. Entries of the Gram matrix are then right to 1.5e-14; with 10 more than 2 n those
-#: of low degrees are off by up to 3e-9, and at the centre it takes 18 more. Few distinct counts let
-#: panels share their blocks. ENTRIES.
+#: A panel of degree n has ``NODE_STEP * ceil(2 n / NODE_STEP + 1)`` Galerkin nodes: 2 n and 16
+#: more, rounded up to a multiple of 16. Entries of the Gram matrix are then right to 1.5e-14; with
+#: 2 n and 10 those of low degrees are off by up to 3e-9. The multiples let panels of similar
+#: degrees have the same nodes, and so share blocks. ENTRIES.
 NODE_STEP = 16
 
 #: Above this compliance the normal equations of a regularised least-squares problem lose no more

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -19,9 +19,10 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import reals
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.columns import Expected, parse_columns, read_columns
-from spectral_contact.io.parameters import SCENE, SI
+from spectral_contact.io.parameters import SCENE, SI, parameters_of
 from spectral_contact.io.physical_data import PhysicalData
-from spectral_contact.profiles.control import ALL_CONTROLS
+from spectral_contact.io.units import in_si
+from spectral_contact.profiles.control import ALL_CONTROLS, KINDS
 from spectral_contact.quantities import FIELDS
 from spectral_contact.scene import Scene
 from spectral_contact.sweeps.request import Request
@@ -61,6 +62,8 @@ _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
     "traction": ("traction q", "Pa"),
     "slip": ("slip u_r", "m"),
 }
+#: That of a flat punch, or of a profile that has one.
+_RADIUS: Final = "radius"
 #: What is appended to the name of a number in SI units that has a dimensionless namesake.
 _SI: Final = "_si"
 #: The most scenes in SI units, each of which is an object.
@@ -85,13 +88,17 @@ class PhysicalScenes:
         The last dimension varies fastest.
     given : dict of str to ndarray
         What varies: the values of each dimension of a grid, or the columns of a table.
+    fixed : dict of str to float
+        What all scenes in SI units have.
     is_table : bool
+        Whether they are a table or a list, with one dimension, ``scene``.
     read_as : str
         How a table was read.
     """
 
     scenes: tuple[Scene, ...]
     given: dict[str, Array]
+    fixed: dict[str, float]
     is_table: bool
     read_as: str = ""
 
@@ -161,23 +168,18 @@ class PhysicalScenes:
     def _coordinates(self) -> dict[Any, Any]:
         """Return what is given, and in SI units what all scenes have."""
         found: dict[Any, Any] = {}
-        data = self.scenes[0].physical
-        if data is not None:
-            for name in SI_UNITS:
-                value = getattr(data, name, None)
-                if value is not None and name not in self.given:
-                    found[self._named(name)] = (), value, self._about(name)
-            controls = [name for name in self.given if name in ALL_CONTROLS]
-            for name in ALL_CONTROLS if controls else ():
-                if name not in self.given:  # a load took the place of an approach
-                    found.pop(self._named(name), None)
+        for name, value in self.fixed.items():
+            found[self._named(name)] = (), value, self._about(name)
         for name, values in self.given.items():
             dims = ("scene",) if self.is_table else (self._named(name),)
             found[self._named(name)] = dims, values, self._about(name)
         return found
 
     def _about(self, name: str) -> dict[str, str]:
+        profile = self.scenes[0].profile
         about = (SI if self.physical and name in SI else SCENE)[name]
+        if name == _RADIUS and profile is not None:
+            about = parameters_of(type(profile))[name]
         unit = about.unit if self.physical else ""
         return {"long_name": about.meaning, **({"units": unit} if unit else {})}
 
@@ -207,7 +209,25 @@ def grid_of(base: Scene, axes: Mapping[str, Any]) -> PhysicalScenes:
         raise SceneError("number of scenes", count, f"at most {_MOST} in SI units")
     places = np.unravel_index(np.arange(count), tuple(map(len, given.values()))) if given else ()
     columns = [values[place] for values, place in zip(given.values(), places, strict=True)]
-    return PhysicalScenes(_changed(base, list(given), columns, count), given, is_table=False)
+    scenes = _changed(base, list(given), columns, count)
+    return PhysicalScenes(scenes, given, _fixed(base, given), is_table=False)
+
+
+def list_of(scenes: Iterable[Scene]) -> PhysicalScenes:
+    """Return the scenes of a list, all in SI units."""
+    several = tuple(scenes)
+    rows = [_given_in_si(one) for one in several]
+    given: dict[str, Array] = {}
+    fixed: dict[str, float] = {}
+    for name in SI_UNITS:
+        values = np.array([row.get(name, math.nan) for row in rows])
+        if np.isnan(values).any():  # what some scenes lack is a result, or of another kind
+            continue
+        if (values == values[0]).all():
+            fixed[name] = float(values[0])
+        else:
+            given[name] = values
+    return PhysicalScenes(several, given, fixed, is_table=True)
 
 
 def table_of(base: Scene, table: Any) -> PhysicalScenes:
@@ -227,46 +247,113 @@ def table_of(base: Scene, table: Any) -> PhysicalScenes:
     SolutionFileError
         If it has no column of a parameter, or cannot be read.
     """
-    physical = base.physical is not None
-    names = tuple(SI_UNITS) if physical else (*PARAMETERS, KAPPA)
-    told = ""
+    columns, told = columns_of(table, physical=base.physical is not None)
+    count = len(next(iter(columns.values())))
+    if count > _MOST:
+        raise SceneError("number of scenes", count, f"at most {_MOST} of a table")
+    scenes = _changed(base, list(columns), list(columns.values()), count, of_table=True)
+    return PhysicalScenes(scenes, columns, _fixed(base, columns), is_table=True, read_as=told)
+
+
+def columns_of(
+    table: Any, names: Iterable[str] | None = None, *, physical: bool
+) -> tuple[dict[str, Array], str]:
+    """Return the columns of a table by the parameters that they are, and how it was read.
+
+    Parameters
+    ----------
+    table : DataFrame, mapping or path
+    names : iterable of str, optional
+        The parameters that are looked for; by default all that a scene has, and then there must be
+        one.
+    physical : bool
+        Whether they are in SI units.
+    """
+    known = tuple(SI_UNITS) if physical else (*PARAMETERS, KAPPA)
     if isinstance(table, Mapping):
         columns = {
-            one_of("table", name, names): _numbers(str(name), values, physical)
+            one_of("table", name, known): _numbers(str(name), values, physical)
             for name, values in table.items()
         }
         if not columns or len({len(values) for values in columns.values()}) > 1:
             raise SceneError("table", table, "of one array or more, all of one length")
+        return columns, ""
+    expected = [
+        Expected(
+            name,
+            SI_UNITS[name] if physical else "",
+            (name, *(SI if name in SI else SCENE)[name].headings),
+            required=False,
+        )
+        for name in (known if names is None else names)
+    ]
+    if hasattr(type(table), "to_csv") and hasattr(table, "columns"):
+        found = parse_columns("table", table.to_csv(index=False).encode(), expected)
+    elif isinstance(table, str | os.PathLike):
+        found = read_columns(table, expected)
     else:
-        expected = [
-            Expected(
-                name,
-                SI_UNITS[name] if physical else "",
-                (name, *(SI if name in SI else SCENE)[name].headings),
-                required=False,
-            )
-            for name in names
-        ]
-        if hasattr(type(table), "to_csv") and hasattr(table, "columns"):
-            found = parse_columns("table", table.to_csv(index=False).encode(), expected)
-        elif isinstance(table, str | os.PathLike):
-            found = read_columns(table, expected)
-        else:
-            raise SceneError("table", table, "a DataFrame, a mapping of names to arrays, or a path")
-        if not found.values:
-            raise SolutionFileError(found.path, f"no column of {', '.join(names)}")
-        columns = dict(found.values)
-        told = str(found)
-    count = len(next(iter(columns.values())))
-    if count > _MOST:
-        raise SceneError("number of scenes", count, f"at most {_MOST} of a table")
-    scenes = _changed(base, list(columns), list(columns.values()), count)
-    return PhysicalScenes(scenes, columns, is_table=True, read_as=told)
+        raise SceneError("table", table, "a DataFrame, a mapping of names to arrays, or a path")
+    if not found.values and names is None:
+        raise SolutionFileError(found.path, f"no column of {', '.join(known)}")
+    return dict(found.values), str(found)
 
 
-def _changed(base: Scene, names: list[str], columns: list[Array], count: int) -> tuple[Scene, ...]:
+def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
+    """Return a scene with other parameters, of which a radius is that of its profile, if any.
+
+    Raises
+    ------
+    SceneError
+        For a value out of its range, or a radius where the profile has none.
+    """
+    if base.physical is None or base.profile is None or values.get(_RADIUS) is None:
+        return base.replace(**values)
+    if _RADIUS not in parameters_of(type(base.profile)):
+        having = [kind for kind, cls in KINDS.items() if _RADIUS in parameters_of(cls)]
+        told = f"None with {base.profile.brief}, which has none, unlike {', '.join(having)}"
+        raise SceneError(_RADIUS, values[_RADIUS], told)
+    radius = in_si(_RADIUS, values[_RADIUS], SI_UNITS[_RADIUS])
+    others = {name: one for name, one in values.items() if name != _RADIUS}
+    shape: Any = base.profile
+    return base.replace(**others, profile=replace(shape, radius=radius))
+
+
+def _given_in_si(scene: Scene) -> dict[str, float]:
+    """Return the parameters of a scene in SI units that it has."""
+    given = {name: getattr(scene.physical, name, None) for name in SI_UNITS}
+    if scene.profile is not None:
+        given[_RADIUS] = getattr(scene.profile, _RADIUS, None)
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _fixed(base: Scene, given: Mapping[str, Any]) -> dict[str, float]:
+    """Return what does not vary of scenes in SI units."""
+    if base.physical is None:
+        return {}
+    pressed = not set(ALL_CONTROLS).isdisjoint(given)  # a load takes the place of an approach
+    known = _given_in_si(base).items()
+    return {
+        name: value
+        for name, value in known
+        if name not in given and not (pressed and name in ALL_CONTROLS)
+    }
+
+
+def _changed(
+    base: Scene, names: list[str], columns: list[Array], count: int, *, of_table: bool = False
+) -> tuple[Scene, ...]:
+    """Return a scene for every row; of a table an error says which row it is."""
     rows = zip(*(column.tolist() for column in columns), strict=True) if columns else [()] * count
-    return tuple(base.replace(**dict(zip(names, row, strict=True))) for row in rows)
+    scenes = []
+    for number, row in enumerate(rows, start=1):
+        try:
+            scenes.append(with_values(base, dict(zip(names, row, strict=True))))
+        except SceneError as error:
+            if not of_table:
+                raise
+            told = f"{error.allowed} (row {number} of the table)"
+            raise SceneError(error.parameter, error.value, told) from None
+    return tuple(scenes)
 
 
 def _numbers(name: str, values: Any, physical: bool = True) -> Array:

@@ -28,9 +28,11 @@ from spectral_contact.sweeps.indentation_curves import pressed_alone
 from spectral_contact.sweeps.physical_scenes import (
     PhysicalScenes,
     grid_of,
+    list_of,
     quantities_for,
     si_results,
     table_of,
+    with_values,
 )
 from spectral_contact.sweeps.request import Request, requested
 from spectral_contact.sweeps.shortcuts import eligible
@@ -126,7 +128,8 @@ def sweep(
     coupling : bool, optional
         Turns elastic coupling on or off for all scenes; by default each scene's own setting.
     youngs_modulus, radius, reduced_modulus : array_like, optional
-        The values of these for a scene in SI units.
+        The values of these for a scene in SI units. With a profile the radius is that of the
+        profile, if it has one, such as a sphere.
     punch_youngs_modulus, punch_poisson_ratio : array_like, optional
         The same.
     table : pandas.DataFrame, mapping or path, optional
@@ -190,6 +193,8 @@ def sweep(
     axes[KAPPA] = kappa
     of_si = (youngs_modulus, radius, reduced_modulus, punch_youngs_modulus, punch_poisson_ratio)
     si_axes = dict(zip(_SI_AXES, of_si, strict=True))
+    if not isinstance(scenes, Scene):
+        scenes = _several(scenes)
     physical = _physical_scenes(scenes, axes | si_axes, layer, coupling, table)
     if physical is None:
         for name, values in si_axes.items():
@@ -241,25 +246,45 @@ def _physical_scenes(
     table: Any,
 ) -> PhysicalScenes | None:
     """Return the scenes of a table, or in SI units; None if they are of another kind."""
-    is_physical = isinstance(scenes, Scene) and scenes.physical is not None
-    if table is None and not is_physical:
-        return None
     given = {name: one for name, one in axes.items() if one is not None}
     if not isinstance(scenes, Scene):
-        raise SceneError("table", table, "None with a list of scenes")
+        if table is not None:
+            raise SceneError("table", table, "None with a list of scenes")
+        return _physical_list(scenes, given, law, coupling)
+    is_physical = scenes.physical is not None
+    if table is None and not is_physical:
+        return None
     if law is not None:
         raise SceneError("layer", law, "None in SI units and with a table")
     if is_physical and KAPPA in given:
         raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
     # text is a number with a unit
     single = {name: one for name, one in given.items() if np.ndim(one) == 0}
-    base = scenes.replace(**single, **({} if coupling is None else {"coupling": coupling}))
+    base = with_values(scenes, single | ({} if coupling is None else {"coupling": coupling}))
     several = {name: one for name, one in given.items() if name not in single}
     if table is None:
         return grid_of(base, several)
     for name, values in several.items():
         raise SceneError(name, values, "one number, or None, with a table")
     return table_of(base, table)
+
+
+def _physical_list(
+    scenes: tuple[Any, ...],
+    given: dict[str, Any],
+    law: Mapping[str, Any] | None,
+    coupling: bool | None,
+) -> PhysicalScenes | None:
+    """Return the scenes of a list, with one number in place of theirs; None if not all are SI."""
+    if not all(isinstance(one, Scene) and one.physical is not None for one in scenes):
+        return None
+    for name, values in [*given.items(), ("layer", law)]:
+        if values is not None and np.ndim(values) > 0:
+            raise SceneError(name, values, "one number, or None, with a list of scenes")
+    if KAPPA in given:
+        raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
+    changes = given | ({} if coupling is None else {"coupling": coupling})
+    return list_of([with_values(one, changes) for one in scenes])
 
 
 def _kind(parameters: SweepParameters) -> dict[str, bool]:
@@ -319,11 +344,19 @@ def _parameters(
     for name, values in [*axes.items(), ("layer", law)]:
         if values is not None:
             raise SceneError(name, values, "None with a list of scenes")
+    return listed(scenes, alone)
+
+
+def _several(scenes: Any) -> tuple[Any, ...]:
+    """Return the scenes of a list, at least one."""
     try:
         several = iter(scenes)
     except Exception:  # not a list, or a broken one
         raise SceneError("scenes", scenes, "a Scene or a list of them") from None
-    return listed(several, alone)
+    found = tuple(several)
+    if not found:
+        raise SceneError("scenes", [], "at least one Scene")
+    return found
 
 
 def _collected(

@@ -119,10 +119,14 @@ def test_the_pressure_of_a_smooth_sphere_next_to_its_equator(short):
         def truth(y):
             r = mp.mpf(a) * (1 - mp.mpf(y))
             # t = r + v**2
-            return 2 / mp.pi * mp.quad(
-                lambda v: 2 * rate(r + v**2) / mp.sqrt(2 * r + v**2),
-                [0, mp.sqrt(a * mp.mpf(y)) / 2, mp.sqrt(a * mp.mpf(y))],
-            )  # fmt: skip
+            return (
+                2
+                / mp.pi
+                * mp.quad(
+                    lambda v: 2 * rate(r + v**2) / mp.sqrt(2 * r + v**2),
+                    [0, mp.sqrt(a * mp.mpf(y)) / 2, mp.sqrt(a * mp.mpf(y))],
+                )
+            )
 
         exact_approach = float(a * mp.atanh(mp.mpf(a) / whole))
         expected = np.array([float(truth(y)) for y in from_edge])
@@ -143,6 +147,29 @@ def test_the_approach_of_a_rounded_flat_has_all_digits_past_its_corner(past):
         truth = a * (root - b * mp.acos(b / mp.mpf(a))) / mp.mpf(0.2)
         error = float(abs(solution.approach / truth - 1))
     assert error <= solution.error.approach < 1e-14
+
+
+#: Pressure at a tip or at a break, to which panels are graded, by `precise.reference` to 20 digits:
+#: profile, compliance, work of adhesion, distance from the edge, pressure.
+AT_TIPS_AND_BREAKS = [
+    (profiles.PowerLaw(0.5, 3.0), 1e-7, None, 1.0, 2.2499957249518328302617),
+    (profiles.PowerLaw(0.5, 1.5), 1e-5, None, 1.0, 3.4171906287071357499584),
+    (profiles.PowerLaw(0.5, 1.5), 4.2e-5, 400.0, 1.0, -28.523028440570503356638),
+    (profiles.RoundedFlat(0.05, 1.0), 1e-8, None, 0.95, 2.163768947430417649554),
+]
+
+
+@pytest.mark.parametrize("rtol", [1e-11, 3e-12, 1e-12])
+@pytest.mark.parametrize(("profile", "alpha", "adhesion", "from_edge", "truth"), AT_TIPS_AND_BREAKS)
+def test_rounding_of_the_pressure_at_a_tip_and_at_a_break(
+    profile, alpha, adhesion, from_edge, truth, rtol
+):
+    """Under ``r**3`` it was 1.4 times its estimate, and under a pull it knew of no pull."""
+    scene = Scene(None, alpha, profile=profile, contact_radius=1.0, work_of_adhesion=adhesion)
+    found = solve(scene, rtol, strict=False)
+    size = max(abs(truth), found.error_scales.get("load", found.load) / math.pi)
+    error = abs(float(found.pressure(from_edge=from_edge)) - truth) / size
+    assert error <= found.error.pressure < 1e-8
 
 
 #: Layer, and load and approach of a unit sphere, by `precise.reference` on meshes of its own. The

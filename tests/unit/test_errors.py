@@ -140,7 +140,7 @@ def test_a_value_that_cannot_be_pickled_becomes_its_text():
 
 def test_not_computed_error_gives_the_plans_reason():
     error = NotComputedError("zones", "the scene has no friction")
-    assert str(error) == "zones was not computed: the scene has no friction"
+    assert str(error) == "zones not computed: the scene has no friction"
 
 
 def test_convergence_error_carries_the_solution_and_says_what_to_do():

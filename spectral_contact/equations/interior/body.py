@@ -445,7 +445,7 @@ class Inside:
             dissipates while the contact grows; of one of two elastic bodies.
         """
         if self._solution.scene.mismatch is not None:
-            raise NotComputedError("energies", "they are those of both bodies together")
+            raise NotComputedError("energies", "the load does work on both bodies together")
         own, units = self._unscaled, self._units
         size = 1.0 if self.flat else self._solution.contact_radius
         unit = units.stress * units.length**2 * units.displacement * size

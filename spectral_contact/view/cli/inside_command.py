@@ -10,6 +10,7 @@ import numpy as np
 from spectral_contact.equations.interior.grids import QUANTITIES, as_csv, as_npz
 from spectral_contact.io.columns import Expected
 from spectral_contact.io.documents import netcdf, replace_file, reported
+from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 from spectral_contact.view import plotting
 from spectral_contact.view.cli.files import Reading
@@ -70,9 +71,8 @@ def run(
     contact = scene.solved().scene
     unit = "" if contact.physical is None else "m"
     expected = [Expected(name, unit, at_least=0.0) for name in ("r", "z")]
+    _check_bodies(contact, scene, punch=punch)
     table = None if points is None else reading.read(points, expected)
-    if punch and contact.physical is None:
-        raise UsageError("--punch goes with --punch-youngs-modulus and --punch-poisson-ratio")
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
@@ -91,3 +91,19 @@ def run(
     if plot is not None:
         plotting.save(plotting.plot_inside(body, quantity), plot)
     print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")
+
+
+def _check_bodies(contact: Scene, scene: SceneOptions, *, punch: bool) -> None:
+    """Refuse bodies whose elastic constants are not told apart, and points in a rigid punch."""
+    if "reduced_modulus" in scene.given:
+        told = "does not tell the bodies apart: stress inside takes --youngs-modulus and"
+        raise UsageError(f"--reduced-modulus {told} --poisson-ratio of the half-space in its place")
+    if "kappa" in scene.given:
+        told = "does not say which bodies they are: stress inside takes --poisson-ratio in its"
+        raise UsageError(f"--kappa {told} place, or moduli and Poisson's ratios of both bodies")
+    if not punch:
+        return
+    if contact.physical is None or contact.physical.punch_youngs_modulus is None:
+        rigid = "" if contact.physical is None else ": without them the punch is rigid"
+        needed = "--punch-youngs-modulus and --punch-poisson-ratio"
+        raise UsageError(f"--punch goes with {needed}{rigid}")

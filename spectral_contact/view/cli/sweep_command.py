@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
 from spectral_contact.io.checks import whole as checked_whole
@@ -9,6 +10,7 @@ from spectral_contact.processes import workers as worker_processes
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps.dataset import summary, unsolved, write
+from spectral_contact.sweeps.physical_scenes import columns_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
 from spectral_contact.sweeps.sweep_run import sweep
 from spectral_contact.view import plotting
@@ -24,7 +26,7 @@ from spectral_contact.view.cli.options import (
     flag,
     written,
 )
-from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, SceneOptions
+from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, FlatOptions, SceneOptions
 
 
 class SweptOptions(SceneOptions):
@@ -52,9 +54,9 @@ def run(
 
     Solve every combination of the parameters. VALUES are one number, several (0.1,0.2), or a range
     LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios; a unit stands behind them, as in
-    '1:10:4 mN'. Those of a profile's shape are one number. A run that was stopped resumes from its
-    --store. Exit status: 0 all solved, 1 a scene did not converge, 2 bad input or file,
-    130 interrupted. The first reason is printed; the output files name every one.
+    '1:10:4 mN'. Of a profile's shape the radius alone may be several, in SI units. A run that was
+    stopped resumes from its --store. Exit status: 0 all solved, 1 a scene did not converge, 2 bad
+    input or file, 130 interrupted. The first reason is printed; the output files name every one.
 
     Parameters
     ----------
@@ -95,13 +97,16 @@ def run(
             given[name] = several[0]
             if len(several) > 1:
                 axes[name.removesuffix("_si")] = several
-    of_shape = [name for name in axes if name in SHAPES]
-    if of_shape and (scenes.shaped or of_shape != ["radius"]):
-        raise UsageError(f"{flag(of_shape[0])}: a profile has one shape")
-    if scenes.of_materials and not scenes.shaped:
+    if table is not None:
+        given |= _first_of_table(table, given, scenes)
+    varying_shape = [name for name in axes if name in SHAPES and name != "radius"]
+    if "radius" in axes and scenes.shaped and not scenes.of_materials:
+        varying_shape.append("radius")
+    if varying_shape:
+        told = "one number: of a profile the radius alone varies, in SI units"
+        raise UsageError(f"{flag(varying_shape[0])}: {told}")
+    if FlatOptions(given).of_materials and not scenes.shaped:
         given.setdefault("friction", None)
-    if table is not None and scenes.of_materials and not set(ALL_CONTROLS) & set(given):
-        given |= {"load": 1.0} | ({} if scenes.shaped else {"radius": given.get("radius", 1.0)})
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
     with worker_processes(checked_whole("workers", workers, 1)) as executor:
         found = sweep(
@@ -127,3 +132,17 @@ def run(
         print(summary(found))
     if unsolved(found):
         raise NotSolved(unsolved(found))
+
+
+def _first_of_table(table: str, given: Mapping[str, Any], scenes: SweptOptions) -> dict[str, Any]:
+    """Return what the first row of a table has and the options do not, by its option."""
+    moduli, _ = columns_of(table, ("youngs_modulus", "reduced_modulus"), physical=True)
+    physical = scenes.of_materials or bool(moduli)
+    columns, _ = columns_of(table, physical=physical)
+    first = {}
+    for name, values in columns.items():
+        option = f"{name}_si" if physical and f"{name}_si" in NUMBERS else name
+        pressed = name in ALL_CONTROLS and not given.keys().isdisjoint(ALL_CONTROLS)
+        if option not in given and not pressed:
+            first[option] = float(values[0])
+    return first

@@ -18,6 +18,7 @@ TIP = Scene.from_physical(
     profile=profiles.Parabola(1e-5),
     load=5e-3,
 )
+CONE = TIP.replace(profile=profiles.Cone(1.0))
 MANY = np.ones(2000)
 PUNCH = Scene.from_physical(
     youngs_modulus=210e9,
@@ -134,7 +135,13 @@ def test_a_dimensionless_table(tmp_path):
         (lambda: sweep(TIP, load=[1.0], approach=[1e-9]), "vary one of load"),
         (lambda: sweep(TIP, load=["1 mm"]), "load = "),
         (lambda: sweep(TIP, kappa=[0.1]), "kappa"),
-        (lambda: sweep(TIP, radius=[1.0, 2.0]), "radius"),
+        (lambda: sweep(CONE, radius=[1.0, 2.0]), r"radius = 1\.0: .* unlike .*Sphere"),
+        (lambda: sweep(TIP, radius=[1.0, -2.0]), r"radius = -2\.0"),
+        (lambda: sweep(Scene(0.3, profile=TIP.profile, load=1.0), radius=[1.0]), "radius"),
+        (lambda: sweep([TIP, TIP], load=[1.0, 2.0]), "one number, or None, with a list"),
+        (lambda: sweep([TIP, TIP], kappa=0.1), "kappa"),
+        (lambda: sweep([]), "at least one Scene"),
+        (lambda: sweep(TIP, table={"load": [1.0, -1.0]}), r"> 0 \(row 2 of the table\)"),
         (lambda: sweep([TIP], table={"load": [1.0]}), "table"),
         (lambda: sweep(TIP, table={"load": [1.0], "friction": [0.1, 0.2]}), "all of one length"),
         (lambda: sweep(TIP, table={"lode": [1.0]}), "did you mean load"),
@@ -153,3 +160,56 @@ def test_a_table_without_a_parameter_is_refused(tmp_path):
     path.write_text("id,note\n1,2\n")
     with pytest.raises(SolutionFileError, match="no column of"):
         sweep(TIP, table=path)
+
+
+def hertz(load, modulus, radius, nu=0.2):
+    """Return the approach under a parabola on a smooth half-space."""
+    return (3 * load * (1 - nu**2) / (4 * modulus * np.sqrt(radius))) ** (2 / 3)
+
+
+def test_the_radius_of_a_profile_is_an_axis_of_a_grid():
+    smooth = TIP.replace(normal_compliance=0.0)
+    found = sweep(smooth, load=["1 mN", "5 mN"], radius=["10 um", "20 um", "0.1 mm"])
+    assert found.approach_si.dims == ("load_si", "radius")
+    assert found.radius.values == pytest.approx([1e-5, 2e-5, 1e-4], rel=1e-15)
+    assert found.radius.attrs["units"] == "m"
+    truth = hertz(found.load_si, 70e9, found.radius)
+    assert found.approach_si.values == pytest.approx(truth.values, rel=1e-9)
+    assert float(found.youngs_modulus) == 70e9
+    # one number makes no dimension, and replaces the radius that the scene has
+    alone = sweep(smooth, load=["1 mN", "5 mN"], radius="0.1 mm", quantities=["approach"])
+    assert alone.approach_si.dims == ("load_si",)
+    assert float(alone.radius) == pytest.approx(1e-4, rel=1e-15)
+    assert alone.approach_si.values == pytest.approx(found.approach_si.values[:, 2], rel=1e-9)
+
+
+def test_the_radius_of_a_profile_is_a_column_of_a_table(tmp_path):
+    path = tmp_path / "beads.csv"
+    path.write_text("bead;load [mN];radius [um]\n1;1,5;10\n2;2,5;12,5\n", encoding="utf-16")
+    found = sweep(TIP.replace(normal_compliance=0.0), table=path, quantities=["approach"])
+    assert found.radius.dims == ("scene",)
+    truth = hertz(np.array([1.5e-3, 2.5e-3]), 70e9, np.array([10e-6, 12.5e-6]))
+    assert found.approach_si.values == pytest.approx(truth, rel=1e-9)
+
+
+def test_a_list_of_scenes_in_si_units_has_results_in_si_units():
+    ball = TIP.replace(normal_compliance=0.0)
+    several = (ball.replace(load=load, youngs_modulus=7e9) for load in (1e-3, 2e-3))
+    found = sweep(several, quantities=["approach"])
+    assert found.approach_si.dims == ("scene",)
+    truth = hertz(np.array([1e-3, 2e-3]), 7e9, 1e-5)
+    assert found.approach_si.values == pytest.approx(truth, rel=1e-9)
+    assert found.load_si.values.tolist() == [1e-3, 2e-3]
+    assert found.youngs_modulus.shape == ()
+    assert float(found.radius) == 1e-5
+    # one number replaces that of all of them
+    at_one = sweep([ball, ball.replace(load=2e-3)], radius="20 um", quantities=["approach"])
+    assert at_one.approach_si.values[1] == pytest.approx(hertz(2e-3, 70e9, 2e-5), rel=1e-9)
+
+
+def test_a_list_may_give_loads_and_approaches():
+    ball = TIP.replace(normal_compliance=0.0)
+    found = sweep([ball, ball.replace(approach=2e-8)], quantities=["load", "approach"])
+    assert found.load_si.values[0] == ball.physical.load
+    assert found.approach_si.values[1] == 2e-8
+    assert hertz(found.load_si.values, 70e9, 1e-5) == pytest.approx(found.approach_si.values)

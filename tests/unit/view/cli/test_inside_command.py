@@ -7,6 +7,7 @@ import pytest
 
 from spectral_contact import Scene, solve
 from spectral_contact.__main__ import main
+from spectral_contact.view.cli import inside_command
 
 FRICTIONLESS = ("--friction", "none", "--normal-compliance", "0", "--poisson-ratio", "0.3")
 
@@ -166,3 +167,22 @@ def test_a_file_that_is_no_table_is_refused(capsys, tmp_path):
     path.write_text("r,z\n0.5,half\n")
     status, _, err = run(capsys, "--points", str(path))
     assert (status, "line 2, column 2 (z): half is not a number" in err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--punch", "--youngs-modulus", "7e10", "--poisson-ratio", "0.3"), "--punch goes with"),
+        (("--reduced-modulus", "7e10"), "--reduced-modulus does not tell the bodies apart"),
+        (("--kappa", "0.1"), "--kappa does not say which bodies"),
+    ],
+)
+def test_bodies_that_are_not_told_apart_are_refused_before_anything_is_solved(
+    capsys, tmp_path, monkeypatch, options, said
+):
+    monkeypatch.setattr(inside_command, "solve", None)
+    nodes = tmp_path / "nodes.csv"
+    nodes.write_text("r,z\n0,1e-4\n")
+    ball = ("--profile", "sphere", "--radius", "1e-3", "--load", "10")
+    assert main(["inside", *ball, *options, "--points", str(nodes)]) == 2
+    assert said in capsys.readouterr().err

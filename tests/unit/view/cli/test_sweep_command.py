@@ -304,3 +304,47 @@ def test_lists_and_ranges_may_begin_with_a_negative_number(capsys, tmp_path, val
     assert run(capsys, "--poisson-ratio", values, *options)[0] == 0
     lines = [one for one in path.read_text(encoding="utf-8").splitlines() if one[0] != "#"]
     assert [float(row["poisson_ratio"]) for row in csv.DictReader(lines)] == [-0.25, 0.0, 0.25]
+
+
+BEADS = "E [GPa];radius [um];load [mN]\n70;10;1,5\n70;12,5;{}\n"
+
+
+def test_a_table_may_have_the_modulus_and_the_radius_of_a_profile(capsys, tmp_path):
+    table, output = tmp_path / "beads.csv", tmp_path / "results.csv"
+    table.write_text(BEADS.format("2,5"), encoding="utf-8-sig")
+    options = ("--poisson-ratio", "0.2", "--profile", "parabola", "--table", str(table))
+    assert main(["sweep", *options, "--output", str(output)]) == 0
+    assert "2 scenes: 2 converged" in capsys.readouterr().out
+    rows = list(csv.DictReader(output.read_text().splitlines()))
+    for row, load, radius in zip(rows, (1.5e-3, 2.5e-3), (10e-6, 12.5e-6), strict=True):
+        truth = (3 * load * 0.96 / (4 * 70e9 * radius**0.5)) ** (2 / 3)
+        assert float(row["approach_si"]) == pytest.approx(truth, rel=1e-7)
+        assert (float(row["load_si"]), float(row["radius"])) == pytest.approx((load, radius))
+
+
+def test_the_first_scene_that_fails_is_named_and_the_status_is_1(capsys, tmp_path):
+    table = tmp_path / "beads.csv"
+    table.write_text(BEADS.format("1e9"))
+    options = ("--poisson-ratio", "0.2", "--profile", "sphere", "--table", str(table))
+    assert main(["sweep", *options, "--quantities", "approach"]) == 1
+    captured = capsys.readouterr()
+    assert "1 converged, 1 failed" in captured.out
+    assert "1 of 2 scenes were solved" in captured.err
+    assert "the range of the profile" in captured.err
+
+
+def test_the_radius_of_a_profile_may_be_several(capsys):
+    options = ("--profile", "sphere", "--radius", "10,20 um", "--load", "1:2:2 mN")
+    body = ("--youngs-modulus", "7e10", "--poisson-ratio", "0.2", "--quantities", "approach")
+    assert main(["sweep", *body, *options]) == 0
+    assert "4 scenes: 4 converged" in capsys.readouterr().out
+    assert main(["sweep", *options[:2], "--radius", "1,2", "--load", "1"]) == 2
+    assert "--radius: one number: of a profile the radius alone varies" in capsys.readouterr().err
+
+
+def test_a_table_without_a_load_is_refused(capsys, tmp_path):
+    table = tmp_path / "radii.csv"
+    table.write_text("radius [um]\n10\n")
+    body = ("--youngs-modulus", "7e10", "--poisson-ratio", "0.2", "--table", str(table))
+    assert main(["sweep", *body, "--quantities", "approach"]) == 2
+    assert "--load" in capsys.readouterr().err

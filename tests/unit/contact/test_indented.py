@@ -1,0 +1,45 @@
+"""Contact of a given radius under a profile: the rounding of the pressure at a tip."""
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+import pytest
+
+from spectral_contact import profiles
+from spectral_contact.contact.indented import _IndentationProblem
+from spectral_contact.spectral.panels import DiscreteSpace
+
+#: A profile with a tip, a contact radius, a normal compliance and a work of adhesion. In a thin
+#: layer under strong adhesion ``alpha p`` is a small difference at the tip.
+TIPS = {
+    "power law": (profiles.PowerLaw(0.48138758784301366, 1.5), 1.22140432939697, 4.2e-5, 417.2),
+    "cone": (profiles.Cone(0.9), 1.0, 8.5e-6, 400.0),
+    "steep power law": (profiles.PowerLaw(1.0, 1.5), 1.0, 8.5e-6, 4000.0),
+}
+
+
+@pytest.mark.parametrize("scene", TIPS.values(), ids=TIPS)
+def test_the_rounding_of_the_pressure_at_a_tip_is_within_its_estimate(
+    scene: tuple[profiles.Profile, float, float, float],
+) -> None:
+    """Spaces that all resolve the pressure differ by their own rounding alone."""
+    profile, radius, compliance, adhesion = scene
+    problem = _IndentationProblem(
+        profile, radius, compliance, 1e-12, pointwise=True, adhesion=adhesion
+    )
+    first = problem.start()
+    found = []
+    for more in range(5, 14):
+        degrees = tuple(min(degree + more, 38) for degree in first.degrees)
+        space = DiscreteSpace(replace(first.panels, degree=40), degrees)
+        found.append(problem.attempt(space).value)
+    at_tip = []
+    for contact in found:
+        assert contact.pressure is not None
+        at_tip.append(float(contact.pressure(np.zeros(1), np.ones(1))[0]))
+    truth = float(np.median(at_tip))
+    size = max(abs(truth), found[0].load_size / (pi * radius**2))
+    errors = np.abs(np.array(at_tip) - truth) / size
+    estimates = np.array([contact.pressure_error for contact in found])
+    assert (errors <= estimates).all(), errors / estimates
