@@ -26,8 +26,7 @@ RESULTS = Path(__file__).parent / "results"
 
 def main() -> None:
     """Recompute the figures and the statements, and say of every file what is in it."""
-    given = {"output": str(RESULTS), "figures": ",".join(FIGURES), "rtol": 1e-9}
-    asked = options(__doc__, **given)
+    asked = options(__doc__, output=str(RESULTS), figures=",".join(FIGURES), rtol=1e-9)
     folder = Path(asked.output)
     folder.mkdir(parents=True, exist_ok=True)
     for name in asked.figures.split(","):

@@ -81,6 +81,7 @@ class PaperFigure:
     def keys_of(self, scene: Scene) -> Array:
         """Return the known columns of the rows of a scene, shape (rows, len(keys))."""
         compliances = scene.normal_compliance, scene.tangential_compliance
+        assert scene.poisson_ratio is not None  # the punch is rigid
         parameters = scene.poisson_ratio, *compliances, scene.friction or 0.0
         if not self.radial:
             return np.array([parameters])
