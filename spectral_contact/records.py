@@ -177,7 +177,7 @@ class Zone:
         one_of("kind", kind, ("stick", "slip"))
         for name, end in (("inner", inner), ("outer", outer)):
             instance(name, end, Radius)
-        if not isinstance(sense, int) or abs(sense) != 1:
+        if isinstance(sense, bool) or not isinstance(sense, int) or abs(sense) != 1:
             raise SceneError("sense", sense, "1 or -1")
         instance("memory", memory, bool)
         ends = inner.value, outer.value, inner.from_edge, outer.from_edge

@@ -32,6 +32,8 @@ private words
     How often identifiers use words of private_words.toml, which says what to write instead.
 complexity
     Cyclomatic complexity of the functions of the whole library, by radon.
+code lines of a room
+    Code lines of what is around the core (`ROOMS`): parts of the library, validation and tests.
 late imports upwards
     Modules that those in `LATE` import in functions: what makes the output of a solution or of a
     study. They are no links of circles and chains. At c22aa78 their names were strings.
@@ -65,6 +67,24 @@ MOST_COMPLEX = 25
 #: of a study. What they import in functions is no link of a chain, and is counted by itself.
 LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
+#: What is around the core, by its paths, and those below them that are none of it.
+ROOMS = {
+    "the library outside the core": (
+        (NAME,),
+        tuple(f"{NAME}/{package}" for package in CORE_AND_SOLVING),
+    ),
+    "the command line": ((f"{NAME}/__main__.py", f"{NAME}/view/cli"), ()),
+    "the harness of studies": (
+        (f"{NAME}/studies",),
+        (f"{NAME}/studies/comparison.py", f"{NAME}/studies/derivatives.py"),
+    ),
+    "threads, processes and caches": (
+        (f"{NAME}/threads.py", f"{NAME}/processes.py", f"{NAME}/spectral/cache.py"),
+        (),
+    ),
+    "validation": (("validation",), ()),
+    "tests": (("tests",), ()),
+}
 #: How many of the worst are named.
 NAMED = 5
 #: Modules of the core that came with profiles, nonlinear layers, sensitivities, adhesion and
@@ -125,6 +145,17 @@ GATES = (
     Gate("longest chain of imports", 12, 19, 12),
     Gate("late imports upwards", 14, 11, 11),
     Gate("lines of import contracts", 90, 88, 90),
+    *(
+        Gate(f"code lines of {room}", before, None, goal)
+        for room, before, goal in (
+            ("the library outside the core", 18_575, None),
+            ("the command line", 1_136, 700),
+            ("the harness of studies", 1_380, 500),
+            ("threads, processes and caches", 381, 200),
+            ("validation", 9_969, 6_000),
+            ("tests", 20_162, None),
+        )
+    ),
 )
 
 
@@ -225,7 +256,23 @@ def token_count(module: Module) -> int:
 
 def code_line_count(module: Module) -> int:
     """Count the lines of a module on which a token begins."""
-    return len({token.start[0] for token in code_tokens(module.text)})
+    return _code_lines(module.text)
+
+
+def _code_lines(text: str) -> int:
+    return len({token.start[0] for token in code_tokens(text)})
+
+
+def room_lines(room: str, root: Path = REPOSITORY) -> int:
+    """Count the code lines of what is around the core, in a working tree."""
+    inside, outside = ROOMS[room]
+    paths = {
+        path
+        for one in inside
+        for path in ([root / one] if one.endswith(".py") else (root / one).rglob("*.py"))
+        if not any(path.is_relative_to(root / other) for other in outside)
+    }
+    return sum(_code_lines(path.read_text(encoding="utf-8")) for path in paths)
 
 
 def numbers(node: ast.AST) -> list[ast.Constant]:
@@ -591,6 +638,7 @@ def figures() -> dict[str, tuple[int, str]]:
         ),
         "late imports upwards": (late_imports().total(), _most(late_imports())),
         "lines of import contracts": (contract_lines(), ""),
+        **{f"code lines of {room}": (room_lines(room), "") for room in ROOMS},
     }
 
 

@@ -106,7 +106,7 @@ def power_law_pull_off(
     Parameters
     ----------
     coefficient, exponent : float
-        C and n, > 0.
+        C > 0 and n > 1/2: below, the contact has no pull-off.
     work_of_adhesion : float
         w, > 0.
     by_approach : bool
@@ -125,6 +125,8 @@ def power_law_pull_off(
         raise refusal("by_approach", by_approach, "True or False")
     w = _moderate("work_of_adhesion", work_of_adhesion)
     n = _exponent(exponent, 1.0)
+    if n <= 0.5:
+        raise refusal("exponent", exponent, "> 1/2")
     unit = power_law_contact(1.0, coefficient, exponent).approach
     # δ' = 0 and P' = 0, with δ = B aⁿ − √(πaw/2)
     ratio = math.sqrt(math.pi * w / 2.0) * (1.0 if by_approach else 3.0) / (2.0 * unit * n)

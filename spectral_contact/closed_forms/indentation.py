@@ -189,7 +189,7 @@ def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Val
     contact_radius = _moderate("contact_radius", contact_radius)
     half_angle = _angle(half_angle)
     at = _inside(r, contact_radius)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         ratio = contact_radius / at
     return np.asarray(2.0 / math.tan(half_angle) * np.arccosh(ratio))
 

@@ -134,11 +134,6 @@ def _end(text: str) -> float:
     return factor * float(Fraction(text.replace("pi", "1")))
 
 
-def is_decimal(text: str) -> bool:
-    """Return whether a text has the form of a number, be it beyond the doubles."""
-    return bool(_DECIMAL.fullmatch(text) or _NO_DECIMAL.fullmatch(text))
-
-
 def decimal_number(text: str) -> float:
     """Return the number that a text writes in decimals; it may be infinite or NaN by name.
 
@@ -166,13 +161,14 @@ def positive(parameter: str, value: object, unit: str = "") -> float:
     return within(parameter, value, allowed, unit)
 
 
-def whole(parameter: str, value: object, low: int) -> int:
-    """Return a whole number of at least ``low`` as a Python int; 20.0 and True are none by type."""
+def whole(parameter: str, value: object, low: int, high: float = math.inf) -> int:
+    """Return a whole number of a range as a Python int; 20.0 and True are none by type."""
     if isinstance(value, numbers.Integral) and not isinstance(value, _NOT_NUMBERS):
         number = int(value)
-        if number >= low:
+        if low <= number <= high:
             return number
-    raise SceneError(parameter, value, f"a whole number >= {low}")
+    allowed = f">= {low}" if high == math.inf else f"in [{low}, {high:g}]"
+    raise SceneError(parameter, value, f"a whole number {allowed}")
 
 
 def tolerance(rtol: object) -> float:

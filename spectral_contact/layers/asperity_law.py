@@ -159,12 +159,12 @@ def _moment(order: int, h: Array) -> Array:
 
 def _deep(power: float, x: Array) -> Array:
     """Return ``int (z + x)^power phi(z) dz`` for large x: by the even moments of phi."""
-    term, total = x**power, np.zeros(np.shape(x))
+    term, total = np.ones(np.shape(x)), np.zeros(np.shape(x))
     for k in range(1, 13):
         total = total + term
         n = power - 2.0 * (k - 1)
-        term = term * n * (n - 1.0) / (2.0 * k) / x**2
-    return total
+        term = term * n * (n - 1.0) / (2.0 * k) / x / x
+    return np.asarray(x**power * total)
 
 
 def _exponential(order: int, h: Array) -> Array:

@@ -89,7 +89,7 @@ class Layer(ABC):
         Parameters
         ----------
         pressure : float
-            Positive, in E', and at most that of the `limit`.
+            Positive, in E', and at most that of the `limit`, or of the largest double.
 
         Raises
         ------
@@ -124,6 +124,8 @@ class Layer(ABC):
             low, step = low - step, 2.0 * step
         high, step = max(low, 0.0) + size, size
         while less(high):
+            if high == inf:
+                raise SceneError("pressure", pressure, "one that the law reaches")
             low, high, step = high, high + step, 2.0 * step
         for _ in range(_STEPS):
             middle = 0.5 * (low + high)

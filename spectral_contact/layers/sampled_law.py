@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.fields import Array
-from spectral_contact.io.checks import finite, flag, values_at
+from spectral_contact.io.checks import finite, flag, real, values_at
 from spectral_contact.io.choices import function, instance, listed
 from spectral_contact.io.columns import Expected, read_columns
 from spectral_contact.layers.layer_base import LawErrors, Layer
@@ -321,7 +321,9 @@ class Sampled(_Pieces):
         function("pressure", pressure, "overclosures")
         function("derivative", derivative, "overclosures")
         inner = finite("knots", listed("knots", knots, "overclosures")).tolist()
-        edges = _checked("start, knots, limit", (start, *inner, limit))
+        first = real("start", start, allowed="finite")
+        last = real("limit", limit, allowed="finite")
+        edges = _checked("start, knots, limit", (first, *inner, last))
         largest = float(np.abs(values_at("pressure", pressure, np.array([edges[-1]])))[0])
         law = cls(edges, tuple(_fitted(pressure, *ends, largest) for ends in pairwise(edges)))
         w = np.linspace(edges[0], edges[-1], _LOOKS)[1:-1]

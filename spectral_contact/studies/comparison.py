@@ -506,5 +506,5 @@ def _question(size: float) -> str:
     if any(abs(size / angle - 1.0) < _ALIKE for angle in (2.0 * np.pi, 0.5 / np.pi)):
         return "per radian, or of the whole?"
     thousands = round(float(np.log10(size)) / 3.0)
-    alike = abs(size / 1000.0**thousands - 1.0) < _ALIKE
+    alike = abs(np.log(size) - thousands * np.log(1000.0)) < _ALIKE
     return "units?" if thousands and alike else ""

@@ -29,6 +29,8 @@ Solver = Callable[[Scene, Any], Any]
 _Case = tuple[str, Solver, tuple[float, ...], Truth]
 
 _OF_SCENES: Final = "a scene and a resolution"
+#: More repeats say nothing more about a time.
+_MOST_REPEATS: Final = 10_000
 #: Digits of a reference that is the truth.
 _DIGITS: Final = 20
 #: The loosest tolerance that `solve` takes; a looser solve would not be cheaper.
@@ -67,9 +69,9 @@ def convergence(
     name : str, optional
         What the solver is called; its own name is the default.
     repeats : int
-        Least number of solves that are timed at each resolution; 0 for no times. Short solves are
-        repeated for 0.2 s, or a thousand times. A solver with a function ``clear_caches`` is timed
-        with empty caches, too.
+        Least number of solves that are timed at each resolution, at most 10,000; 0 for no times.
+        Short solves are repeated for 0.2 s, or a thousand times. A solver with a function
+        ``clear_caches`` is timed with empty caches, too.
     progress : bool, optional
         Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
@@ -99,7 +101,7 @@ def convergence(
     asked = _resolutions("resolutions", resolutions)
     called = function("solver", solver, _OF_SCENES)
     named = _name(called) if name is None else instance("name", name, str)
-    count = whole("repeats", repeats, 0)
+    count = whole("repeats", repeats, 0, _MOST_REPEATS)
     ProgressLine(progress)  # refuses what it cannot be, before any work
     true = truth_of(scene, truth, progress=progress)
     runs = _Runs(chosen(quantities, [true]), quantities is not None, count)
@@ -156,7 +158,7 @@ def work_precision(
         raise SceneError("scenes", scenes, "at least one, and all different")
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
-    count = whole("repeats", repeats, 1)
+    count = whole("repeats", repeats, 1, _MOST_REPEATS)
     ProgressLine(progress)  # refuses what it cannot be, before any work
     called = _solvers(solvers, goals)
     found = [

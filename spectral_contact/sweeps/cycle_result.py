@@ -30,6 +30,8 @@ __all__ = ["CycleErrors", "LoopBranch", "PhysicalSteadyCycle", "SteadyCycle"]
 
 #: The ends of a loop.
 _ENDS: Final = ("highest", "lowest")
+#: Rows of a table.
+_MOST_POINTS: Final = 1_000_000
 #: Why there are no numbers of unloading, if there are none.
 FORWARD = (
     "the surface goes on to slip forward while the load falls, which the formulas for unloading "
@@ -334,14 +336,14 @@ class SteadyCycle(Suggesting):
         ----------
         path : str or path-like
         points : int
-            Radii, equally spaced.
+            Number of radii, equally spaced, at most a million.
 
         Raises
         ------
         SolutionFileError
             If the path cannot be written.
         """
-        path, points = path_text(path), checks.whole("points", points, 2)
+        path, points = path_text(path), checks.whole("points", points, 2, _MOST_POINTS)
         s = np.linspace(0.0, 1.0, points)
         columns = {"s": s, "slip_amplitude": self.slip_amplitude(s)}
         columns["traction_change"] = self.traction_change(s)

@@ -83,10 +83,10 @@ def damping_map(
     if given is None:
         raise SceneError("friction", None, "a coefficient of friction, or a list of them")
     frictions = _axis("friction", given)
-    for one in loads.tolist():
-        checked_cycle(scene.replace(friction=float(frictions[0])), one)
     for value in frictions[~((frictions > 0.0) & np.isfinite(frictions))]:
         raise SceneError("friction", float(value), "positive and finite")
+    for one in loads.tolist():
+        checked_cycle(scene.replace(friction=float(frictions.min())), one)
     rtol = checks.within("rtol", rtol, _TOLERANCES)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     least = scene.replace(friction=float(frictions.min()))

@@ -40,7 +40,8 @@ def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices
     friction = columns.values[3, todo]
     slips = (friction > 0.0) & (friction < np.inf) & (columns.kappa[todo] != 0.0)
     own = todo[slips & ~columns.coupled[todo] & columns.at_largest_load[todo]]
-    ratio = columns.values[3, own] / np.abs(columns.kappa[own])
+    with np.errstate(over="ignore"):  # a friction of any size
+        ratio = columns.values[3, own] / np.abs(columns.kappa[own])
     own = own[np.lexsort([ratio, *columns.values[[2, 1]][:, own]])]
     turns = np.diff(columns.values[1:3, own], axis=1) != 0.0
     for line in np.split(own, np.flatnonzero(turns.any(axis=0)) + 1):

@@ -36,6 +36,8 @@ _TOLERANCES: Final = "in [1e-11, 1e-2]"
 _SOLVE_TOLERANCES: Final = (0.1, 1e-3)
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
+#: What a smaller friction dissipates is no double.
+_LEAST_FRICTION: Final = 1e-100
 #: Loops that dissipate next to nothing may have fewer digits: those with a friction so close to the
 #: critical one, over the distance of the deepest loop from there.
 _NEAR_SHAKEDOWN: Final = 1e-2
@@ -113,6 +115,8 @@ def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
         raise SceneError("profile", scene.profile, "None: the law is that of a flat punch")
     if scene.friction is None:
         raise SceneError("friction", None, "a coefficient of friction")
+    if 0.0 < scene.friction < _LEAST_FRICTION:
+        raise SceneError("friction", scene.friction, f"0, or at least {_LEAST_FRICTION:g}")
     if scene.couples:
         raise SceneError("coupling", True, "False: with elastic coupling the law does not hold")
     return scene, lowest

@@ -8,7 +8,9 @@ import pytest
 import spectral_contact as sc
 from spectral_contact import NotComputedError, Scene, SceneError, Solution, profiles, solve
 from spectral_contact.__main__ import main
+from spectral_contact.fields.series import Radius
 from spectral_contact.layers import Exponential
+from spectral_contact.records import Zone
 from spectral_contact.scene import same_problem
 from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.lines import lines
@@ -178,3 +180,8 @@ def test_the_command_line_unloads(capsys):
     assert "--unload-to = 1.5: must be in (0, 1]" in capsys.readouterr().err
     assert main(["sweep", "--unload-to", "0.8,1", "--quantities", "approach"]) == 0
     assert "2 converged" in capsys.readouterr().out
+
+
+def test_a_sense_of_slip_is_a_number():
+    with pytest.raises(SceneError, match="sense = True: must be 1 or -1"):
+        Zone.from_radii("slip", Radius(0.5, 0.5), Radius(1.0, 0.0), sense=True)

@@ -302,3 +302,8 @@ def test_where_a_profile_ends_does_not_move_a_pull_off_short_of_it():
     for name in ("load", "contact_radius"):
         allowed = getattr(near.error, name) + getattr(far.error, name)
         assert off(getattr(near, name), getattr(far, name), getattr(far, name)) <= allowed
+
+
+def test_a_profile_without_pull_off_has_no_closed_form():
+    with pytest.raises(ValueError, match=r"exponent = 0\.5: must be > 1/2"):
+        closed_forms.power_law_pull_off(0.5, 0.5, 0.2)

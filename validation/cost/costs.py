@@ -1,7 +1,7 @@
 """Measure what accuracy costs: digits, small roughness, and each effect of a scene.
 
 Run as ``python validation/cost/costs.py [--quick] [--store FOLDER]``; writes costs.json and .md,
-and by matplotlib costs.png, costs_growth.png and costs_prices.png, into validation/results.
+and by matplotlib costs.png and costs_growth.png, into validation/results.
 Whatever is done is kept in the store, and the same command goes on where a run was stopped; what
 other sources of the library gave is not taken. The truths, to 20 digits, are kept in
 costs_truths.json beside the results, and made once, in some ten minutes. The price of many digits
@@ -30,7 +30,6 @@ from costs_report import (
     all_unknowns,
     draw_errors,
     draw_growth,
-    draw_prices,
     growth_argument,
     tables,
 )
@@ -298,7 +297,6 @@ def main() -> None:
     write("costs", tables(found), found)
     draw_errors(found, RESULTS / "costs.png")
     draw_growth(found, RESULTS / "costs_growth.png")
-    draw_prices(found, RESULTS / "costs_prices.png")
 
 
 if __name__ == "__main__":

@@ -366,45 +366,6 @@ def _draw_line(
     axes.text(0.03, 0.95, law, transform=axes.transAxes, va="top", fontsize=8.0)
 
 
-def draw_prices(record: Record, path: Path) -> None:
-    """Draw the price list: a dot warm and a ring cold, each with its number."""
-    prices = record["prices"]
-    with style():
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(7.6, 0.9 + 0.36 * len(prices)), layout="constrained")
-        axes = figure.subplots()
-        for row, price in enumerate(prices):
-            warm, cold = _price_seconds(price)
-            axes.plot([warm, cold], [row, row], color="0.6", lw=0.8)
-            # warm is the shorter time: its number is on the left, that of cold on the right
-            for seconds, face, shift, side in (
-                (warm, "0.1", -7, "right"),
-                (cold, "white", 7, "left"),
-            ):
-                if math.isfinite(seconds):
-                    axes.plot([seconds], [row], "o", color="0.1", mfc=face, ms=5.0)
-                    axes.annotate(
-                        _seconds(seconds),
-                        (seconds, row),
-                        (shift, 0),
-                        textcoords="offset points",
-                        ha=side,
-                        va="center",
-                        fontsize=8.0,
-                    )
-        axes.set_yticks(range(len(prices)), [price["item"] for price in prices])
-        axes.invert_yaxis()
-        axes.set(xscale="log", xlabel="time: full warm, open cold")
-        low, high = axes.get_xlim()
-        axes.set_xlim(low / 6.0, high * 6.0)
-        ticks = 10.0 ** np.arange(-4.0, 3.0)
-        axes.set_xticks(ticks, [_seconds(tick) for tick in ticks])
-        axes.minorticks_off()
-        axes.grid(visible=False, axis="y")
-    save(figure, str(path))
-
-
 def _seconds(seconds: float) -> str:
     if math.isnan(seconds):
         return "–"

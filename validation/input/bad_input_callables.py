@@ -160,7 +160,9 @@ def kinds_of(annotation: Any) -> set[str]:
         outer, _, inner = part.partition("[")
         kind = KINDS.get(outer.rpartition(".")[2], "object")
         if kind == "list":
-            found |= {f"list of {one}" for one in kinds_of(inner.rpartition("]")[0])} | {"list"}
+            found |= {
+                f"list of {one}" for one in kinds_of(inner.rpartition("]")[0].removesuffix(", ..."))
+            } | {"list"}
         else:
             found.add(kind)
     return found | ({"text"} if "path" in found else set())

@@ -10,7 +10,6 @@ from paper_onset import slip_onset
 from paper_tables import RADII, FigureData, PaperFigure
 
 from spectral_contact.fields import Array
-from spectral_contact.io import checks, choices
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
@@ -19,40 +18,16 @@ FIGURES = ("2", "3", "4", "5", "6", "onset")
 
 
 def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
-    """Compute the numbers of a figure.
-
-    Parameters
-    ----------
-    name : str
-        Out of ``FIGURES``.
-    rtol : float
-        Relative tolerance of every solve, 1e-12 to 1e-2.
-
-    Returns
-    -------
-    FigureData
-
-    Raises
-    ------
-    SceneError
-        For an argument out of its range.
-    ConvergenceError
-        If the tolerance cannot be met.
-    """
-    figure, rtol = paper_figure(name), checks.tolerance(rtol)
-    rows = [figure.rows_of(scene, rtol) for scene in figure.scenes]
-    return FigureData(figure, rtol, np.concatenate(rows))
+    """Compute the numbers of a figure out of ``FIGURES``, every solve to this tolerance."""
+    figure = paper_figure(name)
+    return FigureData(
+        figure, rtol, np.concatenate([figure.rows_of(s, rtol) for s in figure.scenes])
+    )
 
 
 def paper_figure(name: str) -> PaperFigure:
-    """Return what a figure shows.
-
-    Raises
-    ------
-    SceneError
-        For a name out of ``FIGURES``.
-    """
-    return _figures()[choices.one_of("name", name, FIGURES)]
+    """Return what a figure out of ``FIGURES`` shows."""
+    return _figures()[name]
 
 
 # --- what is measured of a scene ------------------------------------------------------------------

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spectral_contact.errors import SceneError
-from spectral_contact.io.choices import instance
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
@@ -60,39 +58,15 @@ def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
     Parameters
     ----------
     scene : Scene
-        Its friction does not matter; nu < 1/2, and at least one compliance is not 0.
+        Its friction does not matter; nu < 1/2, and beta* > 0: the critical friction is finite.
     rtol : float
         Relative tolerance of the solve.
 
     Returns
     -------
     SlipOnset
-
-    Raises
-    ------
-    SceneError
-        For a scene whose critical friction is 0 or infinite, or an argument out of its range.
     """
-    return _first_slip(solve(_all_stuck(scene), rtol, _ASKED))
-
-
-def _all_stuck(scene: Scene) -> Scene:
-    """Return a scene in which nothing slips, and in which something could.
-
-    Raises
-    ------
-    SceneError
-        For a scene whose critical friction is 0 or infinite.
-    """
-    instance("scene", scene, Scene)
-    full = Scene(
-        scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, friction=inf
-    )
-    if full.kappa == 0.0:
-        raise SceneError("poisson_ratio", full.poisson_ratio, "below 0.5: there is no traction")
-    if full.tangential_compliance == 0.0:
-        raise SceneError("tangential_compliance", 0.0, "> 0: without it the edge always slips")
-    return full
+    return _first_slip(solve(scene.replace(friction=inf), rtol, _ASKED))
 
 
 def _first_slip(solution: Solution) -> SlipOnset:

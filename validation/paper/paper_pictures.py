@@ -31,12 +31,6 @@ _TRACTION = r"traction $q^* = a^2 q / P$"
 _NAMED = (0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)
 
 
-def check() -> None:
-    """Check, before the work, that pictures can be made: matplotlib is there."""
-    with style():
-        pass
-
-
 def draw(data: FigureData) -> Figure:
     """Draw a figure in the paper's layout, with a note of parameters and largest errors."""
     with style():

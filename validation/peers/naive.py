@@ -1,6 +1,6 @@
 """Show what simpler formulations lose: python validation/peers/naive.py.
 
-Writes validation/results/naive.md and .png.
+Writes validation/results/naive.md.
 
 - The kernels (2.4) as printed, against mpmath.
 - The pressure as one polynomial in s**2 without a weight: Galerkin's equations, whose integrals are
@@ -21,7 +21,7 @@ sys.path.append(str(Path(__file__).parents[1]))
 
 import mpmath
 import numpy as np
-from reporting import RESULTS, table, write
+from reporting import table, write
 from scipy import special
 
 from spectral_contact import Scene, solve
@@ -37,9 +37,6 @@ GAPS = [10.0**-k for k in range(1, 16)]
 FAR = [10.0**k for k in range(1, 9)]
 DEGREES = [2, 4, 8, 16, 32, 64, 128, 256]
 COMPLIANCES = [0.5, 1e-2, 1e-6]
-SHOWN = {0.5: "0.5", 1e-2: "0.01", 1e-6: "$10^{-6}$"}
-#: Where an infinite kernel is drawn.
-INFINITE = 1e2
 EDGES = [10.0**-k for k in range(15)]
 
 
@@ -204,74 +201,6 @@ def page(record: dict[str, Any]) -> str:
     return "\n\n".join(parts)
 
 
-def draw(record: dict[str, Any], path: Path) -> None:
-    """Draw all of it."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
-    (near, far), (polynomial, edge) = figure.subplots(2, 2)
-    for ax, kind, label in (
-        (near, "near", r"$|\eta - s|/s$"),
-        (far, "far", r"$\eta/s$"),
-    ):
-        rows = [r for r in record["kernels"] if r["kind"] == kind]
-        for form, line in (("printed", "-"), ("library", ":")):
-            for k, mark in ((0, "o"), (1, "s")):
-                x = [r["at"] for r in rows]
-                y = [INFINITE if r[form][k] is None else r[form][k] for r in rows]
-                label_ = f"$K_{k + 1}$, {'as printed (2.4)' if form == 'printed' else 'library'}"
-                ax.plot(
-                    x,
-                    np.maximum(y, 1e-16),
-                    line,
-                    marker=mark,
-                    ms=4,
-                    mfc="white",
-                    color="black" if form == "printed" else "0.5",
-                    label=label_,
-                )
-        ax.set(xscale="log", yscale="log", xlabel=label, ylabel="relative error of the kernel")
-        ax.set_ylim(3e-17, 1e4)
-        if kind == "near":
-            ax.axhline(INFINITE, color="0.7", lw=0.8)
-            ax.text(1e-4, 2.0 * INFINITE, "infinite", fontsize=7)
-        ax.legend(fontsize=7, loc=(0.03, 0.3) if kind == "near" else "upper left")
-    for compliance, shade in zip(COMPLIANCES, ("0.0", "0.35", "0.65"), strict=True):
-        rows = [r for r in record["polynomials"] if r["compliance"] == compliance]
-        x = [r["degree"] for r in rows]
-        for key, line, mark, name in (
-            ("approach", "--", "o", r"\delta^*"),
-            ("edge", "-", "s", "p^*(1)"),
-        ):
-            y = [max(r[key], 1e-16) for r in rows]
-            label_ = rf"${name}$, $\alpha^*$ = {SHOWN[compliance]}"
-            polynomial.plot(x, y, line, marker=mark, ms=4, mfc="white", color=shade, label=label_)
-    polynomial.set(
-        xscale="log",
-        yscale="log",
-        xlabel="degree of the one polynomial",
-        ylabel=r"relative error of $\delta^*$ and $p^*(1)$",
-    )
-    polynomial.set_xscale("log", base=2)
-    polynomial.legend(fontsize=7)
-    x = [r["compliance"] for r in record["edges"]]
-    for key, line, mark, name in (
-        ("plain", "-", "o", "normal equations"),
-        ("corrected", "--", "s", "with correction"),
-        ("weight", ":", "^", "with endpoint weight"),
-    ):
-        y = [max(r[key], 1e-16) for r in record["edges"]]
-        edge.plot(x, y, line, marker=mark, ms=4, mfc="white", color="black", label=name)
-    edge.plot(x, 2.2e-16 / np.sqrt(x), color="0.6", lw=1.0, label=r"$\varepsilon/\sqrt{\alpha^*}$")
-    edge.set(xscale="log", yscale="log", xlabel=r"$\alpha^*$", ylabel="relative error of $p^*(1)$")
-    edge.legend(fontsize=7)
-    for ax in (near, far, polynomial, edge):
-        ax.grid(color="0.92")
-    edge.set_xticks([10.0**-k for k in range(0, 15, 3)])
-    figure.supxlabel("Errors of 0, and below $10^{-16}$, are drawn there.", fontsize=8)
-    figure.savefig(path, dpi=130)
-
-
 def main() -> None:
     """Run and write the results."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -283,7 +212,6 @@ def main() -> None:
         "edges": edges,
     }
     write("naive", page(record))
-    draw(record, RESULTS / "naive.png")
 
 
 if __name__ == "__main__":

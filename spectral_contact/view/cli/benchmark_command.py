@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
-import argparse
-from typing import Annotated
+from typing import Annotated, Final
 
 from spectral_contact.gold import benchmarks
-from spectral_contact.io.choices import suggestion
 from spectral_contact.view.cli.options import Option
 from spectral_contact.view.report import table
 
-
-def _name(text: str) -> str:
-    if text not in benchmarks.names():
-        meant = suggestion(text, benchmarks.names())
-        raise argparse.ArgumentTypeError(f"there is no benchmark {text!r}{meant}")
-    return text
+_NAMES: Final = benchmarks.names()
 
 
 def print_list() -> None:
     """List the benchmarks and their check numbers."""
     cells = [("benchmarks", "check number", "within", "problem")]
-    for name in benchmarks.names():
-        one = benchmarks.load(name)
+    for one in map(benchmarks.load, _NAMES):
         check = f"{one.check.symbol} = {one.check.text}"
-        cells.append((name, check, f"{one.tolerance:g}", one.title))
+        cells.append((one.name, check, f"{one.tolerance:g}", one.title))
     print(f"{table(cells)}\n\nversion {benchmarks.VERSION}")
 
 
-def show(name: Annotated[str, Option(read=_name)]) -> None:
+def show(name: Annotated[str, Option(choices=_NAMES, metavar="NAME")]) -> None:
     """Print the page of a benchmark.
 
     Parameters
@@ -39,7 +31,9 @@ def show(name: Annotated[str, Option(read=_name)]) -> None:
     print(benchmarks.load(name).page().rstrip("\n"))
 
 
-def export(names: Annotated[list[str], Option(read=_name, nargs="*")], *, output: str) -> None:
+def export(
+    names: Annotated[list[str], Option(choices=_NAMES, metavar="NAME", nargs="*")], *, output: str
+) -> None:
     """Copy benchmarks to a folder: pages, numbers, fields, checksums.
 
     Parameters

@@ -33,8 +33,17 @@ class Parser(argparse.ArgumentParser):
             self.error(f"unrecognized arguments: {' '.join(unknown)}{meant}")
         return found, unknown
 
+    def _get_value(self, action: argparse.Action, text: str) -> Any:
+        """Read a value, and keep the words of a ValueError, which argparse would drop."""
+        try:
+            return text if action.type is None else action.type(text)  # type: ignore[operator]
+        except ValueError as error:
+            raise argparse.ArgumentError(action, str(error)) from error
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Suggest a choice for one that is unknown; argparse does so from Python 3.14 on."""
+        if value == []:  # of a positional argument that may be left out
+            return
         try:
             super()._check_value(action, value)
         except argparse.ArgumentError as error:

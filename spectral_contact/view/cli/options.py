@@ -6,23 +6,24 @@ errors of the library.
 
 from __future__ import annotations
 
-import argparse
 import math
 import re
 from collections.abc import Sequence
-from functools import partial
+from contextlib import suppress
 from typing import Annotated, Any, Final
 
 import numpy as np
 
-from spectral_contact.errors import SolutionFileError, SpectralContactError
-from spectral_contact.io.checks import decimal_number, is_decimal
+from spectral_contact.errors import SpectralContactError
+from spectral_contact.io.checks import decimal_number
 from spectral_contact.io.documents import checked_path
 from spectral_contact.io.units import has_unit
 from spectral_contact.view import plotting
 
 # Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
+#: How a negative number begins, alone or in a list, a range or before a unit.
+_NEGATIVE: Final = re.compile(r"-(?:[0-9.]|inf|nan)", re.IGNORECASE)
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
 #: What an option is called that has another name than its parameter.
@@ -48,11 +49,10 @@ def measured(text: str) -> float | str:
         return text
     try:
         return number(text)
-    except argparse.ArgumentTypeError as error:
+    except ValueError as error:
         if text.strip()[:1] not in tuple("0123456789.+-"):
             raise
-        told = f"{error}, nor a number and a unit, as '5 mm' or '50 nm/MPa'"
-        raise argparse.ArgumentTypeError(told) from error
+        raise ValueError(f"{error}, nor a number and a unit, as '5 mm' or '50 nm/MPa'") from error
 
 
 def number(text: str) -> float:
@@ -60,18 +60,15 @@ def number(text: str) -> float:
     try:
         return decimal_number(text.strip(" "))
     except ValueError as error:
-        raise argparse.ArgumentTypeError(f"{text!r} {error}") from None
+        raise ValueError(f"{text!r} {error}") from None
 
 
 def whole(text: str) -> int:
     """Return a whole number."""
-    stripped = text.strip(" ")
-    try:
-        if _WHOLE.fullmatch(stripped):
+    with suppress(ValueError):  # more digits than Python converts
+        if _WHOLE.fullmatch(stripped := text.strip(" ")):
             return int(stripped)
-    except ValueError:  # more digits than Python converts
-        pass
-    raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+    raise ValueError(f"{text!r} is not a whole number")
 
 
 def resolution(text: str) -> float:
@@ -84,20 +81,19 @@ def values(text: str) -> list[float]:
     low, *rest = text.split(":")
     if not rest:
         return [number(part) for part in text.split(",")]
-    refusal = argparse.ArgumentTypeError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
+    refusal = ValueError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
     if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
         raise refusal
     start, high, count = number(low), number(rest[0]), whole(rest[1])
     if count < 1 or not math.isfinite(high - start):
         raise refusal
     if count > _MOST_VALUES:
-        told = f"{text!r}: COUNT must be at most {_MOST_VALUES}"
-        raise argparse.ArgumentTypeError(told)
-    if rest[2:] != ["log"]:
-        return list(map(float, np.linspace(start, high, count)))
-    if min(start, high) <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r}: equal ratios need positive ends")
-    return list(map(float, np.geomspace(start, high, count)))
+        raise ValueError(f"{text!r}: COUNT must be at most {_MOST_VALUES}")
+    in_ratios = rest[2:] == ["log"]
+    if in_ratios and min(start, high) <= 0.0:
+        raise ValueError(f"{text!r}: equal ratios need positive ends")
+    spaced = np.geomspace if in_ratios else np.linspace
+    return list(map(float, spaced(start, high, count)))
 
 
 def si_values(text: str) -> list[float | str]:
@@ -110,12 +106,7 @@ def si_values(text: str) -> list[float | str]:
 
 def friction(text: str) -> float | None:
     """Return a coefficient of friction, None for ``none``."""
-    if text.strip().lower() == "none":
-        return None
-    value = number(text)
-    if not value >= 0.0:
-        raise argparse.ArgumentTypeError(f"{text!r} must be >= 0, or inf (full stick), or none")
-    return value
+    return None if text.strip().lower() == "none" else number(text)
 
 
 def frictions(text: str) -> list[float | None]:
@@ -127,7 +118,7 @@ def named_number(text: str) -> tuple[str, float]:
     """Return the two sides of ``NAME=X``."""
     name, equals, value = text.partition("=")
     if not equals:
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=X")
+        raise ValueError(f"{text!r} is not NAME=X")
     return name.strip().replace("-", "_"), number(value)
 
 
@@ -141,29 +132,18 @@ def joined(argv: Sequence[str]) -> list[str]:
         if found[-2:] == ["--profile", "points"] and not text.startswith("--"):
             found.append(f"--profile-file={text}")
             continue
-        if found and found[-1].startswith("--") and "=" not in found[-1] and _negative(text):
+        is_value = _NEGATIVE.match(text) and found and found[-1].startswith("--")
+        if is_value and "=" not in found[-1]:
             found[-1] = f"{found[-1]}={text}"
         else:
             found.append(text)
     return found
 
 
-def _negative(text: str) -> bool:
-    stripped = text.strip(" ")
-    return text.startswith("-") and is_decimal(stripped)
-
-
-def _output(suffixes: Sequence[str], text: str) -> str:
-    try:
-        return checked_path(text, suffixes)
-    except SolutionFileError as error:  # a ValueError, whose words argparse would drop
-        raise argparse.ArgumentTypeError(str(error)) from error
-
-
 def picture(text: str) -> str:
     """Return the path of a picture that can be drawn."""
     plotting.require()
-    return _output(plotting.FORMATS, text)
+    return checked_path(text, plotting.FORMATS)
 
 
 class Option:
@@ -186,7 +166,7 @@ class Option:
 
 def written(*suffixes: str) -> Option:
     """Return the kind of a file that is written, with one of these suffixes."""
-    return Option(*suffixes, read=partial(_output, suffixes))
+    return Option(*suffixes, read=lambda text: checked_path(text, suffixes))
 
 
 Number = Annotated[float, Option(read=number)]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
 import re
+from argparse import SUPPRESS
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
 from typing import Annotated, Any, ClassVar, Final, NamedTuple, Self
@@ -188,7 +188,7 @@ class FlatOptions:
             kind = {"action": "store_true"}
         elif name == "branch":
             kind = {"type": options.whole, "metavar": "N"}
-        group.add_argument(flag(name), dest=name, default=argparse.SUPPRESS, help=told, **kind)
+        group.add_argument(flag(name), dest=name, default=SUPPRESS, help=told, **kind)
 
     @property
     def shaped(self) -> bool:
@@ -273,7 +273,8 @@ class FlatOptions:
             flag(f"{name}_si" if self.si and name in _COMPLIANCES else name)
             for name in error.parameter.split(", ")
         )
-        return ", ".join(names) + str(error).removeprefix(error.parameter)
+        told = str(error).removeprefix(error.parameter).replace("math.inf", "inf")
+        return ", ".join(names) + told
 
 
 class SceneOptions(FlatOptions):
@@ -370,7 +371,7 @@ def _punch_profile(words: list[str], si: bool) -> Profile:
         raise UsageError(f"{option} {told}")
     try:
         given = dict(zip(names, map(options.measured, numbers), strict=True))
-    except argparse.ArgumentTypeError as error:
+    except ValueError as error:
         raise UsageError(f"{option}: {error}") from None
     profile: Profile = _made(option, shapes[shape], given, si)
     return profile

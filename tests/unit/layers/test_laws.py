@@ -189,3 +189,27 @@ def test_a_layer_of_a_document_is_checked():
     for wrong in ({"PowerLaw": {"coefficient": 1.0}}, {"Power": {}}, [], {"PowerLaw": 3}):
         with pytest.raises(SceneError, match="layer"):
             Scene.from_dict({**tree, "layer": wrong})
+
+
+@pytest.mark.parametrize("name", ["abaqus", "calculix"])
+def test_a_pressure_that_a_law_never_reaches_is_refused(name):
+    with pytest.raises(SceneError, match=r"pressure = 1e\+308: must be one that the law reaches"):
+        LAWS[name].overclosure(1e308)
+
+
+@pytest.mark.parametrize("name", ["gaussian", "exponential heights"])
+def test_pressures_beyond_the_doubles_are_infinite(name):
+    assert LAWS[name].pressure(1e308) == math.inf
+    assert LAWS[name].pressure(1e80) == pytest.approx(
+        16.0 / 3.0 * 3.0 * math.sqrt(0.1) * 1e120, rel=1e-14
+    )
+
+
+def test_the_ends_of_a_sampled_law_are_numbers():
+    def made(**ends):
+        return layers.Sampled.from_functions(lambda w: w, np.ones_like, **ends)
+
+    with pytest.raises(SceneError, match=r"^start = "):
+        made(start=np.array(0.0), limit=1.0)
+    with pytest.raises(SceneError, match=r"^limit = "):
+        made(start=0.0, limit=np.array(1.0))

@@ -300,3 +300,8 @@ def test_what_cannot_be_compared_with_a_displacement_is_named(true):
         sc.compare(SLIPPING, displacement=[0.1], truth=true)
     with pytest.raises(SceneError, match="a Solution, to compare displacements"):
         sc.compare(Scene(0.1), r=[0.1], displacement=[0.1], truth=sc.reference(Scene(0.1), 15))
+
+
+def test_numbers_next_to_zero_are_compared_as_any():
+    found = sc.compare(Scene(0.1, 0.5), approach=5e-324)
+    assert found.error == pytest.approx(1.0)

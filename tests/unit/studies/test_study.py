@@ -230,6 +230,7 @@ def test_a_quantity_that_is_asked_for_must_be_there():
         ({"quantities": 1}, "quantities = 1"),
         ({"solver": 3}, "solver = 3"),
         ({"repeats": -1}, "repeats = -1"),
+        ({"repeats": 10**9}, "repeats = 1000000000: must be a whole number in"),
         ({"name": 1}, "name = 1"),
         ({"progress": "no"}, "progress = 'no'"),
         ({"resolutions": itertools.count(1)}, "resolutions"),

@@ -43,6 +43,7 @@ def test_the_friction_is_that_of_the_scene_if_none_is_given():
         ("lowest", {"lowest": [[0.5]]}),
         ("friction", {"lowest": 0.5, "friction": [0.1, 0.0]}),
         ("friction", {"lowest": 0.5, "friction": [math.inf]}),
+        ("friction", {"lowest": 0.5, "friction": [0.1, 1e-200]}),
         ("rtol", {"lowest": 0.5, "rtol": 1.0}),
     ],
 )

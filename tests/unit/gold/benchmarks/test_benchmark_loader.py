@@ -88,7 +88,8 @@ def test_one_is_shown(capsys):
 def test_an_unknown_one_is_one_line(capsys):
     status, out, err = run(capsys, "show", "rough_norml")
     assert (status, out) == (2, "")
-    assert "there is no benchmark 'rough_norml'; did you mean rough_normal?" in err
+    assert "invalid choice: 'rough_norml'" in err
+    assert "did you mean rough_normal?" in err
     assert err.count("\n") == 1
 
 

@@ -297,6 +297,15 @@ def test_a_range_of_too_many_values_is_refused(capsys, count):
     assert "COUNT must be at most 10000000" in err
 
 
+@pytest.mark.parametrize("values", ["-0.25:0.25:3", "-0.25,0,0.25"])
+def test_lists_and_ranges_may_begin_with_a_negative_number(capsys, tmp_path, values):
+    path = tmp_path / "line.csv"
+    options = ["--friction", "none", "--quantities", "approach", "--output", str(path)]
+    assert run(capsys, "--poisson-ratio", values, *options)[0] == 0
+    lines = [one for one in path.read_text(encoding="utf-8").splitlines() if one[0] != "#"]
+    assert [float(row["poisson_ratio"]) for row in csv.DictReader(lines)] == [-0.25, 0.0, 0.25]
+
+
 BEADS = "E [GPa];radius [um];load [mN]\n70;10;1,5\n70;12,5;{}\n"
 
 
