@@ -75,7 +75,7 @@ def test_where_nothing_exceeds_friction_no_slip_is_missing(from_largest_load):
 def test_a_state_that_turned_names_the_load(from_largest_load, monkeypatch):
     known = SimpleNamespace(value=0.22, error=0.0)
     monkeypatch.setattr(Unloading, "turning_ratio", known)
-    with pytest.raises(HistoryError, match=r"turning ratio 0\.22 ") :
+    with pytest.raises(HistoryError, match=r"turning ratio 0\.22 "):
         from_largest_load.state(0.15, unloading._unrecorded)
 
 
