@@ -19,16 +19,14 @@ kappa = 1; the logit of a radius s is ``ln(s**2/(1 - s**2))``.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
-from math import exp, inf, log, sqrt
+from math import copysign, exp, log, pi, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
-from spectral_contact.contact.friction_law import DISTANCES
+from spectral_contact.contact.friction_law import DISTANCES, excused_excess
 from spectral_contact.contact.layout import Layout, NoBoundariesError, logit_at
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import NormalContact
@@ -91,39 +89,42 @@ class UnloadedSearch(ZoneSearch):
         The displacement at the largest load, times one over the load ratio.
     load_ratio : float
         Below 1.
-    reversing : bool
-        Whether zones may slip back. If not, the friction law may be broken at the edge.
     """
 
     contact: NormalContact
     before: KnownDisplacement
     load_ratio: float
-    reversing: bool = True
     #: the latest solution
     solved: ZoneSolution | None = field(default=None, init=False)
+
+    @cached_property
+    def _zones_on_rings(self) -> Layout:
+        """The zones by an active set on rings, at this load ratio or at 3/4 if that is less.
+
+        At ratios close to 1, what slips on is next to a boundary at the largest load, and narrower
+        than rings.
+        """
+        from spectral_contact.contact.active_set import ring_layout
+
+        load_ratio = min(self.load_ratio, 3.0 / 4.0)
+        rings = ring_layout(self.parameters, coupled=False, splits=3, unloaded_to=load_ratio)
+        return Layout(tuple(radius.logit for radius in rings.boundaries), rings.states)
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: the zones at a like load, and those that rings show."""
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones at like loads", predicted=True)
-        from spectral_contact.contact.active_set import ring_layout
+        yield Candidate(self._zones_on_rings, "the zones of an active set on rings")
+        if self.solved and (missing := _with_missing_slip(self.solved)):
+            yield Candidate(missing, "the zones before, with the slip missing there")
+        yield Candidate(self.forward_zones, "the zones on rings, without slip back")
+        if self.solved and (missing := _with_missing_slip(self.solved)):
+            yield Candidate(missing, "the zones before, with the slip missing there")
 
-        for more in range(1, 5):
-            # next to a boundary at the largest load slip may be narrower than rings
-            splits = 2 * more + 1
-            rings = ring_layout(
-                self.parameters, coupled=False, splits=splits, unloaded_to=self.load_ratio
-            )
-            logits = tuple(radius.logit for radius in rings.boundaries)
-            zones = Layout(logits, rings.states)
-            if self.reversing:
-                yield Candidate(zones, "the zones of an active set on rings")
-                missing = self.solved and _with_missing_slip(self.solved)
-                if missing:
-                    yield Candidate(missing, "the zones before, with the slip missing there")
-            forward = _without_reverse_slip(zones)
-            if forward.states != zones.states or not self.reversing:
-                yield Candidate(forward, "the zones on rings, without slip back")
+    @property
+    def forward_zones(self) -> Layout:
+        """The zones on rings without slip back, to begin with."""
+        return _without_reverse_slip(self._zones_on_rings)
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: stick at the centre, and memory further out."""
@@ -144,30 +145,30 @@ class UnloadedSearch(ZoneSearch):
             raise NoBoundariesError("the tolerance is not met from these boundaries")
         solved: ZoneSolution = self.record(UNLOADING, refinement, begin)
         self.solved = solved
-        return zones_outcome(solved, self.parameters, self.contact)
+        outcome = zones_outcome(solved, self.parameters, self.contact)
+        if _reverse_margin(solved) < -excused_excess(outcome.traction_error):
+            raise NoBoundariesError("the surface would slip back in what sticks")
+        return outcome
 
-    def solve_zones(self, zones: Layout | None) -> ZoneSolution:
-        """Return the solution on zones near these, or on the first candidate that has one.
-
-        The friction law is not asked.
+    def solve_zones(self, zones: Layout) -> ZoneSolution:
+        """Return the solution on zones near these. The friction law is not asked.
 
         Raises
         ------
         NoZonesError
-            If no candidate has a solution.
+            If there is none.
         """
-        starts = [zones] if zones else (candidate.zones for candidate in self._candidates())
-        with np.errstate(all="ignore"):
-            for start in starts:
-                with suppress(np.linalg.LinAlgError, ArithmeticError):
-                    problem = self.problem(start, self.tolerance)
-                    return refine(problem, self.tolerance, self.max_unknowns).best.value
-        raise NoZonesError("no zones have a solution")
+        try:
+            with np.errstate(all="ignore"):
+                problem = self.problem(zones, self.tolerance)
+                return refine(problem, self.tolerance, self.max_unknowns).best.value
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            raise NoZonesError(str(error)) from None
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         raise NoZonesError("; ".join(trial.text for trial in self._trials))
 
-    def growth(self, zones: Layout) -> ZoneGrowth:
+    def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
 
         While the zones are held fixed, the traction beside an end begins to exceed friction, or to
@@ -176,6 +177,7 @@ class UnloadedSearch(ZoneSearch):
         The displacement that what sticks keeps goes like one over the load, and the traction is
         continuous with it. So the excess is the jump without it, with opposite sign.
         """
+        zones = solved.layout
         logits = np.array(zones.logits)
         undisplaced = FreeBoundaryProblem(self.parameters, zones, COARSE_TOL, known=self.contact)
         system = undisplaced.system(undisplaced.spaces(COARSE_TOL, logits), logits)
@@ -187,7 +189,8 @@ class UnloadedSearch(ZoneSearch):
         jumps = (states[1:] + states[:-1])[:, None] * system.jump_rows / self.parameters.friction
         changes = -jumps @ values
         i = int(np.argmin(changes))
-        by_boundaries = self.tolerance * float(np.abs(changes).max())
+        # the slope of q/f - p by a logit is of the size of the mean pressure
+        by_boundaries = float(solved.logit_errors.max()) / pi
         error = abs(float(jumps[i] @ coarse_difference)) + by_boundaries
         return ZoneGrowth(changes, float(changes[i]), error)
 
@@ -203,11 +206,11 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
     for zone in range(len(states) - 1, 0, -1):
         if 2 * zone not in system.known_displacement:
             continue
-        halves = (2 * zone - 1, 2 * zone)
-        y = np.concatenate([system.parts[k].mesh.points(DISTANCES).y for k in halves])
+        halves = [_friction_ratios(solved, k) for k in (2 * zone - 1, 2 * zone)]
+        y, ratio = np.concatenate(halves, axis=1)
         outward = np.argsort(-y)
         y = y[outward]
-        ratio = np.concatenate([_friction_ratio(solved, k, DISTANCES) for k in halves])[outward]
+        ratio = ratio[outward]
         largest = int(np.argmax(np.abs(ratio)))
         within = np.flatnonzero(np.abs(ratio) <= 1.0)
         if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(within):
@@ -236,18 +239,7 @@ def _without_reverse_slip(zones: Layout) -> Layout:
 
 
 class HistoryError(ArithmeticError):
-    """The load is below the turning ratio, so that the state depends on the way to it.
-
-    Attributes
-    ----------
-    turning : LoadRatio
-    """
-
-    def __init__(self, turning: LoadRatio) -> None:
-        super().__init__(
-            f"below the turning ratio {turning.value:.7g} it depends on the loads in between"
-        )
-        self.turning = turning
+    """The load is below the turning ratio, so that the state depends on the way to it."""
 
 
 class Unloading:
@@ -295,11 +287,13 @@ class Unloading:
         """
         search = self._search(load_ratio, record, start=start, tolerance=self._state_tolerance)
         outcome = search.outcome()
-        assert outcome.layout is not None
-        if not search.growth(outcome.layout).least > 0.0:
-            turning = self.turning_ratio
-            if turning.value > load_ratio:
-                raise HistoryError(turning)
+        assert search.solved is not None
+        growth = search.growth(search.solved)
+        if growth.least < -growth.error:
+            turning = self.turning_ratio.value
+            raise HistoryError(
+                f"below the turning ratio {turning:.7g} it depends on the loads in between"
+            )
         return outcome
 
     def _search(
@@ -308,7 +302,6 @@ class Unloading:
         record: Record | None = None,
         *,
         start: Layout | None = None,
-        reversing: bool = True,
         tolerance: float | None = None,
     ) -> UnloadedSearch:
         """Return the search at a load ratio."""
@@ -324,7 +317,6 @@ class Unloading:
             self._contact,
             before,
             load_ratio,
-            reversing,
             warm_start=start,
         )
 
@@ -337,19 +329,19 @@ class Unloading:
         return self._onset_of_reverse_slip[0]
 
     @cached_property
-    def _onset_of_reverse_slip(self) -> tuple[LoadRatio, Layout]:
-        """The reverse ratio, and the zones there.
+    def _onset_of_reverse_slip(self) -> tuple[LoadRatio, ZoneSolution]:
+        """The reverse ratio, and the solution there.
 
         The secant method begins where cycles shake down, ``(f_crit - f)/(f_crit + f)``.
         """
-        zones: Layout | None = None
         logs = list[float]()
         margins = list[float]()
         critical, friction = self._stick.critical, self._parameters.friction
         log_load = log((critical - friction) / (critical + friction))
         step = -COARSE_TOL
+        zones = self._search(exp(log_load)).forward_zones
         for _ in range(MAX_STEPS):
-            solved = self._search(exp(log_load), reversing=False).solve_zones(zones)
+            solved = self._search(exp(log_load)).solve_zones(zones)
             zones = solved.layout
             logs.append(log_load)
             margins.append(_reverse_margin(solved))
@@ -359,7 +351,7 @@ class Unloading:
             if abs(step) < self._tolerance:
                 error = 2.0 * (solved.traction_error + solved.pressure_error)
                 slope = (margins[1] - margins[0]) / (logs[1] - logs[0])
-                return LoadRatio(exp(log_load), error / abs(slope) + self._tolerance), zones
+                return LoadRatio(exp(log_load), error / abs(slope) + self._tolerance), solved
             log_load += step
         raise NoZonesError("the load at which slip back begins was not found")
 
@@ -368,37 +360,67 @@ class Unloading:
         """The load ratio at which a slip zone ceases to grow at one of its boundaries.
 
         Below the reverse ratio the width of the slip back grows like the distance ``x`` of ln(load)
-        from there, or like ``sqrt(x)``, and the growth of other zones changes as it does. So the
-        turning ratio is found as a zero over ``sqrt(x)``.
+        from there, or like ``sqrt(x)``, and the growth of other zones changes as it does: it is a
+        parabola over ``sqrt(x)``. The zero is found by Muller's method.
         """
-        reverse, zones = self._onset_of_reverse_slip
-        top = log(reverse.value)
+        reverse, solved = self._onset_of_reverse_slip
         tolerance = max(self._tolerance, JACOBIAN_FIELD_TOL)
-        start: Layout | None = None
+        growth = self._search(reverse.value).growth(solved)
+        places = [0.0]
+        leasts = [growth.least]
+        place = sqrt(COARSE_TOL)
+        load = reverse.value * exp(-(place**2))
+        search = self._search(load, tolerance=tolerance)
+        search.outcome()
+        assert search.solved is not None
+        solved = search.solved
+        for _ in range(MAX_STEPS):
+            growth = search.growth(solved)
+            places.append(place)
+            leasts.append(growth.least)
+            step, slope = _step_to_zero(places, leasts)
+            if abs(step) < tolerance:
+                error = 2.0 * place * (tolerance + 2.0 * growth.error / abs(slope))
+                return LoadRatio(load, error + reverse.error)
+            place = min(max(place + step, place / 2.0), 2.0 * place)
+            load = reverse.value * exp(-(place**2))
+            search = self._search(load, tolerance=tolerance)
+            solved = search.solve_zones(solved.layout)
+        raise NoZonesError("the load at which a slip zone turns was not found")
 
-        def growth(root_x: float) -> ZoneGrowth:
-            nonlocal start
-            if root_x == 0.0:
-                return self._search(reverse.value).growth(zones)
-            load = exp(top - root_x**2)
-            search = self._search(load, start=start, tolerance=tolerance)
-            start = search.outcome().layout
-            assert start is not None
-            return search.growth(start)
 
-        below = sqrt(COARSE_TOL)
-        while growth(below).least > 0.0:
-            below *= 2.0
-        zero = brentq(lambda root_x: growth(root_x).least, 0.0, below, xtol=tolerance)
-        # of the growth by x
-        slope = growth(zero / 2.0).least / (3.0 * zero**2 / 4.0)
-        error = 2.0 * zero * tolerance + 4.0 * growth(zero).error / slope
-        return LoadRatio(exp(top - zero**2), error + reverse.error)
+def _step_to_zero(places: list[float], values: list[float]) -> tuple[float, float]:
+    """Return the step from the last place to a zero, and the slope there.
+
+    They are those of the parabola through the last three values, or of the line through two.
+    """
+    slopes = np.diff(values[-3:]) / np.diff(places[-3:])
+    curvature = (slopes[-1] - slopes[0]) / (places[-1] - places[-len(slopes) - 1])
+    slope = slopes[-1] + curvature * (places[-1] - places[-2])
+    root = sqrt(max(slope**2 - 4.0 * values[-1] * curvature, 0.0))
+    return float(-2.0 * values[-1] / (slope + copysign(root, slope))), float(slope)
 
 
 def _unrecorded(name: str, result: Any, begin: float) -> Any:
     """Return the value of a result, of which no work is noted."""
     return result.best.value if isinstance(result, Refinement) else result
+
+
+def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
+    """Return ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
+
+    The places are denser around the least value: where the surface begins to slip back inside of
+    what sticks, it does so between two of `DISTANCES`.
+    """
+    depths = -np.log(DISTANCES)
+    for _ in range(3):
+        ratios = _friction_ratio(solved, part, np.exp(-depths))
+        i = int(np.argmin(ratios))
+        around = depths[[max(i - 1, 0), min(i + 1, len(depths) - 1)]]
+        depths = np.union1d(depths, np.linspace(around[0], around[1], SAMPLES))
+    distances = np.exp(-depths)
+    y = solved.system.parts[part].mesh.points(distances).y
+    return np.array([y, _friction_ratio(solved, part, distances)])
 
 
 def _friction_ratio(solved: ZoneSolution, part: int, distances: Array) -> Array:
@@ -410,12 +432,5 @@ def _friction_ratio(solved: ZoneSolution, part: int, distances: Array) -> Array:
 
 def _reverse_margin(solved: ZoneSolution) -> float:
     """Return the least ``q/(f p) + 1`` in the zones that stick with memory."""
-    depths = -np.log(DISTANCES)
-    least = inf
-    for k in solved.system.known_displacement:
-        values = _friction_ratio(solved, k, DISTANCES)
-        i = int(np.argmin(values))
-        ends = depths[[max(i - 1, 0), min(i + 1, len(depths) - 1)]]
-        around = np.linspace(ends[0], ends[1], SAMPLES)
-        least = min(least, float(_friction_ratio(solved, k, np.exp(-around)).min()))
-    return least + 1.0
+    ratios = [_friction_ratios(solved, k)[1] for k in solved.system.known_displacement]
+    return float(np.concatenate(ratios).min()) + 1.0
