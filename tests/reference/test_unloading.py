@@ -177,3 +177,16 @@ def test_slip_inside_has_five_zones():
     inner, outer = (zone.outer for zone in loaded.zones[:2])
     assert found.zones[0].outer < inner < found.zones[1].outer
     assert found.zones[2].outer < outer < found.zones[3].outer
+
+
+def test_slip_back_in_a_narrow_annulus_is_seen():
+    """It lay between two samples: zones without it counted as converged, and below turning, too.
+
+    So close below the reverse ratio, 0.06265252072, the surface slips back in 1e-4 of the radius.
+    """
+    scene = Scene(0.3, 0.05, 1.0, 0.033, unloaded_to=0.062652506)
+    found = solve(scene, 1e-8, ["zones", "pressure", "traction"])
+    assert [zone.sense for zone in found.zones] == [1, 1, 1, -1, 1, 1, 1]
+    from_edge = np.geomspace(1e-4, 0.9, 50_001)
+    bound = scene.friction * found.pressure(from_edge=from_edge)
+    assert np.abs(found.traction(from_edge=from_edge) / bound).max() <= 1.0 + 1e-8
