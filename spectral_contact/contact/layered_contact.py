@@ -52,7 +52,7 @@ _BEND_ROUNDING = 1e-14
 #: Largest number of solutions after which the knots in the contact are other ones.
 _MAX_CHANGES = 8
 #: Degrees of the first space on a cell for each digit (base e) of the tolerance.
-_DEGREES_PER_DIGIT = 0.55
+_DEGREES_PER_EFOLD = 0.55
 #: Error of the stiffness by the tail at the edge, over the distance at which the tail begins: at
 #: most 8e-4 at the exponent 1.1 of a power law, less at others.
 _TAIL_ERROR = 1e-3
@@ -171,7 +171,7 @@ class CellProblem(Layered):
     def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
         super().__init__(setting, pointwise=pointwise)
         self._degree = (
-            ceil(_DEGREES_PER_DIGIT * -log(tolerance if pointwise else sqrt(tolerance))) + 2
+            ceil(_DEGREES_PER_EFOLD * -log(tolerance if pointwise else sqrt(tolerance))) + 2
         )
 
     def start(self) -> DiscreteSpace:

@@ -25,15 +25,15 @@ def regularising_radius(parameters: Parameters) -> Radius:
     With normal compliance it is the least radius that is solved for. Without normal compliance p is
     like a power of s around the disk, and next to a disk of radius c its rounding error is like
     ``ROUNDING/c``. A radius of ``2 sqrt(ROUNDING) (kappa f)**(-1/3)`` keeps rounding and the error
-    of the disk below the estimates. A longer one is cut to ``1/(16 CENTRAL_CLEARANCE)``, because
-    the disk is taken to disturb the fields within CENTRAL_CLEARANCE of its radii, and this part of
-    the contact shall end at a sixteenth of the contact radius or before.
+    of the disk below the error estimates of the fields. The radius is at most
+    ``1/(16 CENTRAL_CLEARANCE)``: within CENTRAL_CLEARANCE of its radii the disk disturbs the
+    fields, and that part of the contact shall end at a sixteenth of the contact radius or before.
     """
     alpha, _, kappa, friction = parameters
     if alpha > 0.0:
         return Radius.from_logit(min_logit(parameters))
     c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
-    c = min(c, 1.0 / (4.0 * 4.0 * CENTRAL_CLEARANCE))
+    c = min(c, 1.0 / (4.0**2 * CENTRAL_CLEARANCE))
     return Radius(float(c), float(1.0 - c))
 
 
@@ -46,5 +46,5 @@ def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
     friction is at least ROUNDING, because the traction of a smaller one is all rounding.
     """
     alpha, _, kappa, friction = parameters
-    disk_parameters = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
-    return disk_parameters, fixed_disk(regularising_radius(parameters).logit)
+    with_disk_compliance = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
+    return with_disk_compliance, fixed_disk(regularising_radius(parameters).logit)

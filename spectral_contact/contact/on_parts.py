@@ -41,12 +41,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Least degrees per digit (base e) on the first and on the second panel of a part, if there are
-#: several parts: the pressure on the next part is singular at their common break.
-_MIN_DEGREES_PER_DIGIT = (1.0, 0.55)
-#: Digits (base e) by which one degree more on the first two panels of a disk without breaks lowers
+#: Least degrees per e-fold of the tolerance on the first and on the second panel of a part, if
+#: there are several parts: the pressure on the next part is singular at their common break.
+_MIN_DEGREES_PER_EFOLD = (1.0, 0.55)
+#: E-folds by which one degree more on the first two panels of a disk without breaks lowers
 #: the error of a smooth pressure: 5.3 under a parabola, with compliances of 1e-10 ... 1e-16.
-_DIGITS_PER_DEGREE = 5
+_EFOLDS_PER_DEGREE = 5
 #: Factor of the expected error of the pressure on a disk with breaks: the largest that one of three
 #: times 300 random profiles needs.
 _BREAK_FACTOR = 4.0
@@ -151,13 +151,13 @@ class PartedProblem:
         # at the tip of a pointed profile the pressure has powers of s, roots of the distance s**2
         rate = 0.5 if self.parts.ends[part][0] is CENTRE else 1.0
         space = graded_space(depth, self.tolerance, rate)
-        digits = -log(self.tolerance)
+        efolds = -log(self.tolerance)
         if len(self.parts.ends) == 1:
             # an error of the first panels acts next to the edge like the load of a flat punch; in a
             # layer of the width exp(-depth) the pressure under it is larger by exp(depth / 2)
-            least = [2.0 + (digits + depth / 2.0) / _DIGITS_PER_DEGREE] * 2
+            least = [2.0 + (efolds + depth / 2.0) / _EFOLDS_PER_DEGREE] * 2
         else:
-            least = [rate_per_digit * digits for rate_per_digit in _MIN_DEGREES_PER_DIGIT]
+            least = [rate * efolds for rate in _MIN_DEGREES_PER_EFOLD]
         degrees = list(space.degrees)
         degrees[:2] = [
             max(degree, ceil(minimum)) for degree, minimum in zip(degrees, least, strict=False)

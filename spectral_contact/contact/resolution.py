@@ -15,13 +15,13 @@ from math import ceil, inf, log
 import numpy as np
 
 from spectral_contact.contact.tuning import (
-    DEGREES_PER_DIGIT,
+    DEGREES_PER_EFOLD,
     MIN_SAMPLE_DEPTH,
     PANEL_WIDTH,
     ROUNDING,
     SAMPLES,
     SPARE_DEGREES,
-    START_DEGREES,
+    START_DEGREES_PER_EFOLD,
 )
 from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.spectral.cache import bounded_cache
@@ -87,9 +87,9 @@ def graded_space(
 ) -> DiscreteSpace:
     """Return the first space for fields that settle like ``exp(-rate (x - settling_depth))``.
 
-    Up to that depth all panels have the degree ``SPARE_DEGREES + DEGREES_PER_DIGIT digits``, with
-    natural digits, ``-ln tolerance``; beyond it degrees fall in proportion to the digits that have
-    not settled.
+    Up to that depth all panels have the degree ``SPARE_DEGREES + DEGREES_PER_EFOLD efolds``, where
+    efolds are ``-ln tolerance``; beyond it degrees fall in proportion to those that have not
+    settled.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def graded_space(
     starts_near_singularity : bool
         Whether the fields are singular not far beyond ``d = 1``: at the other end of a zone of two
         parts, at ``d = 2``, or across the rim of a disk, at ``d = -1``. The first panel takes
-        START_DEGREES a digit more then.
+        START_DEGREES_PER_EFOLD a digit more then.
     min_settling : float
         Least depth beyond the settling depth at which the mesh ends.
     """
@@ -120,22 +120,22 @@ def graded_space(
 def _graded_space(
     width: float,
     settling_depth: float,
-    digits: float,
+    efolds: float,
     rate: float,
     power: float,
     starts_near_singularity: bool,
     min_settling: float,
 ) -> DiscreteSpace:
     # four more than are wanted: the top degrees of the last panel are hardly determined
-    mesh_digits = digits + 4.0
-    settling = max(mesh_digits / rate, min_settling) if rate else CUBIC_TAIL_DEPTH
+    mesh_efolds = efolds + 4.0
+    settling = max(mesh_efolds / rate, min_settling) if rate else CUBIC_TAIL_DEPTH
     depth = settling_depth + settling
     panels = 2 * ceil(depth / width / 2.0)
     x = width * np.arange(panels)
-    unsettled = np.clip(1.0 - rate * (x - settling_depth) / mesh_digits, 0.0, 1.0)
-    degrees = np.ceil(SPARE_DEGREES + DEGREES_PER_DIGIT * digits * unsettled).astype(int)
+    unsettled = np.clip(1.0 - rate * (x - settling_depth) / mesh_efolds, 0.0, 1.0)
+    degrees = np.ceil(SPARE_DEGREES + DEGREES_PER_EFOLD * efolds * unsettled).astype(int)
     if starts_near_singularity:
-        degrees[0] += ceil(START_DEGREES * digits)
+        degrees[0] += ceil(START_DEGREES_PER_EFOLD * efolds)
     # a few degrees more than there are, for refinement
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
     mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
@@ -147,7 +147,7 @@ def slip_degree(tolerance: float) -> int:
 
     It is that of a first panel next to a singularity, rounded up to a multiple of four.
     """
-    first_panel = SPARE_DEGREES - (DEGREES_PER_DIGIT + START_DEGREES) * log(tolerance)
+    first_panel = SPARE_DEGREES - (DEGREES_PER_EFOLD + START_DEGREES_PER_EFOLD) * log(tolerance)
     return 4 * ceil(first_panel / 4)
 
 

@@ -35,12 +35,13 @@ RIGID_TRACTION_ROUNDING = 250.0 * ROUNDING
 
 # Tolerances of inner steps
 
-#: An error below this fraction of what it is compared with is negligible: a correction below it of
-#: the tolerance is left out, and a step of the boundaries is taken when the error of the fields is
-#: below it of the step. No correction is trusted to leave less of an error than this. The pressure
-#: that loads the tangential problem, and coupled full stick that decides on the onset of slip, have
-#: this fraction of the tolerance. With 0.1 for corrections the estimates of shear and boundaries
-#: are 1.7 and 1.9 times as large in the mean of 50 random scenes: validation/honesty/sharpness.py.
+#: An error below this fraction of what it is compared with is negligible. A correction is left out
+#: if it is below this fraction of the tolerance. A step of the boundaries is taken when the error
+#: of the fields is below this fraction of the step. No correction is trusted to leave less of an
+#: error than this. The pressure that loads the tangential problem, and coupled full stick that
+#: decides on the onset of slip, have this fraction of the tolerance. With 0.1 for corrections the
+#: estimates of shear and boundaries are 1.7 and 1.9 times as large in the mean of 50 random scenes:
+#: validation/honesty/sharpness.py.
 NEGLIGIBLE_FRACTION = 0.01
 #: Tolerance of the space and of the steps in which boundaries are located first, and in which a
 #: field is evaluated to decide what to try. A space for the root of the tolerance, in which
@@ -81,14 +82,14 @@ PANEL_WIDTH = 2.0
 # validation/cost/bench.py solve and bench.py coupled show both. An estimate decides whether a space
 # is accepted; that it still bounds the error is shown by validation/honesty/honesty.py.
 
-#: Degree of a panel: SPARE_DEGREES + DEGREES_PER_DIGIT times ``-ln`` of the tolerance. The panels
+#: Degree of a panel: SPARE_DEGREES + DEGREES_PER_EFOLD times ``-ln`` of the tolerance. The panels
 #: of a part are graded to one of its ends. Where the field is singular at the other end, too,
-#: START_DEGREES times ``-ln`` of the tolerance is added on the panel next to that end, which is the
-#: first one. With 0.55 and 0 for the last two numbers coupled slip takes up to 2.5 times as long:
-#: validation/cost/bench.py coupled.
+#: START_DEGREES_PER_EFOLD times ``-ln`` of the tolerance is added on the panel next to that end,
+#: which is the first one. With 0.55 degrees per e-fold and nothing added, coupled slip takes up to
+#: 2.5 times as long: validation/cost/bench.py coupled.
 SPARE_DEGREES = 3.0
-DEGREES_PER_DIGIT = 0.5
-START_DEGREES = 0.4
+DEGREES_PER_EFOLD = 0.5
+START_DEGREES_PER_EFOLD = 0.4
 #: Depth by which a layer of the pressure reaches beyond its width.
 LAYER_REACH = 3.0
 
@@ -155,7 +156,7 @@ DISPLACEMENT_SMOOTHING = 16.0
 # .. onset of slip (contact/onset.py, solving/coupled_run.py)
 
 #: Just below the critical friction f_crit full stick stands for slip in a zone too narrow to be
-#: resolved. The relative error of that is this factor times ``1 - f/f_crit``.
+#: resolved. The relative error of the fields is then this factor times ``1 - f/f_crit``.
 #: `python validation/honesty/honesty.py thresholds` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
 
@@ -169,9 +170,9 @@ FIRST_RINGS = 60
 #: Changes of all wrong rings at once that may fail to lower their number before one ring is changed
 #: at a time.
 RING_PATIENCE = 4
-#: The distances of the boundaries of n rings from the edge are ``(k/n)**RING_GRADING``. With 3 or 5
-#: the approach is as good (a relative error of 1e-5 with 60 rings); rings that are equally wide in
-#: the logit all the way err 60 times as much.
+#: The distances 1 - s of the boundaries of n rings from the edge are ``(k/n)**RING_GRADING``. With
+#: 3 or 5 the approach is as good (a relative error of 1e-5 with 60 rings); rings that are equally
+#: wide in the logit all the way err 60 times as much.
 RING_GRADING = 4
 #: Width in the logit of the widest rings; 25 scenes have the same zones with 0.75 and with 3.
 MAX_RING_WIDTH = 1.5
@@ -180,7 +181,8 @@ RINGS_PER_SPLIT = 4
 
 # .. slip everywhere under little friction (contact/little_friction.py)
 
-#: Within this number n of radii of the regularising disk from the centre the pressure is that of
+#: The *regularising disk* is the stick disk that is solved for where the true one is too small.
+#: Within this number n of its radii from the centre the pressure is that of
 #: the asymptote for ``s -> 0``, beyond it that of the solution, in which the disk leaves a relative
 #: error of ``0.1 kappa f/n**3``. Not measured again.
 CENTRAL_CLEARANCE = 128.0

@@ -65,14 +65,14 @@ def _assembled(system: ContactSystem) -> Array:
 def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     """Add ``T q``, tested at the nodes of a part."""
     part = system.parts[i]
-    rows = system.operators.outer_stick[i]
-    columns = rows if system.pressure_known else system.operators.outer_shear[i]
+    stick = system.operators.outer_stick[i]
+    all_shear = stick if system.pressure_known else system.operators.outer_shear[i]
     gram = None
     if part.zone == 0 and system.operators.unweighted_shear:
         gram = cached_disk_gram(part.shear_mesh.panels, part.degrees, shear=True)
         gram = part.mesh.boundary.value**3 * gram
-    products = rows.products(
-        columns,
+    products = stick.products(
+        all_shear,
         system.operators.shear_tests[i],
         other_values=system.operators.unweighted_shear,
         node_sums=gram,
@@ -131,6 +131,8 @@ def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
     """Add the coupling terms of equations without boundary weights, in which no kernel is left.
 
+    With ``g[p] = int_0^s p s ds / s`` (docs/theory, symbols)
+
     ``<phi, int_s^1 q> = int phi s ds int q ds`` where q lies outside of phi, and
     ``<s psi, g[p]> = int psi s ds int p s ds`` where p lies inside of psi.
     """
@@ -155,12 +157,14 @@ def _nested_moments(system: ContactSystem, k: int) -> Array:
     Rows are the functions phi of p, columns the functions psi of u.
     """
     part = system.parts[k]
-    pressure = part.mesh.panels
-    shear = part.shear_mesh.panels
-    products = outer_moments(pressure, shear, part.mesh.sign)
-    rows = pressure.functions(part.pressure_degrees)
-    columns = shear.functions(part.shear_degrees)
-    return np.asarray((0.5 * part.mesh.extent) ** 2 * products[np.ix_(rows, columns)])
+    pressure_panels = part.mesh.panels
+    shear_panels = part.shear_mesh.panels
+    moments = outer_moments(pressure_panels, shear_panels, part.mesh.sign)
+    used = np.ix_(
+        pressure_panels.functions(part.pressure_degrees),
+        shear_panels.functions(part.shear_degrees),
+    )
+    return np.asarray((0.5 * part.mesh.extent) ** 2 * moments[used])
 
 
 @bounded_cache("full-stick matrices", 8)

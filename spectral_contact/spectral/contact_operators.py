@@ -1,8 +1,9 @@
 """The Abel integrals of the fields of all parts of a contact at the Galerkin nodes of each.
 
-With them come the weights with which the equations are tested at the nodes. Integrals are given as
-their value at the boundary that the nodes are graded to, and an increment from there, in which
-nothing cancels (`blocks`).
+The residuals of both equations, W(t) of the normal and E(t) of the tangential one (docs/theory,
+one formulation), are sums of such integrals. With them come the weights with which W and E are
+tested at the nodes. Integrals are given as their value at the boundary that the nodes are graded
+to, and an increment from there, in which nothing cancels (`blocks`).
 """
 
 from __future__ import annotations
@@ -44,11 +45,12 @@ class ContactOperators:
         Whether `normal_tests` are the weights of ``dt / pi``, and `shear_tests` those of
         ``t**2 dt / pi``, without `_boundary_weights`.
     outer_pressure, outer_shear : list of NodeOperators
-        Half-integrals of p and of u over radii outside of the nodes.
+        Half-integrals of p and of u over radii outside of the nodes; without those of p if the
+        pressure is known.
     inner_pressure, inner_shear : list of NodeOperators
         The same over radii inside; without those of u if the pressure is known.
     outer_stick : list of NodeOperators
-        Of the outer half-integrals of u those of the parts that stick.
+        `outer_shear` of the parts that stick alone.
     """
 
     def __init__(self, fields: ContactFields) -> None:

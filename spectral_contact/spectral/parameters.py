@@ -17,8 +17,9 @@ class Parameters(NamedTuple):
         Normal and tangential compliance of the layer, 0 or positive.
     kappa : float
         Coupling parameter, ``(1 - 2 nu)/(4 (1 - nu))`` of a half-space, positive: it multiplies the
-        radial displacement that p causes and the normal displacement that q causes. Of a negative
-        one the caller changes the sign, and the sign of q with it. 1 without elastic coupling.
+        radial displacement that p causes and the normal displacement that q causes. The caller
+        takes the opposite of a negative one, and of the traction that comes out. 1 without elastic
+        coupling.
     friction : float
         Coulomb's coefficient f. Without elastic coupling f/kappa.
     """
