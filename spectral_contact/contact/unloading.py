@@ -262,7 +262,8 @@ class Unloading:
         self._stick = search.stick
         self._loaded = loaded
         self._tolerance = search.tolerance
-        self._state_tolerance = tolerance
+        # slip back in a narrow zone at the edge is below the errors of looser tolerances
+        self._state_tolerance = min(tolerance, COARSE_TOL**2)
         self._max_unknowns = search.max_unknowns
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
         self._slip_error = loaded.slip_error * float(np.abs(samples).max())

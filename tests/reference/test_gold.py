@@ -214,15 +214,16 @@ def test_smooth_scenes_are_the_closed_forms():
 @pytest.mark.parametrize("rtol", TOLERANCES)
 @pytest.mark.parametrize("table", TABLES)
 def test_no_error_exceeds_its_estimate_nor_that_the_tolerance(table, rtol):
-    if table.startswith(
-        ("profiles", "layers", "adhesion")
-    ):  # a tip on a layer of 1e-4 is known to 1.2e-12
-        rtol = max(rtol, 1e-11)
+    asked = rtol
+    if table.startswith(("profiles", "layers", "adhesion")):
+        rtol = max(rtol, 1e-11)  # a tip on a layer of 1e-4 is known to 1.2e-12
+    if table == "unloading":
+        rtol = max(rtol, 1e-9)  # five zones at 0.7 are known to 1.8e-12, narrow ones to 3e-10
     wrong = []
     # between the tolerances at the ends, of which all scenes are solved, two samples do
     sample = {1e-6: slice(0, None, 3), 1e-9: slice(1, None, 3)}.get(rtol, slice(None))
     if table == "unloading":  # each at one tolerance: they take ten times as long
-        sample = slice(TOLERANCES.index(rtol), None, len(TOLERANCES))
+        sample = slice(TOLERANCES.index(asked), None, len(TOLERANCES))
     for true in TABLES[table].solutions[sample]:
         double = solve(true.scene, rtol)  # raises if it does not converge
         wrong += [(true.name, exceeded(double, true), unmet(double, true, rtol))]
