@@ -48,12 +48,12 @@ class RingSystem:
     coupled : bool
         Whether the traction acts on the pressure: with elastic coupling. That the pressure acts on
         the traction is part of the equations in any case.
+    frozen : ndarray, shape (rings,), optional
+        The displacement of each ring if it sticks, for unit load; by default zero.
 
     Attributes
     ----------
     friction : float
-    frozen : ndarray, shape (rings,)
-        The displacement of each ring if it sticks, for unit load: zero, or that of before.
     self_compliance : ndarray, shape (rings,)
         Displacement of each ring by a traction of 1 on this ring alone.
     """
@@ -64,12 +64,13 @@ class RingSystem:
         parameters: Parameters,
         *,
         coupled: bool,
+        frozen: Array | float = 0.0,
     ) -> None:
         alpha, beta, kappa, friction = parameters
         self.rings = rings
         self.friction = friction
         self._root_area = np.sqrt(rings.mass)
-        self.frozen = np.zeros(len(rings.mass))
+        self.frozen = np.zeros(len(rings.mass)) + frozen
         scale = np.outer(self._root_area, self._root_area)
         identity = np.eye(len(self._root_area))
         self._normal = rings.normal / scale + alpha * identity
@@ -314,8 +315,12 @@ def ring_layout(
     for _ in range(splits):
         ring_state = solved(*_split(ring_state))
     if unloaded_to < 1.0:
-        system = ring_state.system
-        system.frozen = ring_state.displacement / unloaded_to
+        system = RingSystem(
+            ring_state.system.rings,
+            parameters,
+            coupled=False,
+            frozen=ring_state.displacement / unloaded_to,
+        )
         ring_state = solve_active_set(system, np.zeros_like(ring_state.states))
     zone_states = _without_spurious_zones(ring_state.states) if splits else ring_state.states
     last_rings, boundaries = _boundaries(replace(ring_state, states=zone_states))

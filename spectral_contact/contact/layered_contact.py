@@ -51,7 +51,7 @@ _MAX_RADIUS, _RADIUS_TOLERANCE = 1e12, 0.3
 _BEND_ROUNDING = 1e-14
 #: Largest number of solutions after which the knots in the contact are other ones.
 _MAX_CHANGES = 8
-#: Degrees of the first space on a cell for each digit (base e) of the tolerance.
+#: Degrees of the first space on a cell for each e-fold of the tolerance.
 _DEGREES_PER_EFOLD = 0.55
 #: Error of the stiffness by the tail at the edge, over the distance at which the tail begins: at
 #: most 8e-4 at the exponent 1.1 of a power law, less at others.

@@ -114,12 +114,13 @@ class UnloadedSearch(ZoneSearch):
         """Yield candidates: the zones at a like load, and those that rings show."""
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones at like loads", predicted=True)
-        yield Candidate(self._zones_on_rings, "the zones of an active set on rings")
-        if self.solved and (missing := _with_missing_slip(self.solved)):
-            yield Candidate(missing, "the zones before, with the slip missing there")
-        yield Candidate(self.forward_zones, "the zones on rings, without slip back")
-        if self.solved and (missing := _with_missing_slip(self.solved)):
-            yield Candidate(missing, "the zones before, with the slip missing there")
+        for zones, reason in (
+            (self._zones_on_rings, "the zones of an active set on rings"),
+            (self.forward_zones, "the zones on rings, without slip back"),
+        ):
+            yield Candidate(zones, reason)
+            if self.solved and (missing := _with_missing_slip(self.solved)):
+                yield Candidate(missing, "the zones before, with the slip missing there")
 
     @property
     def forward_zones(self) -> Layout:
@@ -415,20 +416,18 @@ def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
     """
     depths = -np.log(DISTANCES)
     for _ in range(3):
-        ratios = _friction_ratio(solved, part, np.exp(-depths))
-        i = int(np.argmin(ratios))
+        i = int(np.argmin(_friction_ratios_at(solved, part, depths)[1]))
         around = depths[[max(i - 1, 0), min(i + 1, len(depths) - 1)]]
         depths = np.union1d(depths, np.linspace(around[0], around[1], SAMPLES))
+    return _friction_ratios_at(solved, part, depths)
+
+
+def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array:
+    """Return ``1 - s**2`` and ``q/(f p)`` at depths ``x = -ln d`` in a part."""
     distances = np.exp(-depths)
-    y = solved.system.parts[part].mesh.points(distances).y
-    return np.array([y, _friction_ratio(solved, part, distances)])
-
-
-def _friction_ratio(solved: ZoneSolution, part: int, distances: Array) -> Array:
-    """Return ``q/(f p)`` at distances from the boundary of a part, over its extent."""
-    s = np.sqrt(solved.system.parts[part].mesh.points(distances).z)
+    points = solved.system.parts[part].mesh.points(distances)
     bound = solved.system.parameters.friction * solved.pressures[part](distances)
-    return np.asarray(s * solved.shears[part](distances) / bound)
+    return np.array([points.y, np.sqrt(points.z) * solved.shears[part](distances) / bound])
 
 
 def _reverse_margin(solved: ZoneSolution) -> float:

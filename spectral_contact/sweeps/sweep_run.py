@@ -256,8 +256,8 @@ def _physical_scenes(
         return None
     if law is not None:
         raise SceneError("layer", law, "None in SI units and with a table")
-    if is_physical and KAPPA in given:
-        raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
+    if is_physical:
+        _refuse_kappa(given)
     # text is a number with a unit
     single = {name: one for name, one in given.items() if np.ndim(one) == 0}
     base = with_values(scenes, single | ({} if coupling is None else {"coupling": coupling}))
@@ -281,10 +281,14 @@ def _physical_list(
     for name, values in [*given.items(), ("layer", law)]:
         if values is not None and np.ndim(values) > 0:
             raise SceneError(name, values, "one number, or None, with a list of scenes")
-    if KAPPA in given:
-        raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
+    _refuse_kappa(given)
     changes = given | ({} if coupling is None else {"coupling": coupling})
     return list_of([with_values(one, changes) for one in scenes])
+
+
+def _refuse_kappa(given: Mapping[str, Any]) -> None:
+    if KAPPA in given:
+        raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
 
 
 def _kind(parameters: SweepParameters) -> dict[str, bool]:

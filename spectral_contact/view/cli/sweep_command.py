@@ -136,8 +136,8 @@ def run(
 
 def _first_of_table(table: str, given: Mapping[str, Any], scenes: SweptOptions) -> dict[str, Any]:
     """Return what the first row of a table has and the options do not, by its option."""
-    moduli, _ = columns_of(table, ("youngs_modulus", "reduced_modulus"), physical=True)
-    physical = scenes.of_materials or bool(moduli)
+    moduli = "youngs_modulus", "reduced_modulus"
+    physical = scenes.of_materials or bool(columns_of(table, moduli, physical=True)[0])
     columns, _ = columns_of(table, physical=physical)
     first = {}
     for name, values in columns.items():
