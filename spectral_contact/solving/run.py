@@ -296,22 +296,23 @@ class Run:
         scene = self.scene
         friction = scene.friction
         exact = {"traction": 0.0, "total_shear": 0.0, "stick_radius": 0.0, "zones": 0.0}
-        if not friction or friction == math.inf or scene.kappa == 0.0:
-            sticks = friction or scene.kappa == 0.0
-            self._no_load_ratios("nothing slips" if sticks else "nothing sticks")
         if friction is None:
+            self._no_load_ratios("nothing sticks")
             self.values.update(total_shear=0.0, zones=(), stick_radius=None)
             self.errors.update(exact)
             return
         if scene.kappa == 0.0:
+            self._no_load_ratios("nothing slips")
             self.store_all_stick()
             none = dict.fromkeys(FULL_STICK_RATIOS, 0.0)
             self.values.update(none, total_shear=0.0)
             self.errors.update(exact | none)
             return
         if friction == math.inf:
+            self._no_load_ratios("nothing slips")
             self.store_all_stick()
         if friction == 0.0:
+            self._no_load_ratios("nothing sticks")
             self.values.update(
                 total_shear=0.0, stick_radius=0.0, zones=(Zone.from_radii("slip", CENTRE, EDGE),)
             )
