@@ -7,9 +7,9 @@ the seed, or all of them if there are fewer, each with the line where it first a
 
 from __future__ import annotations
 
+import argparse
 import ast
 import random
-import sys
 from pathlib import Path
 
 LIBRARY = Path(__file__).parents[1] / "spectral_contact"
@@ -38,9 +38,14 @@ def defined_names(source: str) -> dict[str, int]:
 
 def main() -> None:
     """Draw and print."""
-    module = sys.argv[1]
-    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
-    path = LIBRARY / (module.replace(".", "/") + ".py")
+    parser = argparse.ArgumentParser(description="Names of a module of the library, at random.")
+    parser.add_argument("module", help="such as contact.unloading; of a package, its __init__")
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    module, seed = vars(parser.parse_args()).values()
+    path = LIBRARY / module.replace(".", "/")
+    path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    if not path.exists():
+        parser.error(f"no module {module}")
     lines = defined_names(path.read_text())
     names = sorted(lines)
     drawn = random.Random(seed).sample(names, min(ASKED, len(names)))

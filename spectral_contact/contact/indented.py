@@ -1,16 +1,23 @@
 r"""Normal contact under a profile, of a given radius ``a``.
 
-h(r) is the height of the punch, delta the approach, alpha the normal compliance and N the normal
-operator of docs/theory; ``s = r/a``, and lengths are in units of a. On the unit disk the pressure p
-obeys ``(alpha/a) p + N p = (delta - h(a s))/a``. With ``H(t) = 2 t int_0^t h'(r) dr / sqrt(t**2 -
-r**2)`` its half-integral on a smooth surface, the *target*, is ``[H(1) - H(t)] + 2 eps``
-(docs/profiles). The bracket is evaluated without cancellation. So the pressure is that of the
-bracket plus ``eps`` times that of a flat punch, both by the same factors. The number ``eps``, the
-*shift*, follows from the pressure at the edge, which is zero.
+h(r) is the height of the punch, delta the approach, alpha the normal compliance, a length, and N
+the normal operator of docs/theory; ``s = r/a``, and lengths are in units of a. Pressures are in
+units of E', a quarter of the plane-strain modulus E*, so that a smooth flat punch has the stiffness
+8 a. On the unit disk the pressure p obeys ``(alpha/a) p + N p = (delta - h(a s))/a``.
+
+On a smooth surface (alpha = 0) the half-integral F(t) = ``int_t^1 p s ds / sqrt(s**2 - t**2)`` is
+known: with ``H(t) = 2 t int_0^t h'(r) dr / sqrt(t**2 - r**2)`` it is ``2 delta - H(t)``, which is
+written ``[H(1) - H(t)] + 2 eps`` (docs/profiles), with ``delta = H(1)/2 + eps``. This is the
+*target* with any alpha, the right-hand side of the problem in the form that is solved. The bracket
+is evaluated without cancellation. The problem with compliance is solved for two right-hand
+sides, with one factorised matrix: the pressure is that of the bracket plus ``eps`` times that of a
+flat punch of unit approach. The number ``eps``, the *shift*, is such that the pressure at the edge
+is zero.
 
 With adhesion the pressure at the edge is ``-sqrt(2 w / alpha)``, the *suction*, at which the energy
 release rate ``alpha p**2 / 2`` is the work of adhesion w. This lowers eps by the *pull*. On a
-smooth surface the pressure is infinite there, and its intensity is given (docs/theory, adhesion).
+smooth surface the pressure at the edge is infinite; the work of adhesion determines the factor of
+its inverse square root (docs/theory, adhesion).
 """
 
 from __future__ import annotations
@@ -42,27 +49,28 @@ from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
 
-#: Distance y from the edge, over the width of the edge layer or the distance to the pole of
-#: the half-integral, at which the slope of the pressure is taken.
+#: The slope of the pressure at the edge is taken at this distance y from there, in units of the
+#: width of the layer at the edge, or of the distance to the pole of the half-integral if that is
+#: less: under a sphere it has one at the equator.
 _SLOPE_DISTANCE = 1e-4
-#: Error of ``eps``, in changes of the pressure at the edge by the top degrees of the tail there.
-_EDGE_FACTOR = 1.0
-#: Error of an integral over the energy of the change by the top degrees: the worst of three times
-#: 300 random profiles needs this factor.
+#: The error of an integral is this times the energy of what the top degrees contribute. The worst
+#: of 900 random profiles needs this factor.
 _ENERGY_FACTOR = 2.0
-#: Roundings of the shift, and of the results that follow from it, measured over random profiles,
-#: against the gold tables (the work under a rounded flat takes 3.05) and next to the equator of a
-#: sphere (the load takes 3.9 without fused multiply-add, tests/reference/test_indentation.py).
+#: Rounding error of the shift, and of the results that follow from it, in units of ROUNDING. It was
+#: measured over random profiles, against the gold tables (the work under a rounded flat is off by
+#: 3.05 units) and for radii next to the equator of a sphere (the load is off by 3.9 units without
+#: fused multiply-add, tests/reference/test_indentation.py).
 _ROUNDINGS = 5.0
-#: The radius of a break is rounded, relative to its distance from the edge. Errors of integrals and
-#: of the pressure are these multiples of ROUNDING over that distance, measured down to 1e-4 of the
-#: radius.
+#: The radius b of a break is rounded. The relative error of its distance from the edge is ROUNDING
+#: a/(a - b). Errors of integrals are the first number times that, and errors of the
+#: pressure the second, measured for distances down to 1e-4 of the contact radius.
 _BREAK_ROUNDINGS, _BREAK_FIELD_ROUNDINGS = 0.2, 0.7
-#: Rounding of the pressure at a tip and at breaks, to which panels are graded, over ``depth /
-#: sqrt(alpha b)`` at a break of radius b and over ``depth / (2 alpha)`` at a tip, with alpha and b
-#: in contact radii: alpha p is a small difference of lengths of the order of the depth. Against 18
-#: digits, alpha from 1e-8 to 1e-2, with and without fused multiply-add: 1.8e-15 at most at the
-#: breaks of rounded flats and truncated cones, 1.8e-15 at the tips of power laws.
+#: Rounding error of the pressure at a tip and at breaks. Where alpha is small, alpha p is a small
+#: difference of lengths of the order of the depth of the indentation. So the error is this times
+#: ``depth / sqrt(alpha b)`` at a break of radius b, and this times ``depth / (2 alpha)`` at a tip,
+#: with alpha and b in units of the contact radius. Measured against 18 digits, for alpha from 1e-8
+#: to 1e-2, with and without fused multiply-add, it is at most 1.8e-15, both at the breaks of
+#: rounded flats and truncated cones and at the tips of power laws.
 _LAYER_ROUNDING = 2.5e-15
 
 
@@ -160,19 +168,24 @@ class _IndentationProblem(PartedProblem):
     ) -> tuple[float, float]:
         """Return the pull, and its relative error in the coarser space.
 
-        It is the suction over the pressure of the flat punch at the edge. That follows from
-        integrals, which superconverge, by the exact identity in docs/theory (adhesion).
-        `flat_moment` is ``int F dt`` of the flat punch.
+        The pull is the suction over the pressure ``p_e`` of the flat punch at the edge. By an exact
+        identity (docs/theory, adhesion), ``p_e**2 = 2/(pi alpha) int F dt + int p**2 s ds`` for
+        unit approach. Integrals superconverge, so that this has more digits than the pressure at
+        the edge itself. `flat_moment` is ``int F dt`` of the flat punch.
+
+        The error is that of the sum in the coarser space, without the top degrees.
         """
         if self.suction == 0.0:
             return 0.0, 0.0
         space = factored.space
         index = space.index
         change = factored.change(flat).coefficients
-        image = space.mass @ (2.0 * flat + change)[index]
         moment = 2.0 / (pi * self.compliance) * flat_moment
         square = moment + float(flat[index] @ (space.mass @ flat[index]))
-        return self.suction / sqrt(square), abs(float(change[index] @ image)) / (2.0 * square)
+        # int (p + change)**2 s ds - int p**2 s ds, without cancellation
+        weighted = space.mass @ (2.0 * flat + change)[index]
+        square_change = float(change[index] @ weighted)
+        return self.suction / sqrt(square), abs(square_change) / (2.0 * square)
 
     def values_only(self, max_unknowns: int) -> Indentation:
         """Return the contact in the first space, with 0 in place of all error estimates."""
@@ -228,16 +241,17 @@ class _IndentationProblem(PartedProblem):
         energies = change.energies
         flat_change = solved.factored.change(solved.flat)
         flat_energies = _ENERGY_FACTOR * flat_change.energies
-        # errors of the integrals at a given shift
-        load_error = pi / 2.0 * float(np.sqrt(_ENERGY_FACTOR * energies * flat_energies).sum())
-        work_error = _ENERGY_FACTOR * pi * float(energies.sum())
-        # the change of the pressure without adhesion, in the tail at the edge
+        # errors of the two integrals at a given shift
+        moment_error = pi / 2.0 * float(np.sqrt(_ENERGY_FACTOR * energies * flat_energies).sum())
+        energy_error = _ENERGY_FACTOR * pi * float(energies.sum())
+        # what the top degrees contribute to the pressure without adhesion at the edge, where the
+        # series is that of the tail of the last panel: it gives the error of eps
         regular = change.coefficients + solved.pull * flat_change.coefficients
         edge_change = float(np.abs(regular[-used[-1].panels.tail_terms :]).sum())
-        # the order of the half-integrals of the two pressures that are added
+        # the order of magnitude of the half-integrals of the two pressures that are added
         depth = max(smooth_approach, abs(solved.shift))
         noise = _ROUNDINGS * ROUNDING * depth
-        shift_error = _EDGE_FACTOR * edge_change / solved.flat_edge + noise
+        shift_error = edge_change / solved.flat_edge + noise
         # changes by the top degrees contain this rounding, too, but may be small by accident
         layer_rounding = _LAYER_ROUNDING * depth * self._layer_rounding(used, solved, mean)
         pressure_error = max(float(indicators.max()), layer_rounding) + _ROUNDINGS * FIELD_ROUNDING
@@ -252,8 +266,8 @@ class _IndentationProblem(PartedProblem):
         indentation = replace(
             contact,
             approach_error=shift_error / approach + ROUNDING,
-            load_error=(shift_error * flat_moment + load_error) / moment + ROUNDING,
-            work_error=(4 * shift_error * moment + work_error) / energy + ROUNDING,
+            load_error=(shift_error * flat_moment + moment_error) / moment + ROUNDING,
+            work_error=(4 * shift_error * moment + energy_error) / energy + ROUNDING,
             stiffness_error=stiffness_error,
             pressure_error=pressure_error,
         )
@@ -268,7 +282,11 @@ class _IndentationProblem(PartedProblem):
     def _layer_rounding(
         self, used: tuple[DiscreteSpace, ...], solved: _TwoPressures, mean: float
     ) -> float:
-        """Return by how much rounding of lengths counts in the pressure at a tip and at breaks."""
+        """Return the factor of the rounding of lengths in the relative error of the pressure.
+
+        It is the largest of ``1 / (sqrt(alpha b) p)`` at breaks and ``1 / (2 alpha p)`` at the tip
+        (`_LAYER_ROUNDING`), which is the same expression with ``b = 4 alpha``.
+        """
         series = series_on_parts(used, solved.pressure)
         factors = [0.0]
         for (boundary, _, _), part in zip(self.parts.ends[:-1], series[:-1], strict=True):
@@ -280,9 +298,10 @@ class _IndentationProblem(PartedProblem):
     def _growth(self, edge: LogSeries, extent: float, flat_edge: float) -> float:
         """Return ``ddelta/da``, from the slope of the pressure next to the edge.
 
-        As a grows by da, the pressure at the old edge grows from 0 by its slope there; it grows
-        with delta like that of the flat punch. `edge` is the pressure on the last part, without
-        adhesion, and `extent` the extent of the part.
+        Without adhesion. As a grows by da, the pressure at the old edge grows from 0 to da times
+        the slope of the pressure there. It also grows by ddelta times the pressure of a flat punch
+        of unit approach. Both are equal. `edge` is the pressure on the last part, and `extent` the
+        extent of that part in ``s**2``.
         """
         to_pole = self.profile._to_pole(self.radius)
         y = min(_SLOPE_DISTANCE * min(self.compliance, to_pole, 1.0), 0.5 * extent)
@@ -292,7 +311,7 @@ class _IndentationProblem(PartedProblem):
 def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float) -> Indentation:
     """Return the contact on a smooth surface, where the half-integral F is known.
 
-    With adhesion a constant is taken from F, the half-integral of a flat punch (Johnson, Kendall
+    Adhesion lowers F by a constant, which is the half-integral of a flat punch (Johnson, Kendall
     and Roberts, 1971).
     """
     parts = profile_parts(profile, radius)
@@ -339,7 +358,7 @@ def solve_indentation(
     profile : Profile
     radius : float
         The contact radius a, larger than that of the flat part of the profile and smaller than the
-        reach of the profile; with adhesion it may be that of the flat part.
+        radius where the profile ends (its reach); with adhesion it may be that of the flat part.
     compliance : float
         alpha, in the profile's unit of length.
     tolerance : float
@@ -349,7 +368,7 @@ def solve_indentation(
     pointwise : bool
         Whether the pressure is wanted.
     adhesion : float
-        Work of adhesion, 0 without.
+        Work of adhesion, in the unit of pressure times that of length; 0 without.
 
     Returns
     -------

@@ -1,19 +1,27 @@
 """The first unloading: zones and fields at a load below the largest one, without coupling.
 
-Where the surface has slipped under growing load and sticks now, it keeps the displacement u_r that
-slip has left it with; where it has not slipped, u_r is zero. So the state at the load ratio lambda
+The punch is flat, so the contact radius is the same at all loads, and the pressure is proportional
+to the load. The surface slips by a radial displacement u_r relative to the punch. Where it has
+slipped under growing load and sticks now, it keeps the u_r that slip has left it with; where it has
+not slipped, u_r is zero. So the state at the load ratio lambda (the load over the largest one)
 solves the same equations as that at the largest load, with a known displacement in what sticks
-(`spectral.contact_system`). All is divided by lambda, so that the pressure is that of unit load and
-the displacement is ``1/lambda`` times that at the largest load.
+(`spectral.contact_system`). Fields are divided by lambda: the pressure is that of unit load, and
+the displacement that is kept is ``1/lambda`` times that at the largest load.
 
-From the centre outward the surface sticks, slips on (forward, q = +f p), sticks with memory and,
-below the *reverse ratio* of loads, slips back (q = -f p). Such a state does not depend on the way
-from the largest load as long as no slip zone has become narrower on the way: then every point that
-slips has slipped since, and every point that sticks has not. The largest load ratio at which a
-boundary of a slip zone turns is the *turning ratio*; below it the history counts.
+From the centre outward the surface sticks; goes on slipping in the sense of loading (*forward*,
+q = +f p) in a narrow zone around where slip began at the largest load, since there |q| is near to
+f p, and f p falls with the load; sticks with memory; and, below the *reverse ratio* of loads, slips
+back (q = -f p). Such a state does not depend on the way from the largest load as long as all slip
+zones have only grown on the way: then every point that slips has not stuck in between, and every
+point that sticks has not slipped in between. The largest load ratio at which a boundary of a slip
+zone reverses its motion is the *turning ratio*, which is below the reverse ratio. At smaller loads
+the state depends on the loads in between.
 
-Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, all for
-kappa = 1; the logit of a radius s is ``ln(s**2/(1 - s**2))``.
+Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, and f_crit
+the least friction under which the largest load sticks everywhere. Tractions are divided by kappa,
+the factor by which pressure drives radial displacement, so that kappa is 1 here. The logit of a
+radius s, in contact radii, is ``ln(s**2/(1 - s**2))``. Zone k has two parts, of numbers ``2k - 1``
+and ``2k`` from the centre outward; zone 0, around the centre, has one.
 """
 
 from __future__ import annotations
@@ -57,12 +65,12 @@ class ZoneGrowth(NamedTuple):
     Attributes
     ----------
     changes : ndarray, shape (boundaries,)
-        Of ``|q|/f`` less p on the sides that stick, per ``-d ln(load)`` with zones held fixed:
-        positive where slip grows.
+        By how much ``|q|/f - p``, for unit load, changes on the side that sticks, per
+        ``-d ln(load)`` with zones held fixed: positive where slip grows.
     least : float
-        The least of them.
+        The least of the changes.
     error : float
-        Estimate of its error.
+        Estimate of the error of `least`.
     """
 
     changes: Array
@@ -86,9 +94,10 @@ class UnloadedSearch(ZoneSearch):
     contact : NormalContact
         Normal contact, whose pressure is known.
     before : KnownDisplacement
-        The displacement at the largest load, times one over the load ratio.
+        What slip has displaced the surface by at the largest load, over the load ratio. It counts
+        where the surface sticks with memory.
     load_ratio : float
-        Below 1.
+        Below 1. Only the first zones depend on it; the equations know it from `before`.
     """
 
     contact: NormalContact
@@ -99,10 +108,9 @@ class UnloadedSearch(ZoneSearch):
 
     @cached_property
     def _zones_on_rings(self) -> Layout:
-        """The zones by an active set on rings, at this load ratio or at 3/4 if that is less.
+        """The zones by an active set on rings, at this load ratio, or at 3/4 if it is above.
 
-        At ratios close to 1, what slips on is next to a boundary at the largest load, and narrower
-        than rings.
+        At ratios close to 1 the zone of forward slip is narrower than a ring.
         """
         from spectral_contact.contact.active_set import ring_layout
 
@@ -111,9 +119,9 @@ class UnloadedSearch(ZoneSearch):
         return Layout(tuple(radius.logit for radius in rings.boundaries), rings.states)
 
     def _candidates(self) -> Iterator[Candidate]:
-        """Yield candidates: the zones at a like load, and those that rings show."""
+        """Yield candidates: the zones at a similar load, and those that rings show."""
         if self.warm_start is not None:
-            yield Candidate(self.warm_start, "the zones at like loads", predicted=True)
+            yield Candidate(self.warm_start, "the zones at similar loads", predicted=True)
         for zones, reason in (
             (self._zones_on_rings, "the zones of an active set on rings"),
             (self.forward_zones, "the zones on rings, without slip back"),
@@ -128,7 +136,10 @@ class UnloadedSearch(ZoneSearch):
         return _without_reverse_slip(self._zones_on_rings)
 
     def _is_possible(self, zones: Layout) -> bool:
-        """Return whether there may be such zones: stick at the centre, and memory further out."""
+        """Return whether there may be such zones.
+
+        They stick at the centre, slip, and stick with memory further out: three zones at least.
+        """
         return zones.states[0] == 0 and len(zones.states) >= 3
 
     def problem(self, zones: Layout, tolerance: float) -> FreeBoundaryProblem:
@@ -152,7 +163,9 @@ class UnloadedSearch(ZoneSearch):
         return outcome
 
     def solve_zones(self, zones: Layout) -> ZoneSolution:
-        """Return the solution on zones near these. The friction law is not asked.
+        """Return the solution on zones of the same states, whose boundaries begin at these.
+
+        The friction law is not checked.
 
         Raises
         ------
@@ -167,16 +180,26 @@ class UnloadedSearch(ZoneSearch):
             raise NoZonesError(str(error)) from None
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
+        """Refuse: there are no zones that could stand for those on which the law holds.
+
+        Raises
+        ------
+        NoZonesError
+        """
         raise NoZonesError("; ".join(trial.text for trial in self._trials))
 
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
 
-        While the zones are held fixed, the traction beside an end begins to exceed friction, or to
-        fall below it. Inside of what sticks it is below, so that the end moves into what sticks if
-        it exceeds friction, and only then: by that excess over the slope of ``q - f p`` there.
-        The displacement that what sticks keeps goes like one over the load, and the traction is
-        continuous with it. So the excess is the jump without it, with opposite sign.
+        Suppose that the zones stay fixed while the load falls. On the side of an end that sticks,
+        ``|q| - f p``, which is zero at the end and negative beyond, begins to rise or to fall. If
+        it rises, the end moves into what sticks, by the rise over the slope of ``|q| - f p``,
+        which is finite as q is continuous there.
+
+        For unit load, the jump of q at an end is ``J0 + J1/lambda``, where J1 comes from the
+        displacement that is kept. It is zero at this load, so that its derivative by
+        ``-ln(lambda)``, ``J1/lambda``, is ``-J0``: the jump without that displacement, with
+        opposite sign.
         """
         zones = solved.layout
         logits = np.array(zones.logits)
@@ -187,24 +210,29 @@ class UnloadedSearch(ZoneSearch):
         coarse_difference = factors.coarse_differences(values, system)[0]
         states = np.array(zones.states)
         # one of the two zones at a boundary sticks, and its state is 0
-        jumps = (states[1:] + states[:-1])[:, None] * system.jump_rows / self.parameters.friction
+        senses = states[1:] + states[:-1]
+        # |q|/f in what sticks less p, where `jump_rows` are q in what sticks less +-f p
+        jumps = senses[:, None] * system.jump_rows / self.parameters.friction
         changes = -jumps @ values
         i = int(np.argmin(changes))
-        # the slope of q/f - p by a logit is of the size of the mean pressure
+        # the slope of |q|/f - p by a logit is of the size of the mean pressure, 1/pi for unit load
         by_boundaries = float(solved.logit_errors.max()) / pi
         error = abs(float(jumps[i] @ coarse_difference)) + by_boundaries
         return ZoneGrowth(changes, float(changes[i]), error)
 
 
 def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
-    """Return the zones with slip where what sticks with memory exceeds friction; None if nowhere.
+    """Return the zones with one slip zone more, where ``|q| > f p`` in what sticks with memory.
 
-    The slip is next to the largest ``|q|/(f p)``, as far as that is above 1.
+    The outermost zone with memory in which the traction exceeds friction is divided. The slip zone
+    reaches from the largest ``|q|/(f p)`` to the next sampled places where it is at most 1, or to
+    the end of the zone where there is none. None if the traction exceeds friction nowhere.
     """
     system = solved.system
     logits = [radius.logit for radius in system.radii]
     states = list(system.states)
     for zone in range(len(states) - 1, 0, -1):
+        # both parts of a zone with memory have a known displacement
         if 2 * zone not in system.known_displacement:
             continue
         halves = [_friction_ratios(solved, k) for k in (2 * zone - 1, 2 * zone)]
@@ -216,13 +244,13 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
         within = np.flatnonzero(np.abs(ratio) <= 1.0)
         if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(within):
             continue
-        before = within[within < largest]
-        after = within[within > largest]
-        ends = [float(y[side]) for side in (*before[-1:], *after[:1])]
+        inner_end = within[within < largest][-1:]
+        outer_end = within[within > largest][:1]
+        ends = y[[*inner_end, *outer_end]]
         slip = int(np.sign(ratio[largest]))
-        new_states = [0] * len(before[-1:]) + [slip] + [0] * len(after[:1])
-        states[zone : zone + 1] = new_states
-        logits[zone:zone] = [logit_at(-log(end)) for end in ends]
+        # one zone becomes three, or two where the slip reaches to an end of it
+        states[zone : zone + 1] = [0] * len(inner_end) + [slip] + [0] * len(outer_end)
+        logits[zone:zone] = [logit_at(-log(end)) for end in ends.tolist()]
         return Layout(tuple(logits), tuple(states))
     return None
 
@@ -253,8 +281,8 @@ class Unloading:
     loaded : PartialSlip
         Its outcome, on zones that were solved for.
     tolerance : float
-        Bound on the relative errors of states; that of the search is tighter, and bounds those of
-        the thresholds.
+        Bound on the relative errors of states. The tolerance of `search` is tighter, and bounds
+        those of the reverse and turning ratios.
     """
 
     def __init__(self, search: UncoupledSearch, loaded: PartialSlip, tolerance: float) -> None:
@@ -263,7 +291,8 @@ class Unloading:
         self._stick = search.stick
         self._loaded = loaded
         self._tolerance = search.tolerance
-        # slip back in a narrow zone at the edge is below the errors of looser tolerances
+        # at looser tolerances a narrow zone of slip back at the edge is missed: by its width and
+        # effect it is smaller than the errors that are allowed
         self._state_tolerance = min(tolerance, COARSE_TOL**2)
         self._max_unknowns = search.max_unknowns
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
@@ -334,7 +363,9 @@ class Unloading:
     def _onset_of_reverse_slip(self) -> tuple[LoadRatio, ZoneSolution]:
         """The reverse ratio, and the solution there.
 
-        The secant method begins where cycles shake down, ``(f_crit - f)/(f_crit + f)``.
+        It is found by the secant method, from the load at which cycles shake down, ``(f_crit -
+        f)/(f_crit + f)``: there q would first reach -f p if the surface did not slip while the load
+        falls.
         """
         logs = list[float]()
         margins = list[float]()
@@ -352,6 +383,7 @@ class Unloading:
                 step = -margins[-1] / slope
             if abs(step) < self._tolerance:
                 error = 2.0 * (solved.traction_error + solved.pressure_error)
+                # of the first two points, which are furthest apart
                 slope = (margins[1] - margins[0]) / (logs[1] - logs[0])
                 return LoadRatio(exp(log_load), error / abs(slope) + self._tolerance), solved
             log_load += step
@@ -361,9 +393,11 @@ class Unloading:
     def turning_ratio(self) -> LoadRatio:
         """The load ratio at which a slip zone ceases to grow at one of its boundaries.
 
-        Below the reverse ratio the width of the slip back grows like the distance ``x`` of ln(load)
-        from there, or like ``sqrt(x)``, and the growth of other zones changes as it does: it is a
-        parabola over ``sqrt(x)``. The zero is found by Muller's method.
+        It is looked for below the reverse ratio, since until then the forward slip grows, by
+        experience. With x the distance of ln(load) from the reverse ratio, the width of the slip
+        back is proportional to x where it begins at the edge, and to ``sqrt(x)`` where it begins
+        inside. `ZoneGrowth.least` changes in proportion to that width, so that it is nearly a
+        parabola in ``sqrt(x)``. Its zero is found by Muller's method.
         """
         reverse, solved = self._onset_of_reverse_slip
         tolerance = max(self._tolerance, JACOBIAN_FIELD_TOL)
@@ -373,6 +407,7 @@ class Unloading:
         place = sqrt(COARSE_TOL)
         load = reverse.value * exp(-(place**2))
         search = self._search(load, tolerance=tolerance)
+        # slip back has begun: the zones are searched for once, and followed from there
         search.outcome()
         assert search.solved is not None
         solved = search.solved
@@ -392,11 +427,12 @@ class Unloading:
 
 
 def _step_to_zero(places: list[float], values: list[float]) -> tuple[float, float]:
-    """Return the step from the last place to a zero, and the slope there.
+    """Return the step from the last place to a zero, and the slope at the last place.
 
-    They are those of the parabola through the last three values, or of the line through two.
+    They are those of the parabola through the last three values, or, of two values, of the line.
     """
     slopes = np.diff(values[-3:]) / np.diff(places[-3:])
+    # there is one slope of two values, and the curvature is 0
     curvature = (slopes[-1] - slopes[0]) / (places[-1] - places[-len(slopes) - 1])
     slope = slopes[-1] + curvature * (places[-1] - places[-2])
     root = sqrt(max(slope**2 - 4.0 * values[-1] * curvature, 0.0))
@@ -404,15 +440,16 @@ def _step_to_zero(places: list[float], values: list[float]) -> tuple[float, floa
 
 
 def _unrecorded(name: str, result: Any, begin: float) -> Any:
-    """Return the value of a result, of which no work is noted."""
+    """Return the value of a result; keep no record of the work that it took (see `ZoneSearch`)."""
     return result.best.value if isinstance(result, Refinement) else result
 
 
 def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
     """Return ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
 
-    The places are denser around the least value: where the surface begins to slip back inside of
-    what sticks, it does so between two of `DISTANCES`.
+    The places are `DISTANCES`, and more around the least ratio: where it falls below -1 inside of
+    what sticks, it does so first in an interval that may lie between two of them. Too much forward
+    traction is next to a boundary, where they are dense.
     """
     depths = -np.log(DISTANCES)
     for _ in range(3):
@@ -423,7 +460,10 @@ def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
 
 
 def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array:
-    """Return ``1 - s**2`` and ``q/(f p)`` at depths ``x = -ln d`` in a part."""
+    """Return ``1 - s**2`` and ``q/(f p)`` at depths ``x = -ln d`` in a part.
+
+    d is the distance from the boundary of the part, over its extent (`contact.resolution`).
+    """
     distances = np.exp(-depths)
     points = solved.system.parts[part].mesh.points(distances)
     bound = solved.system.parameters.friction * solved.pressures[part](distances)

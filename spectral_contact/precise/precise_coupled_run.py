@@ -12,6 +12,7 @@ from spectral_contact.precise.coupled_disk import CoupledDisk
 from spectral_contact.precise.disk import Disk, PreciseMesh
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.law_breaches import Breach, excesses
+from spectral_contact.precise.precise_run import coupling_constant
 from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property
@@ -104,12 +105,8 @@ class PreciseCoupledRun:
 
     @property
     def kappa(self) -> Any:
-        """The coupling constant of exactly the given Poisson's ratio, or that given."""
-        mp, scene = self.fixed.mp, self.scene
-        if scene.mismatch is not None:
-            return mp.mpf(scene.mismatch)
-        nu = mp.mpf(scene.poisson_ratio)
-        return (1 - 2 * nu) / (4 * (1 - nu))
+        """The coupling constant of the scene."""
+        return coupling_constant(self.scene, self.fixed)
 
     @property
     def radii(self) -> tuple[tuple[Any, Any], ...]:

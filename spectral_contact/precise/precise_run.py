@@ -25,6 +25,14 @@ _LN10 = log(10.0)
 _SPARE = 12
 
 
+def coupling_constant(scene: Scene, fixed: Fixed) -> Any:
+    """Return kappa of exactly the Poisson's ratio of a scene, or that given of two bodies."""
+    if scene.mismatch is not None:
+        return fixed.mp.mpf(scene.mismatch)
+    nu = fixed.mp.mpf(scene.poisson_ratio)
+    return (1 - 2 * nu) / (4 * (1 - nu))
+
+
 class PreciseRun:
     """A scene solved on meshes of one panel width.
 
@@ -167,12 +175,8 @@ class PreciseRun:
 
     @cached_property
     def kappa(self) -> Any:
-        """The coupling constant of exactly the given Poisson's ratio, or that given."""
-        mp, scene = self.fixed.mp, self.scene
-        if scene.mismatch is not None:
-            return mp.mpf(scene.mismatch)
-        nu = mp.mpf(scene.poisson_ratio)
-        return (1 - 2 * nu) / (4 * (1 - nu))
+        """The coupling constant of the scene."""
+        return coupling_constant(self.scene, self.fixed)
 
     @property
     def _friction(self) -> Any:

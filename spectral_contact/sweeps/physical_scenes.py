@@ -1,6 +1,9 @@
-"""Sweeps in SI units: scenes of a grid or of a table, and their results in SI units.
+"""Scenes in SI units, as a grid, a list or a table, and the results of their sweep in SI units.
 
-What is solved is dimensionless: scenes that differ in the units alone are solved once.
+The solver knows the parameters of docs/theory.md alone: compliances in contact radii or, under a
+profile, in its unit of length, and loads over E', which is a quarter of the plane-strain modulus
+E*. Scenes in SI units that have the same such parameters are solved once. Tables may also have the
+dimensionless parameters themselves.
 """
 
 from __future__ import annotations
@@ -37,7 +40,7 @@ from spectral_contact.sweeps.sweep_parameters import (
 if TYPE_CHECKING:
     import xarray
 
-#: Parameters of a scene in SI units, with these, in the order of a dataset.
+#: The SI units of the parameters that a scene may have, in the order of a dataset.
 SI_UNITS: Final[Mapping[str, str]] = {
     name: {**SCENE, **SI}[name].unit
     for name in (
@@ -48,7 +51,7 @@ SI_UNITS: Final[Mapping[str, str]] = {
 }
 #: Those that no dimensionless scene has.
 OF_SI_ALONE: Final = tuple(name for name in SI_UNITS if name not in PARAMETERS)
-#: Results in SI units, with these and their meanings.
+#: Meanings and SI units of results.
 _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
     "contact_radius": ("contact radius a", "m"),
     "load": ("load P", "N"),
@@ -62,16 +65,26 @@ _RESULTS: Final[Mapping[str, tuple[str, str]]] = {
     "traction": ("traction q", "Pa"),
     "slip": ("slip u_r", "m"),
 }
-#: That of a flat punch, or of a profile that has one.
+#: Name of the radius of a flat punch, or of a profile that has a radius.
 _RADIUS: Final = "radius"
 #: What is appended to the name of a number in SI units that has a dimensionless namesake.
 _SI: Final = "_si"
-#: The most scenes in SI units, each of which is an object.
+#: The most scenes of a grid in SI units or of a table: each is a `Scene` in memory.
 _MOST: Final = 10**6
 
 
 class DifferentScenes(NamedTuple):
-    """All scenes, those that differ without units, and which of these each is."""
+    """Scenes, and those of them that are not the same problem in other units.
+
+    Attributes
+    ----------
+    every : SweepParameters
+        All scenes.
+    different : SweepParameters
+        One scene of each problem.
+    which : ndarray of int
+        Of every scene, its index in `different`.
+    """
 
     every: SweepParameters
     different: SweepParameters
@@ -80,16 +93,17 @@ class DifferentScenes(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PhysicalScenes:
-    """Scenes in SI units, or of a table.
+    """Scenes of a grid or a list in SI units, or of a table in SI units or without units.
 
     Attributes
     ----------
     scenes : tuple of Scene
-        The last dimension varies fastest.
+        All in SI units or none; all flat punches or all under profiles. The last dimension of a
+        grid varies fastest.
     given : dict of str to ndarray
         What varies: the values of each dimension of a grid, or the columns of a table.
     fixed : dict of str to float
-        What all scenes in SI units have.
+        What does not vary, of scenes in SI units.
     is_table : bool
         Whether they are a table or a list, with one dimension, ``scene``.
     read_as : str
@@ -118,12 +132,19 @@ class PhysicalScenes:
         return (len(self.scenes),) if self.is_table else tuple(map(len, self.given.values()))
 
     def _named(self, name: str) -> str:
-        """Return the name of a parameter in a dataset."""
+        """Return the name of a parameter in a dataset.
+
+        It has the suffix "_si" where a parameter without units has the same name and another value.
+        """
         alike = name in ("poisson_ratio", "friction", "unloaded_to") or name in OF_SI_ALONE
         return name if alike or not self.physical else f"{name}{_SI}"
 
     def different(self) -> DifferentScenes:
-        """Return all scenes, and those that differ without units."""
+        """Return all scenes, and those of them that are different problems.
+
+        A problem is the parameters without units, which are a column of a table, and the *form*:
+        what is no number, such as the profile.
+        """
         every = listed(self.scenes)
         assert every.table is not None
         forms = every.forms if len(every.forms) > 1 else every.forms * len(self.scenes)
@@ -132,13 +153,20 @@ class PhysicalScenes:
         which = np.empty(len(self.scenes), dtype=np.intp)
         for i, (scene, form) in enumerate(zip(self.scenes, forms, strict=True)):
             key = every.table[:, i].tobytes(), form
-            which[i] = places.setdefault(key, len(places))
-            if len(first) < len(places):
+            if key not in places:
+                places[key] = len(first)
                 first.append(scene)
+            which[i] = places[key]
         return DifferentScenes(every, listed(first), which)
 
     def shaped(self, dataset: xarray.Dataset) -> xarray.Dataset:
-        """Return a dataset of a list of these scenes with their dimensions and coordinates."""
+        """Return a dataset with the dimensions and coordinates of these scenes.
+
+        Parameters
+        ----------
+        dataset : Dataset
+            Of the same scenes, with the one dimension ``scene``.
+        """
         variables: dict[Any, Any] = {}
         coordinates: dict[Any, Any] = {}
         for name, one in dataset.variables.items():
@@ -150,7 +178,7 @@ class PhysicalScenes:
                 values = values[0] if constant else values.reshape((*self.shape, *values.shape[1:]))
             (coordinates if name in dataset.coords else variables)[name] = dims, values, one.attrs
         coordinates |= self._coordinates()
-        # what is given is no result
+        # a parameter that is given is no result: it is a coordinate
         variables = {
             name: one
             for name, one in variables.items()
@@ -166,7 +194,7 @@ class PhysicalScenes:
         return type(dataset)(variables, coordinates, attributes)
 
     def _coordinates(self) -> dict[Any, Any]:
-        """Return what is given, and in SI units what all scenes have."""
+        """Return the parameters that vary and, in SI units, those that do not, as coordinates."""
         found: dict[Any, Any] = {}
         for name, value in self.fixed.items():
             found[self._named(name)] = (), value, self._about(name)
@@ -176,6 +204,7 @@ class PhysicalScenes:
         return found
 
     def _about(self, name: str) -> dict[str, str]:
+        """Return meaning and unit of a parameter."""
         profile = self.scenes[0].profile
         about = (SI if self.physical and name in SI else SCENE)[name]
         if name == _RADIUS and profile is not None:
@@ -185,14 +214,14 @@ class PhysicalScenes:
 
 
 def grid_of(base: Scene, axes: Mapping[str, Any]) -> PhysicalScenes:
-    """Return the scenes in SI units in which every parameter takes every one of its values.
+    """Return the scenes in SI units of all combinations of values of some parameters.
 
     Parameters
     ----------
     base : Scene
         In SI units.
     axes : mapping of str to array_like
-        By name, out of `SI_UNITS`.
+        Lists of values, by names of `SI_UNITS`.
 
     Raises
     ------
@@ -221,7 +250,9 @@ def list_of(scenes: Iterable[Scene]) -> PhysicalScenes:
     fixed: dict[str, float] = {}
     for name in SI_UNITS:
         values = np.array([row.get(name, math.nan) for row in rows])
-        if np.isnan(values).any():  # what some scenes lack is a result, or of another kind
+        # a parameter that some scenes lack, as a load where others have an approach, is no
+        # coordinate
+        if np.isnan(values).any():
             continue
         if (values == values[0]).all():
             fixed[name] = float(values[0])
@@ -236,7 +267,7 @@ def table_of(base: Scene, table: Any) -> PhysicalScenes:
     Parameters
     ----------
     base : Scene
-        Has what the table has not, and says whether that is in SI units.
+        Has the parameters that are not in the table. If it is in SI units, so is the table.
     table : DataFrame, mapping or path
         A table of pandas or a text file, whose headings have units; or arrays of one length.
 
@@ -258,14 +289,14 @@ def table_of(base: Scene, table: Any) -> PhysicalScenes:
 def columns_of(
     table: Any, names: Iterable[str] | None = None, *, physical: bool
 ) -> tuple[dict[str, Array], str]:
-    """Return the columns of a table by the parameters that they are, and how it was read.
+    """Return the columns of a table by the names of parameters, and how it was read.
 
     Parameters
     ----------
     table : DataFrame, mapping or path
     names : iterable of str, optional
-        The parameters that are looked for; by default all that a scene has, and then there must be
-        one.
+        The parameters that are looked for, any of which the table may lack. By default these are
+        all that a scene has, and the table must have a column of at least one.
     physical : bool
         Whether they are in SI units.
     """
@@ -287,6 +318,7 @@ def columns_of(
         )
         for name in (known if names is None else names)
     ]
+    # a DataFrame, by what it can do: pandas is not imported, and its headings are read as a file's
     if hasattr(type(table), "to_csv") and hasattr(table, "columns"):
         found = parse_columns("table", table.to_csv(index=False).encode(), expected)
     elif isinstance(table, str | os.PathLike):
@@ -299,7 +331,9 @@ def columns_of(
 
 
 def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
-    """Return a scene with other parameters, of which a radius is that of its profile, if any.
+    """Return a scene with other values of some parameters.
+
+    In SI units a radius is that of the profile, if there is one, and else that of the flat punch.
 
     Raises
     ------
@@ -319,7 +353,7 @@ def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
 
 
 def _given_in_si(scene: Scene) -> dict[str, float]:
-    """Return the parameters of a scene in SI units that it has."""
+    """Return the parameters that a scene in SI units has."""
     given = {name: getattr(scene.physical, name, None) for name in SI_UNITS}
     if scene.profile is not None:
         given[_RADIUS] = getattr(scene.profile, _RADIUS, None)
@@ -327,7 +361,7 @@ def _given_in_si(scene: Scene) -> dict[str, float]:
 
 
 def _fixed(base: Scene, given: Mapping[str, Any]) -> dict[str, float]:
-    """Return what does not vary of scenes in SI units."""
+    """Return the parameters of scenes in SI units that do not vary."""
     if base.physical is None:
         return {}
     pressed = not set(ALL_CONTROLS).isdisjoint(given)  # a load takes the place of an approach
@@ -342,7 +376,7 @@ def _fixed(base: Scene, given: Mapping[str, Any]) -> dict[str, float]:
 def _changed(
     base: Scene, names: list[str], columns: list[Array], count: int, *, of_table: bool = False
 ) -> tuple[Scene, ...]:
-    """Return a scene for every row; of a table an error says which row it is."""
+    """Return a scene for every row of values; an error names the row of a table."""
     rows = zip(*(column.tolist() for column in columns), strict=True) if columns else [()] * count
     scenes = []
     for number, row in enumerate(rows, start=1):
@@ -371,7 +405,7 @@ def _is_constant(values: NDArray[Any]) -> bool:
 
 
 def quantities_for(scenes: PhysicalScenes, quantities: tuple[str, ...]) -> tuple[str, ...]:
-    """Return quantities with the approach, if loads hang on it."""
+    """Return quantities, with the approach if the loads of flat punches follow from it."""
     data = scenes.scenes[0].physical
     if data is None or data.radius is None or data.load is not None or "approach" in quantities:
         return quantities
@@ -381,15 +415,16 @@ def quantities_for(scenes: PhysicalScenes, quantities: tuple[str, ...]) -> tuple
 def si_results(
     scenes: tuple[Scene, ...], values: Mapping[str, NDArray[Any]], request: Request
 ) -> dict[str, Any]:
-    """Return the variables of a dataset of a list of scenes that results in SI units are.
+    """Return results in SI units, as variables of a dataset with the dimension ``scene``.
 
     Parameters
     ----------
     scenes : tuple of Scene
-        In SI units.
+        In SI units, all flat punches or all under profiles.
     values : mapping of str to ndarray
-        Dimensionless results, and their errors as ``<name>_error``.
+        Results without units, and their errors as ``<name>_error``. With those of `quantities_for`.
     request : Request
+        Its `places` name the dimension along which fields are given.
     """
     data = [one.physical for one in scenes]
     known = {name: values[name] for name in _RESULTS if name in values}
@@ -403,6 +438,7 @@ def si_results(
         if scenes[0].profile is None:
             ratios = np.array([one.unloaded_to for one in scenes])
             scales, of_load = _flat_scales(known, errors, given, modulus, ratios)
+            # so far it was that at the largest load, which a scene is given by
             given["approach"] = ratios * given["approach"]
         else:
             scales, of_load = _profile_scales(known, given, modulus)
@@ -410,21 +446,22 @@ def si_results(
         for name in known:
             if name not in scales:
                 continue
-            own = (request.places,) if name in FIELDS else ()
+            places = (request.places,) if name in FIELDS else ()
             scale = scales[name]
-            result = known[name] * (scale[:, None] if own else scale)
+            result = known[name] * (scale[:, None] if places else scale)
             error = errors[name] + of_load.get(name, 0.0)
             if name in ("load", "approach", "contact_radius"):  # what is given is exact
                 is_given = np.isfinite(given[name])
                 result = np.where(is_given, given[name], result)
                 error = np.where(is_given, 0.0, error)
-            found |= _variables(name, ("scene", *own), result, error)
+            found |= _variables(name, ("scene", *places), result, error)
         if scenes[0].profile is None and "load" in scales:
             found |= _variables("load", ("scene",), ratios * scales["load"], of_load["load"])
     return found
 
 
 def _variables(name: str, dims: tuple[str, ...], result: Array, error: Array) -> dict[str, Any]:
+    """Return a result and its error as variables of a dataset."""
     meaning, unit = _RESULTS[name]
     told = f"estimate of the relative error: {meaning}"
     return {
@@ -440,9 +477,11 @@ def _flat_scales(
     modulus: Array,
     ratios: Array,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the units of results under flat punches, and the errors that these have.
+    """Return the SI values of the units of results under flat punches, and their relative errors.
 
-    They are those of the largest load, which the load ratios are relative to.
+    Loads, tractions and approach of a solution are in units that follow from the largest load; the
+    load ratios `ratios` are relative to it. Where the approach is given, the largest load follows
+    from it, with the error of the approach of the solution.
     """
     load = given["load"]
     error = np.zeros(len(load))
@@ -452,8 +491,8 @@ def _flat_scales(
         load = np.where(np.isfinite(load), load, by_approach)
         error = np.where(np.isfinite(given["load"]), 0.0, errors["approach"])
     stress = load / given["radius"] ** 2
-    moved = load / (given["radius"] * modulus)
-    scales = {"load": load, "approach": moved, "slip": moved, "pressure": stress}
+    displacement = load / (given["radius"] * modulus)
+    scales = {"load": load, "approach": displacement, "slip": displacement, "pressure": stress}
     scales |= {"traction": stress, "stick_radius": given["radius"], "total_shear": load}
     return scales, dict.fromkeys(("load", "slip", "pressure", "traction", "total_shear"), error)
 
@@ -461,7 +500,7 @@ def _flat_scales(
 def _profile_scales(
     known: dict[str, Array], given: dict[str, Array], modulus: Array
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the units of results under profiles, and the errors that these have."""
+    """Return the SI values of the units of results under profiles, which have no errors."""
     of_force = "load", "stiffness", "stiffness_on_branch", "indentation_work", "total_shear"
     scales = dict.fromkeys((*of_force, "pressure", "traction"), modulus)
     scales |= dict.fromkeys(("approach", "contact_radius", "slip"), np.ones(len(modulus)))
@@ -473,10 +512,12 @@ def _profile_scales(
 
 
 def _or_nan(data: PhysicalData | None, name: str) -> float:
+    """Return a parameter in SI units, NaN if it is not given."""
     value = getattr(data, name)
     return math.nan if value is None else value
 
 
 def _quarter(scene: Scene, data: PhysicalData | None) -> float:
+    """Return E' [Pa], a quarter of the plane-strain modulus, which the Poisson ratio is part of."""
     assert data is not None
     return data.quarter_modulus(scene.poisson_ratio)
