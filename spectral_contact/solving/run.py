@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.slip_outcome import PartialSlip
 
 
+#: The logger that users find under the name of the module with `solve`.
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
 #: Values of a solution that are there although no quantity asks for them.
