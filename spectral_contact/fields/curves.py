@@ -1,7 +1,10 @@
-"""Smooth functions of one unknown through few nodes, and by how much they may be off.
+"""Smooth functions of one unknown, interpolated between few nodes, with estimates of their errors.
 
-Newton's polynomials go through what is solved. The next node is where they are least certain
-(Leja's points), which measures how far off they were.
+Sweeps and fits solve at the nodes alone, and interpolate all other scenes. The unknown x is the
+logarithm or the logit of a radius. The functions are logarithms of results, so that absolute errors
+of them are relative errors of the results. The interpolants are Newton's polynomials. The next node
+is where the product of distances to all nodes is largest (Leja's points). By how much the
+polynomials were off there, the *misfit*, is the error that they had without this node.
 """
 
 from __future__ import annotations
@@ -12,26 +15,36 @@ import numpy as np
 
 from spectral_contact.fields import Array
 
-#: From so many scenes on some can be spared.
+#: With fewer scenes than this, all are solved.
 LEAST: Final = 24
-#: Share of the scenes that the nodes may be.
-WORTH: Final = 0.8
-#: Nodes that a line takes at 1e-8, measured: so many, and more for each unit of the unknown. For
-#: more digits it takes more in proportion.
+#: Interpolation is given up if it takes more nodes than this share of the scenes, or than this
+#: number: functions whose errors are above the tolerance never settle.
+_WORTH, _MOST = 0.8, 200
+#: Nodes that an interval takes at 1e-8, measured: this many, and this many for each unit of its
+#: length. At other tolerances it takes more or less in proportion to the digits.
 _FIRST, _MORE = 6.0, 2.4
-#: How many misfits, of the last nodes, tell what is missing: each is the error without its node.
+#: The error of the polynomials is taken from the misfits at this many of the last nodes ...
 _LAST: Final = 3
-#: How many times the largest of them that is taken to be.
+#: ... and is this times the largest of them.
 _SAFETY: Final = 2.0
 #: Places that nodes are chosen from.
 _PLACES: Final = 400
-#: Steps to a place, and one that is no step any more.
+#: Most steps of Newton's method, and the length of a step that ends it.
 _STEPS, _STILL = 12, 1e-13
 
 
 def nodes_needed(low: float, high: float, rtol: float) -> float:
-    """Return about how many nodes it takes; singularities are pi away from the real axis."""
+    """Return about how many nodes an interval takes.
+
+    The singularities of the functions are at the distance pi from the real axis, since x is a
+    logarithm.
+    """
     return float((_FIRST + _MORE * (high - low)) * np.log(rtol) / np.log(1e-8))
+
+
+def nodes_allowed(scenes: int) -> int:
+    """Return how many nodes interpolation may take in place of so many scenes."""
+    return int(min(_WORTH * scenes, _MOST))
 
 
 class Placed(NamedTuple):
@@ -40,9 +53,10 @@ class Placed(NamedTuple):
     Attributes
     ----------
     places, moved : ndarray, shape (values,)
-        And how far off they may be.
+        The places x, and estimates of their errors.
     values, lost, slopes : ndarray, shape (values, functions - 1)
-        What the others are, what they may lack at these places, and by how much they move with it.
+        The other functions, estimates of their errors at exactly these places, and the moduli of
+        their derivatives by x, times which errors of the places count.
     """
 
     places: Array
@@ -53,35 +67,38 @@ class Placed(NamedTuple):
 
 
 class Curves:
-    """The polynomials through what is solved.
+    """Polynomials through the values of some functions at nodes.
+
+    `next` returns a node, at which the functions are to be found, and `add` takes their values.
 
     Parameters
     ----------
     low, high : float
-        Ends of the unknown.
+        Ends of the interval of x.
     functions : int
-        The first one increases.
+        Number of functions. The first one increases with x.
 
     Attributes
     ----------
     nodes : ndarray, shape (nodes,)
-        Where it is solved.
     """
 
     def __init__(self, low: float, high: float, functions: int) -> None:
         self._places = np.linspace(low, high, _PLACES)
-        #: the sum of the logarithms of the distances from the nodes
+        # distances are in units of the width: products of them underflow in a narrow interval
+        self._width = high - low
+        #: sums of the logarithms of the distances from the nodes; the first node is `low`
         self._apart = -np.abs(self._places - low)
         self.nodes = np.empty(0)
         self._next = low
-        #: terms of the polynomials, what they lacked before, and errors
+        #: coefficients of the polynomials, misfits at the nodes, and errors of the values there
         self._terms, self._misfits, self._errors = np.empty((3, 0, functions))
 
     def next(self, solved: Array | None = None) -> float:
-        """Return where the polynomials are least certain.
+        """Return the next node: where the product of distances from all nodes is largest.
 
-        A place that is solved is taken instead if it is nearly as far from the nodes, by half of
-        the product of all distances.
+        Of places that are solved already, which costs nothing, the best is taken instead if its
+        product is at least half of that.
         """
         self._next = float(self._places[np.argmax(self._apart)])
         if solved is not None and len(self.nodes):
@@ -95,9 +112,15 @@ class Curves:
         return self._next
 
     def add(self, known: Array, errors: Array) -> None:
-        """Take what is solved at the last place that was asked for."""
-        steps = self._next - self.nodes
-        misfit = known - _newton(self.nodes, self._terms, np.array([self._next]))[0][0]
+        """Add the node that `next` has returned.
+
+        Parameters
+        ----------
+        known, errors : ndarray, shape (functions,)
+            Values there, and estimates of their absolute errors.
+        """
+        steps = (self._next - self.nodes) / self._width
+        misfit = known - self._polynomials(np.array([self._next]))[0][0]
         self.nodes = np.append(self.nodes, self._next)
         self._terms = np.vstack([self._terms, misfit / np.prod(steps)])
         self._misfits = np.vstack([self._misfits, np.abs(misfit)])
@@ -108,14 +131,14 @@ class Curves:
             self._apart += np.log(np.abs(self._places - self._next))
 
     def settled(self, rtol: float) -> bool:
-        """Return whether the last nodes were where the polynomials had them."""
+        """Return whether the misfits at the last nodes are at most a tolerance."""
         last = self._misfits[-_LAST:]
         return len(self._misfits) > 2 * _LAST and bool((last <= rtol).all())
 
     def where(self, wanted: Array) -> Placed:
         """Return where the first function has these values, and the others there."""
         places, unsettled = self._inverted(wanted)
-        value, slope = _newton(self.nodes, self._terms, places)
+        value, slope = self._polynomials(places)
         missing = _SAFETY * np.max(self._misfits[-_LAST:], axis=0)
         lost = missing + self._spread(places)[:, None] * self._errors.max(axis=0)
         with np.errstate(all="ignore"):
@@ -125,11 +148,11 @@ class Curves:
     def _inverted(self, wanted: Array) -> tuple[Array, Array]:
         """Return where the first function has these values, and how far that still moved."""
         ends = self._places[[0, -1]]
-        known = _newton(self.nodes, self._terms, self._places)[0][:, 0]
+        known = self._polynomials(self._places)[0][:, 0]
         place = np.interp(wanted, known, self._places)
         step = np.full(len(place), np.inf)
         for _ in range(_STEPS):
-            value, slope = _newton(self.nodes, self._terms, place)
+            value, slope = self._polynomials(place)
             with np.errstate(all="ignore"):
                 step = (wanted - value[:, 0]) / slope[:, 0]
             place = np.clip(place + step, *ends)
@@ -138,21 +161,20 @@ class Curves:
         return place, np.abs(step)
 
     def _spread(self, x: Array) -> Array:
-        """Return by how much polynomials make more of the largest error at the nodes."""
-        width = float(np.ptp(self._places))  # products of differences of a narrow piece underflow
-        apart = (self.nodes[:, None] - self.nodes) / width
+        """Return the Lebesgue function: what the largest error at the nodes may become at x."""
+        apart = (self.nodes[:, None] - self.nodes) / self._width
         np.fill_diagonal(apart, 1.0)
-        ahead = (x[:, None] - self.nodes) / width
+        ahead = (x[:, None] - self.nodes) / self._width
+        # at a node the function is 1, and not 0/0
         ahead[ahead == 0.0] = np.finfo(float).eps ** 2
         parts = ahead.prod(axis=1)[:, None] / (ahead * apart.prod(axis=1))
         return np.asarray(np.abs(parts).sum(axis=1))
 
-
-def _newton(nodes: Array, terms: Array, x: Array) -> tuple[Array, Array]:
-    """Return Newton's polynomials and their slopes, (places, polynomials)."""
-    value, slope = np.zeros((2, len(x), terms.shape[1]))
-    for node, term in zip(nodes[::-1], terms[::-1], strict=True):
-        ahead = (x - node)[:, None]
-        slope = slope * ahead + value
-        value = value * ahead + term
-    return value, slope
+    def _polynomials(self, x: Array) -> tuple[Array, Array]:
+        """Return the polynomials and their derivatives by x, (places, functions)."""
+        value, slope = np.zeros((2, len(x), self._terms.shape[1]))
+        for node, term in zip(self.nodes[::-1], self._terms[::-1], strict=True):
+            ahead = (x - node)[:, None] / self._width
+            slope = slope * ahead + value
+            value = value * ahead + term
+        return value, slope / self._width

@@ -43,24 +43,31 @@ if TYPE_CHECKING:
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import FlatPunches, Stages
 
-#: Scenes that are extrapolated from, and how far in a logarithm.
-_POINTS, _FARTHEST = 4, 1.0
-#: Tolerance of normal contact where it is a measure only.
+#: The radius is extrapolated from so many scenes before, whose loads, or approaches, differ by at
+#: most so much in the logarithm.
+_POINTS, _FARTHEST = 5, 1.0
+#: Tolerance of normal contact without coupling, whose radius tells how far a history has to go.
 _ROUGH = 1e-4
-#: By how much more than that a history goes on to look for a load or an approach.
+#: A history is followed to a radius that is larger by this share, to be sure to contain the load.
 _ROOM = 1e-3
-#: What an error of a pressure that drives a traction, which oscillates around a bend, is in it.
+#: Where a law bends, the traction is off by up to this times the error of the pressure that drives
+#: it: the errors of the pressure oscillate there.
 _BENT_TRACTION = 10.0
-_BEYOND = "the load is not reached where normal contact has it"
+_BEYOND = "with coupling it is not reached at the radius that normal contact has without coupling"
 
 
 class ProfileRun(Run):
     """The steps of a plan for a scene with a profile.
 
+    Normal contact is solved at once. With friction the contact has a history: as it grows by a
+    ring, the surface inside is displaced as by a flat punch of its radius, and pressure and
+    traction grow by those of that punch. So fields today are integrals over flat punches of all
+    radii before (docs/theory, growing contacts), and the zones are those of the latest punch.
+
     Parameters are those of `Run`, and what solves the flat punches of a history, see `Stages`.
     """
 
-    #: the traction is as certain as the flat punches of the history are
+    #: the traction is not among them: it is as certain as the flat punches of the history are
     bounded: tuple[str, ...] = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
     _driving: NormalContact | None = None
 
@@ -107,13 +114,12 @@ class ProfileRun(Run):
     def _grow_stuck(self, refusal: str, tell: Callable[[str], None]) -> None:
         """Store a history of full stick where no zones of a flat punch obey the friction law.
 
-        No digit of it is known, but of what is given.
+        All errors are infinite, except that of the load, approach or radius that is given.
         """
         self._grow_together(self._history(self.scene.replace(friction=math.inf), tell))
         assert self.history is not None
         self.history = replace(self.history, errors=np.full_like(self.history.errors, math.inf))
-        self.errors["violation"] = 0.0
-        for name in self.errors:
+        for name in (*self.errors, "violation"):
             if name not in ALL_CONTROLS or getattr(self.scene, name) is None:
                 self.errors[name] = math.inf
         self.refusal = refusal
@@ -180,10 +186,11 @@ class ProfileRun(Run):
         self._add_data_errors(found)
 
     def _add_data_errors(self, found: Indentation) -> None:
-        """Add what is not known of a profile and a law that are given as series.
+        """Add the errors of a profile or a law that is given by functions, and kept as a series.
 
-        Relative to the half-integral of the slope at the edge, and to the mean pressure, their
-        errors are those of load, approach and radius, but for the one that is given.
+        The error of the profile is relative to the half-integral of its slope at the edge, that of
+        the law to the mean pressure. The relative errors of load, approach and radius are about as
+        large, except for the one that is given.
         """
         scene = self.scene
         assert scene.profile is not None
@@ -240,8 +247,8 @@ class ProfileRun(Run):
         assert stick.traction is not None
         self.traction = stick.traction.times(kappa)
         self.values["total_shear"] = kappa * radius**2 * stick.total_shear
-        # linear in the pressure, which approach or load have moved a little, and which is not all
-        # there if the law bends
+        # Traction and shear are linear in the pressure, and have its error by the given load or
+        # approach. If the law bends, the series of the pressure has an error of its own.
         bent = self._driving.pressure_error
         self.errors.update(
             traction=stick.traction_error + self.errors["pressure"] + _BENT_TRACTION * bent,
@@ -437,7 +444,8 @@ class ProfileRun(Run):
             )
         value = value_of(found)
         radius = value.radius
-        if scene.contact_radius is None:  # near nu = 0.5 it is the same but for its error
+        # with coupling the radius is smaller, or near nu = 0.5 the same, but this one has an error
+        if scene.contact_radius is None:
             radius += min(_ROOM * radius, (scene.profile.reach - radius) / 2.0)
         return radius, value.load
 
@@ -474,13 +482,14 @@ class _RadiusPath:
 
     def add(self, value: float, radius: float) -> None:
         """Keep what a scene has found."""
-        self._known = [*self._known[-_POINTS:], (math.log(value), math.log(radius))]
+        self._known = [*self._known, (math.log(value), math.log(radius))][-_POINTS:]
 
     def near(self, value: float) -> float | None:
         """Return where the radius may be: a polynomial in logarithms through the last scenes."""
         at = math.log(value)
         known = [one for one in self._known if 0.0 < abs(one[0] - at) < _FARTHEST]
-        times = {1.0 + place - at: np.array(log_radius) for place, log_radius in known}
-        if len(times) < 2:
+        # `extrapolate` returns the value at 1; of equal places the last one counts
+        by_place = {1.0 + place - at: np.array(log_radius) for place, log_radius in known}
+        if len(by_place) < 2:
             return None
-        return math.exp(float(extrapolate(list(times), list(times.values()))))
+        return math.exp(float(extrapolate(list(by_place), list(by_place.values()))))

@@ -1,8 +1,10 @@
 """Indentation curves: scenes of one punch on one layer that differ in load, or approach, alone.
 
-Few contact radii are solved, and all scenes lie between: logarithms of load, approach, stiffness
-and work are smooth in that of the radius beyond the flat part of the profile, over how far it is
-from its reach, whose singularities are pi away from the real axis whatever the compliance.
+Few contact radii are solved, and all scenes are interpolated between them (`fields.curves`): the
+logarithms of load, approach, stiffness and work are smooth functions of the unknown v of the
+contact radius (`contact.contact_radius.RadiusScale`), ``ln(a - b)`` for a flat part of radius b, or
+``ln((a - b)/(r - a))`` if the profile ends at r. Their singularities are at the distance pi from
+the real axis of v, whatever the compliance.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from numpy.typing import NDArray
 from spectral_contact.contact.contact_radius import RadiusScale
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
-from spectral_contact.fields.curves import LEAST, WORTH, Curves, nodes_needed
+from spectral_contact.fields.curves import LEAST, Curves, nodes_allowed, nodes_needed
 from spectral_contact.profiles import Flat, Profile
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import Request, Served
@@ -30,33 +32,44 @@ if TYPE_CHECKING:
 
 #: The functions of the radius that are interpolated.
 CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
-#: What goes with them; the last two are the same in every scene without friction.
+#: Quantities of normal contact that are known then, at any friction without elastic coupling.
 _NORMAL: Final = frozenset({*CURVED, "contact_radius"})
+#: And those that are the same in all scenes without friction.
 _FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
 _GIVEN: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
 _ADHESION: Final = PARAMETERS.index("work_of_adhesion")
+_ALPHA: Final = PARAMETERS.index("normal_compliance")
+_FRICTION: Final = PARAMETERS.index("friction")
 
 
 def pressed_alone(columns: Columns, request: Request) -> Mask:
-    """Return of which scenes normal contact through a linear layer is all that is asked."""
+    """Return a mask of the scenes of which quantities of normal contact alone are asked.
+
+    These are without adhesion, on the half-space with its linear compliance, and not flat.
+    """
     asked = frozenset(request.quantities)
     if columns.law or len(columns.values) <= max(_GIVEN.values()) or not asked <= _FRICTIONLESS:
         return np.zeros(len(columns), dtype=bool)
     kinds = [one.layer is None and not isinstance(one.profile, Flat) for one in columns.forms]
     linear = np.broadcast_to(kinds, len(columns)) & np.isnan(columns.values[_ADHESION])
-    alone = np.isnan(columns.values[3]) if asked - _NORMAL else ~columns.coupled
+    # stick radius and shear are known without friction alone; what is normal does not depend on
+    # friction unless it is coupled
+    alone = np.isnan(columns.values[_FRICTION]) if asked - _NORMAL else ~columns.coupled
     return np.asarray(linear & alone)
 
 
 def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
-    """Yield scenes, of those to do, that differ in load or approach alone, as it rises."""
+    """Yield groups of the scenes to do that differ in load, or approach, alone.
+
+    Each is an array of indices in the order of that load or approach.
+    """
     own = todo[pressed_alone(columns[todo], request)]
     forms = columns.forms
     for k in _GIVEN.values() if len(own) else ():
         groups: dict[tuple[float, Profile | None], list[int]] = {}
         for i in own[~np.isnan(columns.values[k, own])].tolist():
             profile = forms[i if len(forms) > 1 else 0].profile
-            groups.setdefault((float(columns.values[1, i]), profile), []).append(i)
+            groups.setdefault((float(columns.values[_ALPHA, i]), profile), []).append(i)
         for group in groups.values():
             if len(group) >= LEAST:
                 yield np.array(group)[np.argsort(columns.values[k, group], kind="stable")]
@@ -72,6 +85,13 @@ def along(columns: Columns, request: Request, solver: OnLine) -> Served:
     request : Request
         For numbers alone.
     solver : OnLine
+        Solves scenes of the curve, and other radii; returns None where that fails.
+
+    Returns
+    -------
+    Served
+        Without scenes if too many radii would have to be solved. The first and the last scene,
+        which the solver has solved, are not among them.
     """
     size, mask = len(columns), np.zeros(len(columns), dtype=bool)
     given = next(name for name, k in _GIVEN.items() if not np.isnan(columns.values[k, 0]))
@@ -81,7 +101,7 @@ def along(columns: Columns, request: Request, solver: OnLine) -> Served:
         assert ends[0] is not None
         curve = _PressedCurve(given, RadiusScale(_profile(ends[0])), Curves(*places, len(CURVED)))
         inner = columns.values[_GIVEN[given], 1 : size - 1]
-        while len(curve.curves.nodes) < WORTH * size:
+        while len(curve.curves.nodes) < nodes_allowed(size):
             if curve.curves.settled(request.rtol):
                 found = curve.served(inner, ends[0], request)
                 if all((found.errors[one] <= request.rtol).all() for one in request.quantities):
@@ -106,12 +126,12 @@ def _ends(solved: list[Solution | None], size: int, rtol: float) -> tuple[float,
     if not first < last or any(first <= b < last for b in profile.breaks):
         return None
     low, high = map(RadiusScale(profile).place, (first, last))
-    return (low, high) if nodes_needed(low, high, rtol) <= WORTH * size else None
+    return (low, high) if nodes_needed(low, high, rtol) <= nodes_allowed(size) else None
 
 
 @dataclass(frozen=True, slots=True)
 class _PressedCurve:
-    """What is known of a curve.
+    """The functions of a curve at the radii that are solved so far.
 
     Attributes
     ----------
@@ -148,7 +168,8 @@ class _PressedCurve:
         found = self.curves.where(np.log(given))
         radius = np.array([self.scale.radius(v) for v in found.places.tolist()])
         slope = np.array([self.scale.slope(r) for r in radius.tolist()])
-        moved = found.moved + ROUNDING * radius / slope  # a place is rounded as its radius is
+        # the radius is rounded, which is an error of its place
+        moved = found.moved + ROUNDING * radius / slope
         lost = found.lost + found.slopes * moved[:, None] + ROUNDING
         values = {self.given: given, "contact_radius": radius}
         errors = {self.given: np.zeros(len(given)), "contact_radius": moved * slope / radius}

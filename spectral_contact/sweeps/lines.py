@@ -18,7 +18,7 @@ import numpy as np
 
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields import Array
-from spectral_contact.fields.curves import LEAST, WORTH, Curves, Placed, nodes_needed
+from spectral_contact.fields.curves import LEAST, Curves, Placed, nodes_allowed, nodes_needed
 from spectral_contact.fields.shakedown import shakedown
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import Request, Served
@@ -68,7 +68,7 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     if ends is None:
         return nothing
     size, one = ends.size, ends.solution
-    inner, most = slice(1, size - 1), WORTH * size
+    inner, most = slice(1, size - 1), nodes_allowed(size)
     low, high = ends.logits
     if nodes_needed(low, high, request.rtol) > most:
         return nothing
