@@ -1,14 +1,16 @@
 r"""States of adhesive contact, and the curve on which they lie.
 
-A contact radius has one state: `indented` solves it, with a suction at the edge. Over the radius
-load and approach make a curve. Those that a load, an approach or a machine between the two gives
-are where a combination of both, the control, has a value; the curve is stable where the control
-grows with the radius. It is followed from large contacts, where it does, to smaller ones: it is cut
-at its *folds*, where the control turns, into stretches that have one state of a value each.
+Each contact radius has one state, which `indented` solves, with a suction at the edge. Over the
+radius, load and approach make a curve. What is held, the *control*, is the load, the approach or,
+with a machine in between, a sum of both. The states for a value of the control are the points of
+the curve where it has this value, and they are stable where it grows with the radius. The curve is
+followed from large contacts, which are stable, to smaller ones. *Folds*, where the control has a
+maximum or a minimum over the radius, cut it into *stretches*; on each of these the control has
+every value once. Branch k of a scene is stretch k, counted from large contacts.
 
-Rates in the radius are not solved for. To some digits they follow from how the pressure falls to
-the edge and from a formula for the flat punch; to many digits from a polynomial through states
-nearby, on which folds are located, too.
+Derivatives by the radius, the *rates*, are not solved for. Two digits of them follow from the slope
+of the pressure next to the edge and from a formula for the flat punch; many digits follow from a
+polynomial through states nearby, on which folds are located, too.
 """
 
 from __future__ import annotations
@@ -32,11 +34,13 @@ from spectral_contact.profiles.profile_base import Profile
 
 Array = NDArray[np.float64]
 
-#: States through which the curve is a polynomial, and half of what they span in the logarithm of
-#: the distance from the last break where the curve grows with the third power of it, or more
-#: slowly: its terms, as those of ``exp(3 x)``, fall to 1e-14.
+#: A piece of the curve is a polynomial through so many states, in the logarithm x of the distance
+#: of the radius from the last break before it. The states span twice the second number if the curve
+#: grows with the third power of the distance or more slowly: the terms of ``exp(3 x)`` fall to
+#: 1e-14 then. If it grows with a higher power, they span less in proportion.
 _NODES, _HALF_WIDTH, _THIRD_POWER = 10, 0.12, 3.0
-#: Distance from the equator of a sphere, where its slope is infinite, over half of what they span.
+#: The distance from the equator of a sphere, where its slope is infinite, is at least so many times
+#: half of the radii that the states span.
 _ROOM = 12.0
 #: Longest step along the curve, in the same logarithm, and most steps of any search.
 _STEP, _STEPS = 0.5, 200
@@ -50,9 +54,9 @@ _PIECES = 8
 #: A rate that is less than this share of the value has no digits (`AdhesiveCurve.rates` at layers
 #: 1e10 times as soft as the half-space).
 _ROUNDED = 1e-9
-#: Radii below a fold, over its own, at which no other one is looked for.
+#: Below a fold and all corners, other folds are looked for down to this share of its radius.
 _FEWER = 1e-2
-#: After so many steps towards a corner they grow by a factor.
+#: After so many steps towards a corner, each step is longer than the one before by a factor.
 _EVEN, _LONGER = 6, 1.25
 #: Beyond a radius at which the approach without adhesion is so many times the pull, the curve is
 #: taken for stable (`AdhesiveCurve.top`).
@@ -61,7 +65,8 @@ _MARGIN = 2.5
 _REACH = 250.0
 #: How far, relatively, from a corner or the end of the profile the curve is looked at next to it.
 _NEXT = 1e-9
-#: The half-integral next to a jump of the slope is steeper by more than this just past it.
+#: A break is a corner if the half-integral is steeper by more than this factor just past it: past a
+#: jump of the slope of the profile it rises like a root.
 _STEEPER = 2.0
 #: Share of the tolerance that the control may be off.
 _SHARE = 0.02
@@ -146,10 +151,11 @@ class NoState(Exception):
     Parameters
     ----------
     stretches : int
-        Stretches that there are, up to the one asked for; 0 if no contact is stable that is smaller
-        than the profile.
+        Number of stretches that were found, up to the one asked for; 0 if no contact that is
+        smaller than the profile is stable.
     limit : float or None
-        Value at which the stretch ends on this side; None if there is no such stretch.
+        Value of the control at the end of the stretch that is nearer to the value asked for; None
+        if there is no such stretch.
     """
 
     def __init__(self, stretches: int, limit: float | None = None) -> None:
@@ -180,9 +186,10 @@ class LocalCurve:
     ) -> None:
         breaks = (profile.flat_part, *profile.breaks, profile.reach)
         self.base = base = max((b for b in breaks if b < radius), default=0.0)
-        limit = min(b for b in breaks if b > radius)
+        # at a break the piece is that of smaller radii
+        limit = min(b for b in breaks if b >= radius)
         place = log(radius - base)
-        # a singularity at the limit is as far as one at the base, which is pi away
+        # the piece ends before the limit: the states are moved to smaller radii where it is near
         room = (limit - radius) / (radius - base)
         power = max(_THIRD_POWER, growth * (radius - base))
         half = _HALF_WIDTH * _THIRD_POWER / power
@@ -219,7 +226,8 @@ class LocalCurve:
         t = self.offset(radius)
         powers = chebyshev.chebder(np.eye(_NODES), order)
         row = chebyshev.chebval(t, powers) @ self._to_terms / self._half**order
-        # the first term left out, by how the last ones fall, and twice the bound of its slope
+        # The first term left out follows from how the last ones of the same parity fall. Its slope
+        # is at most its degree over sqrt(1 - t**2), by Bernstein's inequality.
         last, before = np.abs(self._terms[-1]), np.abs(self._terms[-3])
         left_out = last * np.sqrt(last / np.maximum(before, last))
         steepest = _NODES / max(sqrt(1.0 - min(t**2, 1.0)), 1.0 / _NODES)
@@ -281,12 +289,13 @@ class AdhesiveCurve:
         return known
 
     def rates(self, one: Indentation) -> Rates:
-        r"""Return derivatives in the logarithm of the radius, to some digits.
+        r"""Return derivatives in the logarithm of the radius, to 2 % of their parts.
 
-        With the stiffness S and the pull d, ``dP = S d(delta) - d dS``, where
+        With the stiffness S at a fixed radius and the pull d, ``dP = S d(delta) - d dS``, where
         ``dS/dln a = 4 pi w a**2 / d**2`` since the energy release rate is w (docs/theory,
-        adhesion). How the pull grows follows from the pressure of a flat punch at its edge, whose
-        square is ``1/pi**2 + 1/(16 pi c)`` to 2 % at a compliance c.
+        adhesion). How the pull grows follows from the pressure of a flat punch of unit load at its
+        edge, whose square is ``1/pi**2 + 1/(16 pi c)`` to 2 %, where c is the compliance over the
+        radius.
         """
         a, pull = one.radius, one.pull
         stiffening = 4.0 * pi * self.adhesion * (a / pull) ** 2
@@ -298,8 +307,9 @@ class AdhesiveCurve:
     def states(self, radii: Sequence[float]) -> list[Indentation]:
         """Return the states of some radii, with estimates of their errors.
 
-        Where the first space does for a sample of them, it does for all, with the errors of the
-        nearest one.
+        A sample of them is solved with estimates. Where the first space that is tried meets the
+        tolerance for all of the sample, the others are solved in it without estimates, and have
+        those of the last sampled radius before.
         """
         sample = range(0, len(radii), _SAMPLED)
         solved = [self.at(radii[k]) for k in sample]
@@ -319,18 +329,19 @@ class AdhesiveCurve:
         growth = one.growth / (one.approach + one.pull)
         return LocalCurve(self.states, radius, self.profile, growth)
 
-    def past_flat_part(self) -> Indentation:
-        """Return a state next to the one in which the contact is the flat part."""
-        return self.values_only(self.profile.flat_part * (1.0 + _NEXT))
+    def next_larger(self, corner: float) -> Indentation:
+        """Return a state at a radius just above that of a corner, whose rates are one-sided."""
+        return self.values_only(corner * (1.0 + _NEXT))
 
     def top(self, control: Control, value: float = -inf) -> float:
         """Return a radius beyond which a control grows with the radius, and is above a value.
 
-        With ``delta_0`` the approach without adhesion and the pull by how much adhesion lowers it:
-        on a smooth surface ``delta_0 / a`` grows with a, since profiles are convex, the stiffness
-        like a and the pull like its root, so that it does where ``delta_0`` is 3/2 of the pull.
-        With a layer the stiffness grows like the square at most, and 5/2 does if ``delta_0 / a``
-        still grows, which is not proved.
+        Let ``delta_0`` be the approach without adhesion, S the stiffness and d the pull, by which
+        adhesion lowers the approach, so that ``dP/da = S ddelta_0/da - d(S d)/da``. On a smooth
+        surface S grows like a and d like its root; ``delta_0 / a`` grows, since profiles are
+        convex. So the load grows where ``delta_0`` is above 3/2 of the pull. With a layer S grows
+        like ``a**2`` at most, and the load grows where ``delta_0`` is above 5/2 of the pull if
+        ``delta_0 / a`` still grows, which is not proved.
 
         Raises
         ------
@@ -538,7 +549,8 @@ class AdhesiveCurve:
     def _radius_error(self, control: Control, one: Indentation, off: float) -> tuple[Rates, float]:
         """Return the rates of a state, and the relative error of its radius.
 
-        Next to a fold the rates to some digits have none, and the square of the error counts.
+        Next to a fold the rates to 2 % of their parts have no digits: they are taken from the local
+        polynomial, and the error of the radius is also bounded by that of a parabola.
 
         Parameters
         ----------
@@ -564,6 +576,9 @@ class AdhesiveCurve:
 
 def radius_effects(one: Indentation, rates: Rates, error: float) -> dict[str, float]:
     """Return what a relative error of the radius adds to those of a state, by quantity.
+
+    The stiffness grows with the radius to a power of 2 at most. The pressure without adhesion grows
+    like the load and its rate, that of the flat punch like the stiffness; the factor 2 is a margin.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 r"""The contact radius a under a given load P or approach delta.
 
-Both grow with the radius without bound, and each solution comes with ``ddelta/da`` (the *growth*)
-and ``dP/da = (dP/ddelta) (ddelta/da)``. So Newton's method takes few steps. Its unknown v is the
-logarithm of the distance of a from the flat part of the profile, over its distance from the reach
-of the profile; the residual is the logarithm of load or approach over the given one. First steps
-are taken in small spaces.
+Both grow with the radius, and each solution comes with ``ddelta/da`` (the *growth*) and ``dP/da =
+(dP/ddelta) (ddelta/da)``. So Newton's method takes few steps. Its unknown is ``v = ln(a - b)``,
+with b the radius of the flat part of the profile, or 0; under a profile that ends at a radius r,
+its *reach*, it is ``ln((a - b)/(r - a))``. The residual is the logarithm of the load, or approach,
+over the given one. First steps are taken in small spaces.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ Solver = Callable[[float, float, bool], Contact]
 _MAX_STEPS, _MAX_STEP = 60, 3.0
 #: Two values of v closer than this give the slope of the residual by a secant.
 _SECANT_DISTANCE = 0.5
-#: Residual after a step by a secant over the product of the two residuals before, measured 0.001
-#: ... 0.06.
+#: After a step by a secant the residual is less than this times the product of the last residual
+#: and the least one before it; the factor was measured to be 0.001 ... 0.06.
 _SECANT_ERROR = 0.1
-#: Fraction of the tolerance that errors by the radius may come to.
+#: Share of the tolerance that the error of the radius may add to errors.
 _RADIUS_FRACTION = 0.02
 #: Distances from edge and breaks between which the slope of the pressure is taken.
 _DISTANCES = np.geomspace(ROUNDING, 1.0, 61)
@@ -106,7 +106,8 @@ def find_radius(
     near : float or None
         A guess of the radius.
     origin : float
-        Approach at which the contact begins.
+        Approach at which the contact begins: the overclosure from which on a nonlinear layer has
+        pressure, and 0 with a linear one.
     first : callable, optional
         Returns the contact at a radius without error estimates, for the first steps.
 
@@ -120,20 +121,22 @@ def find_radius(
     def at_tolerance(tolerance: float, pointwise: bool) -> Callable[[float], Contact]:
         return lambda radius: solve(radius, tolerance, pointwise)
 
-    residual = max(_RADIUS_FRACTION * tolerance, ROUNDING)
+    residual_tolerance = max(_RADIUS_FRACTION * tolerance, ROUNDING)
     # load and approach need a smaller space than the pressure: the first steps are for them alone
     if pointwise or first is not None:
-        search.run(first or at_tolerance(tolerance, False), residual, rough=True)
-    search.run(at_tolerance(tolerance, pointwise), residual)
+        search.run(first or at_tolerance(tolerance, False), residual_tolerance, rough=True)
+    search.run(at_tolerance(tolerance, pointwise), residual_tolerance)
     contact, error = search.outcome()
     if search.rate * error > _RADIUS_FRACTION * tolerance:
-        # next to a corner the pressure depends strongly on the radius
-        search.run(at_tolerance(tolerance, pointwise), max(residual / search.rate, ROUNDING))
+        # where the pressure depends strongly on the radius, as next to a corner, the radius has to
+        # be more exact
+        tighter = max(residual_tolerance / search.rate, ROUNDING)
+        search.run(at_tolerance(tolerance, pointwise), tighter)
         contact, error = search.outcome()
     space_converged = isinstance(contact, Refinement) and contact.ending is Ending.CONVERGED
     if space_converged and _largest_error(value_of(contact), pointwise) > tolerance:
-        # with the errors by the radius, those in the space come to more than the tolerance
-        search.run(at_tolerance(tolerance / 4, pointwise), residual)
+        # errors at a fixed radius meet the tolerance, but not with those that the radius adds
+        search.run(at_tolerance(tolerance / 4, pointwise), residual_tolerance)
         contact, error = search.outcome()
     return contact, error
 
@@ -185,7 +188,10 @@ class _RadiusSearch:
     ) -> None:
         """Step until the modulus of the residual is below a tolerance or its own rounding.
 
-        If rough, it suffices that it is below its error, or that the next secant leads there.
+        If rough, it suffices that the residual is below its error, or that one more step by a
+        secant, which is taken without a solve, makes it less than the tolerance. The search also
+        ends where a small residual does not fall any more. Whatever is left of the residual counts
+        in the error of the radius (`outcome`).
         """
         # the bracket of a smaller space may be wrong
         self.low = -inf
@@ -202,7 +208,6 @@ class _RadiusSearch:
             if rough and _SECANT_ERROR * size * least <= tolerance:
                 return
             least = min(least, size)
-        self._refuse()
 
     def _evaluate(self, solve: Callable[[float], Contact]) -> None:
         """Solve at the radius at hand; set residual, slope and error."""
@@ -275,7 +280,8 @@ class _RadiusSearch:
         # too), are an error of the radius at the given load or approach.
         value_error = self._value_error(contact) + 2.0 * abs(self.residual)
         error = value_error / self.slope * self.scale.slope(contact.radius) / contact.radius
-        # changes by the error of the radius: of the approach and, with P = dW/ddelta, of the load
+        # by the error of the radius the approach changes by its growth, the load by the stiffness
+        # times that, and the work by the load times that
         approach_change = contact.growth * contact.radius * error
         load_error = contact.stiffness * approach_change / contact.load
         self.rate = _pressure_rate(contact, self.profile)
@@ -300,10 +306,11 @@ class _RadiusSearch:
 
 
 def _pressure_rate(contact: Indentation, profile: Profile) -> float:
-    """Return the largest ``dp/dln a`` at constant ``s = r/a``, over the pressure or its mean.
+    """Return the largest ``dp/dln a`` at constant ``s = r/a``, relative to the pressure.
 
-    The derivative is ``flat ddelta/da + s dp/ds``, taken between radii graded to the edge and to
-    breaks.
+    Where the pressure is below its mean, it is relative to the mean. The derivative is ``flat
+    ddelta/da + s dp/ds``, where `flat` is the pressure of a flat punch of the approach a; it is
+    taken by differences between places graded to the edge and to breaks.
     """
     if contact.pressure is None or contact.flat is None:
         return 0.0

@@ -1,23 +1,24 @@
 r"""Normal contact under a profile, of a given radius ``a``.
 
-h(r) is the height of the punch, delta the approach, alpha the normal compliance, a length, and N
-the normal operator of docs/theory; ``s = r/a``, and lengths are in units of a. Pressures are in
-units of E', a quarter of the plane-strain modulus E*, so that a smooth flat punch has the stiffness
-8 a. On the unit disk the pressure p obeys ``(alpha/a) p + N p = (delta - h(a s))/a``.
+h(s) is the height of the punch, delta the approach, alpha the normal compliance, and N the normal
+operator of docs/theory. All lengths are in units of a in what follows, alpha and the work of
+adhesion w among them. Pressures are in units of E', a quarter of the plane-strain modulus E*, so
+that the stiffness of a flat punch is 8 on a smooth surface. On the unit disk the pressure p obeys
+``alpha p + N p = delta - h``.
 
 On a smooth surface (alpha = 0) the half-integral F(t) = ``int_t^1 p s ds / sqrt(s**2 - t**2)`` is
-known: with ``H(t) = 2 t int_0^t h'(r) dr / sqrt(t**2 - r**2)`` it is ``2 delta - H(t)``, which is
-written ``[H(1) - H(t)] + 2 eps`` (docs/profiles), with ``delta = H(1)/2 + eps``. This is the
-*target* with any alpha, the right-hand side of the problem in the form that is solved. The bracket
-is evaluated without cancellation. The problem with compliance is solved for two right-hand
-sides, with one factorised matrix: the pressure is that of the bracket plus ``eps`` times that of a
-flat punch of unit approach. The number ``eps``, the *shift*, is such that the pressure at the edge
-is zero.
+known: with ``H(t) = 2 t int_0^t h'(s) ds / sqrt(t**2 - s**2)`` it is ``2 delta - H(t)``. That is
+written ``[H(1) - H(t)] + 2 eps``, with ``delta = H(1)/2 + eps`` (docs/profiles), and is called the
+*target*; the bracket is evaluated without cancellation. With a layer the target is the right-hand
+side of the least-squares form of the problem (docs/theory). The problem is solved for two
+right-hand sides with one factorised matrix: the pressure is that of the bracket plus ``eps`` times
+that of a flat punch of unit approach. The number ``eps``, the *shift*, is such that the pressure at
+the edge is zero.
 
-With adhesion the pressure at the edge is ``-sqrt(2 w / alpha)``, the *suction*, at which the energy
-release rate ``alpha p**2 / 2`` is the work of adhesion w. This lowers eps by the *pull*. On a
-smooth surface the pressure at the edge is infinite; the work of adhesion determines the factor of
-its inverse square root (docs/theory, adhesion).
+With adhesion the pressure at the edge is minus the *suction*, ``sqrt(2 w / alpha)``: then the
+energy release rate ``alpha p**2 / 2`` is w. This lowers eps by the *pull*. On a smooth surface the
+pressure at the edge is infinite; w determines the factor of its inverse square root (docs/theory,
+adhesion).
 """
 
 from __future__ import annotations
@@ -50,8 +51,8 @@ from spectral_contact.spectral.spaces import Space, disk_space
 Array = NDArray[np.float64]
 
 #: The slope of the pressure at the edge is taken at this distance y from there, in units of the
-#: width of the layer at the edge, or of the distance to the pole of the half-integral if that is
-#: less: under a sphere it has one at the equator.
+#: width of the layer at the edge. Under a sphere the half-integral has a pole at the equator; if
+#: that is nearer than the layer is wide, the unit is the distance to it.
 _SLOPE_DISTANCE = 1e-4
 #: The error of an integral is this times the energy of what the top degrees contribute. The worst
 #: of 900 random profiles needs this factor.
@@ -62,7 +63,7 @@ _ENERGY_FACTOR = 2.0
 #: fused multiply-add, tests/reference/test_indentation.py).
 _ROUNDINGS = 5.0
 #: The radius b of a break is rounded. The relative error of its distance from the edge is ROUNDING
-#: a/(a - b). Errors of integrals are the first number times that, and errors of the
+#: a/(a - b). The error of the approach is the first number times that, and the error of the
 #: pressure the second, measured for distances down to 1e-4 of the contact radius.
 _BREAK_ROUNDINGS, _BREAK_FIELD_ROUNDINGS = 0.2, 0.7
 #: Rounding error of the pressure at a tip and at breaks. Where alpha is small, alpha p is a small
@@ -188,7 +189,7 @@ class _IndentationProblem(PartedProblem):
         return self.suction / sqrt(square), abs(square_change) / (2.0 * square)
 
     def values_only(self, max_unknowns: int) -> Indentation:
-        """Return the contact in the first space, with 0 in place of all error estimates."""
+        """Return the contact in the first space, with 0 in place of error estimates."""
         used = self.part_spaces(within_budget(self.start(), max_unknowns))
         space = disk_space(self.parts, used)
         return self._contact(space, used, self._solve(space, used[-1].panels))
@@ -244,8 +245,9 @@ class _IndentationProblem(PartedProblem):
         # errors of the two integrals at a given shift
         moment_error = pi / 2.0 * float(np.sqrt(_ENERGY_FACTOR * energies * flat_energies).sum())
         energy_error = _ENERGY_FACTOR * pi * float(energies.sum())
-        # what the top degrees contribute to the pressure without adhesion at the edge, where the
-        # series is that of the tail of the last panel: it gives the error of eps
+        # The pressure at the edge is a sum of the last coefficients alone, those of the tail that
+        # the mesh ends in. What the top degrees contribute to it, without adhesion, divided by the
+        # pressure of the flat punch there, is the error of eps.
         regular = change.coefficients + solved.pull * flat_change.coefficients
         edge_change = float(np.abs(regular[-used[-1].panels.tail_terms :]).sum())
         # the order of magnitude of the half-integrals of the two pressures that are added
@@ -258,17 +260,17 @@ class _IndentationProblem(PartedProblem):
         breaks = [b for b in self.profile.breaks if b < a]
         break_rounding = ROUNDING * max((a / (a - b) for b in breaks), default=0.0)
         shift_error += _BREAK_ROUNDINGS * break_rounding * approach
+        # of int F dt of the flat punch
+        from_moment = pi / 2.0 * float(flat_energies.sum()) / flat_moment
         if solved.pull > 0.0:
-            from_moment = pi / 2.0 * float(flat_energies.sum()) / flat_moment
             shift_error += solved.pull * (solved.pull_error + from_moment + ROUNDING)
         pressure_error += _BREAK_FIELD_ROUNDINGS * break_rounding
-        stiffness_error = pi / 2.0 * float(flat_energies.sum()) / flat_moment + 2.0 * ROUNDING
         indentation = replace(
             contact,
             approach_error=shift_error / approach + ROUNDING,
             load_error=(shift_error * flat_moment + moment_error) / moment + ROUNDING,
             work_error=(4 * shift_error * moment + energy_error) / energy + ROUNDING,
-            stiffness_error=stiffness_error,
+            stiffness_error=from_moment + 2.0 * ROUNDING,
             pressure_error=pressure_error,
         )
         error = max(indentation.approach_error, indentation.load_error)
@@ -299,9 +301,9 @@ class _IndentationProblem(PartedProblem):
         """Return ``ddelta/da``, from the slope of the pressure next to the edge.
 
         Without adhesion. As a grows by da, the pressure at the old edge grows from 0 to da times
-        the slope of the pressure there. It also grows by ddelta times the pressure of a flat punch
-        of unit approach. Both are equal. `edge` is the pressure on the last part, and `extent` the
-        extent of that part in ``s**2``.
+        the slope of the pressure there. This is the pressure that a flat punch of the approach
+        ddelta has at the edge. `edge` is the pressure on the last part, and `extent` the extent of
+        that part in ``s**2``.
         """
         to_pole = self.profile._to_pole(self.radius)
         y = min(_SLOPE_DISTANCE * min(self.compliance, to_pole, 1.0), 0.5 * extent)
@@ -393,7 +395,7 @@ def values_only(
     *,
     adhesion: float = 0.0,
 ) -> Indentation:
-    """Return the contact in the first space, without pressure and error estimates.
+    """Return the contact in the first space, without pressure and estimates of discretisation.
 
     Parameters are those of `solve_indentation`.
     """

@@ -8,20 +8,27 @@ solves the same equations as that at the largest load, with a known displacement
 (`spectral.contact_system`). Fields are divided by lambda: the pressure is that of unit load, and
 the displacement that is kept is ``1/lambda`` times that at the largest load.
 
-From the centre outward the surface sticks; goes on slipping in the sense of loading (*forward*,
-q = +f p) in a narrow zone around where slip began at the largest load, since there |q| is near to
-f p, and f p falls with the load; sticks with memory; and, below the *reverse ratio* of loads, slips
-back (q = -f p). Such a state does not depend on the way from the largest load as long as all slip
-zones have only grown on the way: then every point that slips has not stuck in between, and every
-point that sticks has not slipped in between. The largest load ratio at which a boundary of a slip
-zone reverses its motion is the *turning ratio*, which is below the reverse ratio. At smaller loads
-the state depends on the loads in between.
+From the centre outward there are these zones:
+
+- stick, where the surface has never slipped, and q follows the load;
+- *forward* slip in the sense of loading, q = +f p. This zone is narrow and lies around the boundary
+  of slip at the largest load: q is close to f p there, and f p falls with the load;
+- stick with memory, where the surface has slipped under growing load;
+- below the *reverse ratio* of loads, slip back, q = -f p: at the edge, or in an annulus with stick
+  on both sides.
+
+Such a state does not depend on the way from the largest load as long as both slip zones have only
+grown: then no point that slips has stuck in between, and no point that sticks has slipped in
+between. The largest load ratio at which a boundary of a slip zone reverses its motion is the
+*turning ratio*, which is below the reverse ratio. At smaller loads the state depends on the loads
+in between.
 
 Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, and f_crit
 the least friction under which the largest load sticks everywhere. Tractions are divided by kappa,
 the factor by which pressure drives radial displacement, so that kappa is 1 here. The logit of a
-radius s, in contact radii, is ``ln(s**2/(1 - s**2))``. Zone k has two parts, of numbers ``2k - 1``
-and ``2k`` from the centre outward; zone 0, around the centre, has one.
+radius s, in contact radii, is ``ln(s**2/(1 - s**2))``. A zone is meshed in parts, each graded to
+one boundary: zone k has the parts ``2k - 1``, graded to its inner boundary, and ``2k``, graded to
+its outer one; zone 0, around the centre, has the latter alone.
 """
 
 from __future__ import annotations
@@ -97,7 +104,7 @@ class UnloadedSearch(ZoneSearch):
         What slip has displaced the surface by at the largest load, over the load ratio. It counts
         where the surface sticks with memory.
     load_ratio : float
-        Below 1. Only the first zones depend on it; the equations know it from `before`.
+        Below 1. It determines which zones are tried first; in the equations it is in `before`.
     """
 
     contact: NormalContact
@@ -108,7 +115,7 @@ class UnloadedSearch(ZoneSearch):
 
     @cached_property
     def _zones_on_rings(self) -> Layout:
-        """The zones by an active set on rings, at this load ratio, or at 3/4 if it is above.
+        """The zones by an active set on rings, at this load ratio or at 3/4, if that is less.
 
         At ratios close to 1 the zone of forward slip is narrower than a ring.
         """
@@ -196,10 +203,10 @@ class UnloadedSearch(ZoneSearch):
         it rises, the end moves into what sticks, by the rise over the slope of ``|q| - f p``,
         which is finite as q is continuous there.
 
-        For unit load, the jump of q at an end is ``J0 + J1/lambda``, where J1 comes from the
-        displacement that is kept. It is zero at this load, so that its derivative by
-        ``-ln(lambda)``, ``J1/lambda``, is ``-J0``: the jump without that displacement, with
-        opposite sign.
+        With zones fixed and unit load, the jump of q at an end is ``J0 + J1/lambda``: J0 comes from
+        the pressure and is the same at all loads, J1 from the displacement that is kept. The
+        derivative by ``-ln(lambda)`` is ``J1/lambda``. At this load, where the jump is zero, that
+        is ``-J0``, which is found by solving without the displacement.
         """
         zones = solved.layout
         logits = np.array(zones.logits)
@@ -226,7 +233,7 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
 
     The outermost zone with memory in which the traction exceeds friction is divided. The slip zone
     reaches from the largest ``|q|/(f p)`` to the next sampled places where it is at most 1, or to
-    the end of the zone where there is none. None if the traction exceeds friction nowhere.
+    the edge. None if the traction exceeds friction nowhere, or up to a zone that slips already.
     """
     system = solved.system
     logits = [radius.logit for radius in system.radii]
@@ -246,10 +253,13 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
             continue
         inner_end = within[within < largest][-1:]
         outer_end = within[within > largest][:1]
+        at_edge = zone == len(states) - 1
+        if not len(inner_end) or not (len(outer_end) or at_edge):
+            continue
         ends = y[[*inner_end, *outer_end]]
         slip = int(np.sign(ratio[largest]))
-        # one zone becomes three, or two where the slip reaches to an end of it
-        states[zone : zone + 1] = [0] * len(inner_end) + [slip] + [0] * len(outer_end)
+        # one zone becomes three, or two where the slip reaches to the edge
+        states[zone : zone + 1] = [0, slip] + [0] * len(outer_end)
         logits[zone:zone] = [logit_at(-log(end)) for end in ends.tolist()]
         return Layout(tuple(logits), tuple(states))
     return None
@@ -291,8 +301,8 @@ class Unloading:
         self._stick = search.stick
         self._loaded = loaded
         self._tolerance = search.tolerance
-        # at looser tolerances a narrow zone of slip back at the edge is missed: by its width and
-        # effect it is smaller than the errors that are allowed
+        # at looser tolerances a narrow zone of slip back at the edge is not found, as traction may
+        # exceed friction there by the error that is allowed
         self._state_tolerance = min(tolerance, COARSE_TOL**2)
         self._max_unknowns = search.max_unknowns
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
@@ -320,12 +330,13 @@ class Unloading:
         outcome = search.outcome()
         assert search.solved is not None
         growth = search.growth(search.solved)
-        if growth.least < -growth.error:
-            turning = self.turning_ratio.value
-            raise HistoryError(
-                f"below the turning ratio {turning:.7g} it depends on the loads in between"
-            )
-        return outcome
+        if growth.least >= -growth.error:
+            return outcome
+        try:
+            turning = f"the turning ratio {self.turning_ratio.value:.7g}"
+        except NoZonesError:
+            turning = "the turning ratio, which was not found,"
+        raise HistoryError(f"below {turning} it depends on the loads in between")
 
     def _search(
         self,
@@ -371,16 +382,16 @@ class Unloading:
         margins = list[float]()
         critical, friction = self._stick.critical, self._parameters.friction
         log_load = log((critical - friction) / (critical + friction))
-        step = -COARSE_TOL
         zones = self._search(exp(log_load)).forward_zones
         for _ in range(MAX_STEPS):
             solved = self._search(exp(log_load)).solve_zones(zones)
             zones = solved.layout
             logs.append(log_load)
             margins.append(_reverse_margin(solved))
-            if len(logs) > 1:
-                slope = (margins[-1] - margins[-2]) / (logs[-1] - logs[-2])
-                step = -margins[-1] / slope
+            if len(logs) == 1:
+                log_load -= COARSE_TOL
+                continue
+            step = margins[-1] * (logs[-1] - logs[-2]) / (margins[-2] - margins[-1])
             if abs(step) < self._tolerance:
                 error = 2.0 * (solved.traction_error + solved.pressure_error)
                 # of the first two points, which are furthest apart
@@ -417,6 +428,7 @@ class Unloading:
             leasts.append(growth.least)
             step, slope = _step_to_zero(places, leasts)
             if abs(step) < tolerance:
+                # ln(load) changes by 2 place d(place)
                 error = 2.0 * place * (tolerance + 2.0 * growth.error / abs(slope))
                 return LoadRatio(load, error + reverse.error)
             place = min(max(place + step, place / 2.0), 2.0 * place)
@@ -447,9 +459,9 @@ def _unrecorded(name: str, result: Any, begin: float) -> Any:
 def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
     """Return ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
 
-    The places are `DISTANCES`, and more around the least ratio: where it falls below -1 inside of
-    what sticks, it does so first in an interval that may lie between two of them. Too much forward
-    traction is next to a boundary, where they are dense.
+    The places are `DISTANCES`, and three times more around the least ratio: slip back may begin
+    between two of `DISTANCES`. Where q exceeds +f p, it does so next to a boundary, to which the
+    places are graded.
     """
     depths = -np.log(DISTANCES)
     for _ in range(3):

@@ -341,10 +341,12 @@ def _in_order(
         above = f"above numbers in {column_count(width)}"
         told = f"{_lines(sheet.texts)}: text that names no column, {above}"
         raise NoColumnError(f"{told}; {_remedy(expected, option)}")
-    if width != len(required):
-        told = f"line {sheet.rows[0].line}: {column_count(width)} without headings, where "
-        names = " and ".join(required)
-        raise NoColumnError(f"{told}{names} are expected; {_remedy(expected, option)}")
+    if width != len(required) or not required:
+        told = f"line {sheet.rows[0].line}: {column_count(width)} without headings"
+        if not required:
+            raise NoColumnError(f"{told}; write a first line that names each")
+        names = f"{' and '.join(required)} {'is' if len(required) == 1 else 'are'}"
+        raise NoColumnError(f"{told}, where {names} expected; {_remedy(expected, option)}")
     return {name: index for index, name in enumerate(required)}
 
 

@@ -8,8 +8,17 @@ import numpy as np
 
 from spectral_contact.precise.disk import Disk, FarField, PreciseSeries
 from spectral_contact.precise.fixed import Fixed, Ints
+from spectral_contact.scene import Scene
 from spectral_contact.spectral.tuning import TAIL_TERMS
 from spectral_contact.threads import cached_property
+
+
+def coupling_constant(scene: Scene, fixed: Fixed) -> Any:
+    """Return kappa of exactly the Poisson's ratio of a scene, or that given of two bodies."""
+    if scene.mismatch is not None:
+        return fixed.mp.mpf(scene.mismatch)
+    nu = fixed.mp.mpf(scene.poisson_ratio)
+    return (1 - 2 * nu) / (4 * (1 - nu))
 
 
 class PreciseDrive:

@@ -10,9 +10,9 @@ import numpy as np
 
 from spectral_contact.precise.coupled_disk import CoupledDisk
 from spectral_contact.precise.disk import Disk, PreciseMesh
+from spectral_contact.precise.drive import coupling_constant
 from spectral_contact.precise.fixed import Fixed
 from spectral_contact.precise.law_breaches import Breach, excesses
-from spectral_contact.precise.precise_run import coupling_constant
 from spectral_contact.precise.zone_trial import PreciseLayout
 from spectral_contact.scene import Scene
 from spectral_contact.threads import cached_property

@@ -10,7 +10,7 @@ import numpy as np
 
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.precise.disk import Disk, PreciseMesh
-from spectral_contact.precise.drive import PreciseDrive, RoughDrive, SmoothDrive
+from spectral_contact.precise.drive import PreciseDrive, RoughDrive, SmoothDrive, coupling_constant
 from spectral_contact.precise.fixed import Fixed, Ints
 from spectral_contact.precise.law_breaches import Breach, breaches
 from spectral_contact.precise.one_disk import PreciseOneDisk, solve_one_disk
@@ -23,14 +23,6 @@ from spectral_contact.view.progress import silent
 _LN10 = log(10.0)
 #: A mesh with so many panels more than needed is used if it is there.
 _SPARE = 12
-
-
-def coupling_constant(scene: Scene, fixed: Fixed) -> Any:
-    """Return kappa of exactly the Poisson's ratio of a scene, or that given of two bodies."""
-    if scene.mismatch is not None:
-        return fixed.mp.mpf(scene.mismatch)
-    nu = fixed.mp.mpf(scene.poisson_ratio)
-    return (1 - 2 * nu) / (4 * (1 - nu))
 
 
 class PreciseRun:

@@ -1,4 +1,4 @@
-"""Contact with adhesion of what is given: a radius, a load or an approach."""
+"""States of adhesive contact for what a scene gives, and whether they are stable."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class Stability:
     stable_under : tuple of str
         Of `CONTROLS_HELD`, those under which the contact stays where it is.
     stiffness : float or None
-        ``dP/ddelta`` along the curve; None where it has two values.
+        ``dP/ddelta`` along the curve. None where it has two values; infinite, with the sign of
+        ``dP/da``, where the approach does not change with the radius, within its error.
     error : float
         Error of that, relative to itself or to the stiffness at a fixed radius if that is larger.
     reason : str
@@ -60,7 +61,18 @@ def curve_of(scene: Scene, tolerance: float, max_unknowns: int) -> AdhesiveCurve
 def pinned_of(
     scene: Scene, tolerance: float, max_unknowns: int, *, pointwise: bool
 ) -> PinnedContact:
-    """Return the contact of a scene with a flat punch for unit load."""
+    """Return the contact of a scene with a flat punch, whose radius is that of the contact.
+
+    Parameters
+    ----------
+    scene : Scene
+    tolerance : float
+        Bound on relative errors.
+    max_unknowns : int
+        Most unknowns of a space.
+    pointwise : bool
+        Whether the pressure is wanted, too.
+    """
     assert scene.profile is not None
     return PinnedContact(
         scene.profile.reach,
@@ -73,12 +85,14 @@ def pinned_of(
 
 
 def pinned(scene: Scene, tolerance: float, max_unknowns: int, *, pointwise: bool) -> Contact:
-    """Return the contact of a flat punch under a load, or of an approach.
+    """Return the contact of a flat punch under the load, or at the approach, of a scene.
+
+    Parameters are those of `pinned_of`.
 
     Raises
     ------
     SceneError
-        If the punch comes off before, or has no other states.
+        If the punch has come off at this load, or another branch than 0 is asked for.
     """
     contact = pinned_of(scene, tolerance, max_unknowns, pointwise=pointwise)
     if scene.branch:
@@ -87,6 +101,7 @@ def pinned(scene: Scene, tolerance: float, max_unknowns: int, *, pointwise: bool
     if load is None:
         assert scene.approach is not None
         load = contact.load_of(scene.approach)
+    # the load of pull-off is negative
     if load < contact.pull_off_load * (1.0 + contact.pull_off_error):
         limit = contact.pull_off_load if scene.approach is None else contact.pull_off_approach
         _refuse(scene, limit)
@@ -113,20 +128,18 @@ def adhesive(
         return curve.find(control, value, scene.branch, pointwise=pointwise)
     except NoState as missing:
         if missing.stretches == 0:
-            refuse_reach(scene)
+            refuse_reach(scene, "approach" if scene.load is None else "load")
         if missing.limit is None:
-            told = f"less than {missing.stretches}: there are so many branches"
+            told = f"less than {missing.stretches}, the number of branches"
             raise SceneError("branch", scene.branch, told) from None
         _refuse(scene, missing.limit)
 
 
-def refuse_reach(scene: Scene) -> NoReturn:
-    """Refuse a scene whose contact would grow to the end of the profile."""
+def refuse_reach(scene: Scene, name: str) -> NoReturn:
+    """Refuse a parameter with which the contact would grow to the end of the profile."""
     assert scene.profile is not None
-    told = f"such that a contact inside the profile, which ends at {scene.profile.reach:.6g}, is "
-    told += "stable: adhesion pulls it to its end"
-    given = next((name for name in CONTROLS_HELD if getattr(scene, name) is not None), None)
-    name = given or "work_of_adhesion"
+    told = "such that a stable contact is smaller than the profile, which ends at "
+    told += f"{scene.profile.reach:.6g}: adhesion makes the contact grow to that end"
     raise SceneError(name, getattr(scene, name), told)
 
 
@@ -145,21 +158,27 @@ def _refuse(scene: Scene, limit: float) -> NoReturn:
 
 
 def stability(scene: Scene, found: Indentation, tolerance: float, max_unknowns: int) -> Stability:
-    """Return how a state of a profile that is not flat goes on along the curve.
+    """Return how a state under a profile that is not flat goes on along the curve.
 
-    A state whose rate is zero within its error counts as stable: it is the last one.
+    A state in which load or approach does not change with the radius, within its error, counts as
+    stable: it is that of pull-off, the last stable one.
     """
     return stability_on(curve_of(scene, tolerance, max_unknowns), found)
 
 
 def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
-    """Return how a state on a curve goes on."""
+    """Return how a state on a curve goes on.
+
+    At a corner of the profile, and at the rim of its flat part, the rates of larger contacts are
+    others than those of smaller ones. It is stable if a larger contact takes a larger load, or
+    approach: if a smaller one does so, too, this is the state of pull-off.
+    """
     a = found.radius
-    if a == curve.profile.flat_part:
-        rates = curve.rates(curve.past_flat_part())
+    if a in curve.corners:
+        rates = curve.rates(curve.next_larger(a))
         held = dict(zip(CONTROLS_HELD, (rates.load, rates.approach), strict=True))
         stable = tuple(name for name, rate in held.items() if rate > 0.0)
-        told = "the contact is the flat part: it goes on in another way than back"
+        told = "larger contacts have another slope of the curve than smaller ones at this radius"
         return Stability(stable, None, reason=told)
     local = curve.local(a)
     rates, errors = local.rates(a), local.rate_errors(a)
@@ -173,9 +192,10 @@ def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
 
 
 def with_surface_energy(found: Indentation, adhesion: float) -> Indentation:
-    """Return a state with the work ``int P ddelta`` along the curve, from no contact to it.
+    """Return a state with the work ``int P ddelta`` along the curve in place of the elastic energy.
 
-    It is the elastic energy less the energy of the surfaces that are in contact.
+    The curve begins at the point of no contact. The work is the elastic energy less w times the
+    area of contact, and may be negative; its error is relative to the sum of both.
     """
     surface = pi * adhesion * found.radius**2
     error = found.work_error * found.work / (found.work + surface)

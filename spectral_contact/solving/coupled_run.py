@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from spectral_contact.solving.sharing import StickPath
 
 
-#: Tolerance of full stick that tells whether ``1 - f/f_crit`` is below `ONSET_BAND`.
+#: Full stick to this tolerance is accurate enough to tell whether ``1 - f/f_crit`` is below
+#: `ONSET_BAND`.
 _ONSET_TOLERANCE = NEGLIGIBLE_FRACTION * ONSET_BAND
 
 
@@ -70,7 +71,6 @@ class CoupledRun(Run):
         """Solve full stick, and partial slip if friction is below the critical one."""
         if self.scene.friction == math.inf:
             self.store_all_stick()
-            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if states[COUPLING] is not StepState.RUN:
             return
         stick = self._coupled_stick(self.rtol)
@@ -135,6 +135,7 @@ class CoupledRun(Run):
         if slip is None:
             self._store_unresolved_slip(stick, max_onset_distance)
             return
+        # so far it was that of full stick
         if "opening" in self.values:
             self.values["opening"] = None
         self.store(slip, 1.0)
@@ -146,45 +147,49 @@ class CoupledRun(Run):
                 reason += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, reason)
 
-    def _searched_zones(self, search: CoupledSearch, onset_distance: float) -> PartialSlip | None:
+    def _searched_zones(
+        self, search: CoupledSearch, max_onset_distance: float
+    ) -> PartialSlip | None:
         """Return partial slip on the zones of a search, or None where full stick is as accurate.
 
-        That may be so only next to the onset of slip. Elsewhere a search that fails is repeated
-        with a closer tolerance, unless the surface is smooth.
+        Next to the onset of slip, within `ONSET_BAND`, None is returned if the search fails, or if
+        the errors of the slip it finds are above `rtol` and above those of full stick. Elsewhere a
+        search that fails is repeated with a tighter tolerance, if both compliances are positive.
 
         Parameters
         ----------
         search : CoupledSearch
-        onset_distance : float
-            ``1 - f/f_crit``, with the error of the critical friction.
+        max_onset_distance : float
+            ``1 - f/f_crit`` plus the error of the critical friction.
         """
         from spectral_contact.contact.zone_search import NoZonesError
 
-        # of a growing contact: its stick radii at other times
+        # stick radii at other times, if the contact grows
         path: StickPath | None = self.cache.get(COUPLING, (), lambda: None)
         place = log_parameters(self.parameters)
         search.warm_start = None if path is None else path.predict(place)
         try:
             slip = search.outcome()
         except NoZonesError:
-            if onset_distance <= ONSET_BAND:
+            if max_onset_distance <= ONSET_BAND:
                 return None
-            closer = closer_tolerance(search.tolerance)
+            tighter = closer_tolerance(search.tolerance)
             rough = search.parameters.alpha and search.parameters.beta
-            if closer < search.tolerance and rough:  # a smooth surface takes seconds each time
-                return self._searched_zones(replace(search, tolerance=closer), onset_distance)
+            if tighter < search.tolerance and rough:  # without a compliance it takes seconds
+                return self._searched_zones(replace(search, tolerance=tighter), max_onset_distance)
             raise
         if path is not None:
             path.add(place, slip.layout)
         error = max(slip.pressure_error, slip.traction_error, slip.shear_error, slip.approach_error)
-        accurate = slip.consistent and error <= max(self.rtol, ONSET_ERROR_FACTOR * onset_distance)
-        return slip if accurate or onset_distance > ONSET_BAND else None
+        of_full_stick = ONSET_ERROR_FACTOR * max_onset_distance
+        accurate = slip.consistent and error <= max(self.rtol, of_full_stick)
+        return slip if accurate or max_onset_distance > ONSET_BAND else None
 
     def _store_refuted(self, stick: FullStick, error: NoZonesError) -> None:
-        """Store the outcome that violates the friction law least, where the law holds on none.
+        """Store what violates the friction law least, where no zones were found that obey it.
 
-        That is the best outcome of the search, or full stick. The violation changes the fields by
-        about its own size, and leaves nothing known of where the surface slips.
+        That is the best outcome of the search, or full stick. The violation, relative to ``f p``,
+        changes the fields by about its own size. Where the surface slips is not known.
         """
         self.refusal = f"no zones were found that obey the friction law ({error})"
         violation = stick.critical / self.parameters.friction - 1.0  # of full stick
@@ -205,41 +210,40 @@ class CoupledRun(Run):
         )
         self.endings.append(Ending.ZONES)
 
-    def _store_unresolved_slip(self, stick: FullStick, onset_distance: float) -> None:
+    def _store_unresolved_slip(self, stick: FullStick, max_onset_distance: float) -> None:
         """Store full stick in place of slip that is too narrow to be resolved.
 
-        Its traction exceeds ``f p`` by ``1 - f/f_crit`` at most, and the slip changes the fields by
-        about as much, which is added to their errors. If that is little more than the error of the
-        critical friction, full stick is solved to a closer tolerance before.
+        The traction of full stick exceeds ``f p`` by the share ``1 - f/f_crit`` of itself at most.
+        Slip would change the fields by about as much, which is added to their errors. Where that is
+        above `rtol` it may be due to the error of the critical friction, and full stick is first
+        solved to a tighter tolerance.
 
         Parameters
         ----------
         stick : FullStick
-        onset_distance : float
-            ``1 - f/f_crit``, with the error of the critical friction.
+        max_onset_distance : float
+            ``1 - f/f_crit`` plus the error of the critical friction.
         """
         from spectral_contact.contact.onset import unresolved_slip
 
         parameters = self.parameters
-        closer = closer_tolerance(self.rtol)
-        too_inaccurate = ONSET_ERROR_FACTOR * onset_distance > 0.5 * self.rtol
-        if closer < min(self.rtol, _ONSET_TOLERANCE) and too_inaccurate:
-            stick = self._coupled_stick(closer)
+        tighter = closer_tolerance(self.rtol)
+        too_inaccurate = ONSET_ERROR_FACTOR * max_onset_distance > 0.5 * self.rtol
+        if tighter < min(self.rtol, _ONSET_TOLERANCE) and too_inaccurate:
+            stick = self._coupled_stick(tighter)
             self._store_coupled_stick(stick)
-            onset_distance = (
-                max(1.0 - parameters.friction / stick.critical, 0.0) + stick.critical_error
-            )
+            onset_distance = max(1.0 - parameters.friction / stick.critical, 0.0)
+            max_onset_distance = onset_distance + stick.critical_error
         radius_error = unresolved_slip(stick, parameters)
         self.store_all_stick()
-        for name in ("approach", "pressure", "traction", "total_shear"):
-            self.errors[name] += ONSET_ERROR_FACTOR * onset_distance
+        for name in self.bounded:
+            self.errors[name] += ONSET_ERROR_FACTOR * max_onset_distance
         self.errors.update(
             stick_radius=radius_error,
             zones=max(radius_error, 1.0),
             slip=1.0,
-            violation=onset_distance,
+            violation=max_onset_distance,
         )
-        reason = (
-            f"slip is too narrow to be found: friction is {onset_distance:.1e} below the critical"
-        )
+        below = f"{max_onset_distance:.1e} below the critical"
+        reason = f"slip is too narrow to be found: friction is {below}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

@@ -43,9 +43,9 @@ from spectral_contact.threads import one_thread
 
 #: Points of a cycle: at least, and at most.
 _FEWEST, _MOST = 2, 100_000
-#: Share of the points, as a divisor, that are beyond pull-off.
+#: One of so many points of a cycle is on the unstable part, at radii below that of pull-off.
 _UNSTABLE = 4
-#: Radius at which the unstable part of a cycle ends, over that of pull-off.
+#: Radius at which that part ends, over the radius of pull-off.
 _SMALLEST = 0.02
 #: Tolerances of a cycle, which has no fields.
 _TOLERANCES = "in [1e-12, 1e-2]"
@@ -187,9 +187,11 @@ def adhesion_cycle(
         stable = [sum(one.radius > a for one in folds) % 2 == 0 for a in radii]
         jump_out, lost = _jumps_out(curve, held, ends)
     energies = [_energy(held, one, curve.adhesion) for one in lost]
-    # the energy before a jump less that after it; that before contact is 0
+    # what jumps dissipate: the energy before less that after, which is 0 without contact; states
+    # before and after jumps alternate
+    before, after = energies[::2], [*energies[1::2], 0.0]
     falls = [-_energy(held, landed, curve.adhesion)]
-    falls += [one - other for one, other in zip(energies[::2], [*energies[1::2], 0.0], strict=True)]
+    falls += [one - other for one, other in zip(before, after, strict=True)]
     doubt = sum(_energy_error(held, one, curve.adhesion) for one in (landed, *lost))
     bounded = held.of_approach > 0.0
     return AdhesionCycle(
@@ -264,7 +266,7 @@ def _folds(scene: Scene, curve: AdhesiveCurve, held: Control) -> list[Fold]:
     try:
         found = list(curve.folds(held))
     except NoState:
-        refuse_reach(scene)
+        refuse_reach(scene, "work_of_adhesion")
     if not found:
         told = "the contact shrinks to a point before it comes off"
         raise NotComputedError("pull_off", told)
@@ -272,10 +274,11 @@ def _folds(scene: Scene, curve: AdhesiveCurve, held: Control) -> list[Fold]:
 
 
 def _ends(held: Control, folds: list[Fold]) -> list[tuple[int, Fold]]:
-    """Return where the contact loses its hold, one after the other, with numbers of branches.
+    """Return the folds at which a contact that is taken back jumps, with the numbers of branches.
 
-    A contact that loses its hold at a fold finds it again on a stretch to smaller contacts if that
-    ends at a lower value.
+    Stable stretches end at folds with even numbers. At such a fold the contact jumps to the next
+    stable stretch, of smaller contacts, whose fold has a lower load, or approach, than this one; at
+    the last one it comes off.
     """
     found: list[tuple[int, Fold]] = []
     for number, fold in enumerate(folds):
@@ -299,11 +302,14 @@ def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
 
 
 def _first_contact(scene: Scene, curve: AdhesiveCurve, held: Control) -> Indentation:
-    """Return the state after the jump into contact."""
+    """Return the state after the jump into contact, at which what is held is 0.
+
+    It is on the stretch of the largest contacts.
+    """
     try:
         return value_of(curve.find(held, 0.0, 0, pointwise=False)[0])
     except NoState:
-        refuse_reach(scene)
+        refuse_reach(scene, "work_of_adhesion")
 
 
 def _radii(
@@ -318,6 +324,7 @@ def _radii(
     largest, least = max(asked.contact_radius, landed.radius), ends[-1][1].radius
     flat = curve.profile.flat_part
     if flat > 0.0:
+        # to the rim of the flat part, where contact ends
         past = np.geomspace(largest - flat, _SMALLEST * _SMALLEST * (largest - flat), points - 1)
         return [*(flat + past).tolist(), flat]
     few = points // _UNSTABLE
@@ -346,12 +353,18 @@ def _state(one: Indentation) -> CycleState:
 
 
 def _energy(held: Control, one: Indentation, adhesion: float) -> float:
-    """Return the energy of contact, surfaces and machine, which a jump lowers."""
+    """Return the energy of contact, surfaces and machine, which a jump lowers.
+
+    It is for control of the approach, through a machine of stiffness ``1/held.of_load``, if any.
+    """
     return with_surface_energy(one, adhesion).work + held.of_load * one.load**2 / 2.0
 
 
 def _energy_error(held: Control, one: Indentation, adhesion: float) -> float:
-    """Return the absolute error of that; what is stored has the error of the larger parts."""
+    """Return the absolute error of `_energy`.
+
+    Elastic and surface energy, of which it is the difference, are rounded.
+    """
     surface = pi * adhesion * one.radius**2
     spring = held.of_load * abs(one.load) * one.load_size * one.load_error
     return one.work * one.work_error + ROUNDING * (one.work + surface) + spring

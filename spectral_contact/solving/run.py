@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.slip_outcome import PartialSlip
 
 
+#: The logger that users find under the name of the module with `solve`.
 _LOG = logging.getLogger("spectral_contact.solving.solver")
 
 #: Values of a solution that are there although no quantity asks for them.
@@ -157,13 +158,16 @@ class Run:
         )
 
     def _scale_to_load(self, load: float) -> None:
-        """Multiply what was found for unit load by another load."""
+        """Multiply what was found for unit load by a load ratio; the contact radius is fixed."""
         for name in ("approach", "total_shear"):
             if name in self.values:
                 self.values[name] *= load
-        self.pressure = self.pressure and self.pressure.times(load)
-        self.traction = self.traction and self.traction.times(load)
-        self.slip = self.slip and self.slip.times(load)
+        if self.pressure is not None:
+            self.pressure = self.pressure.times(load)
+        if self.traction is not None:
+            self.traction = self.traction.times(load)
+        if self.slip is not None:
+            self.slip = self.slip.times(load)
 
     def _ending(self) -> Ending:
         """Return the worst ending of a step, unless all is within the tolerance."""
@@ -180,7 +184,7 @@ class Run:
         """Whether no digit of the slip is known, so that a closer tolerance is called for.
 
         That matters if the slip is wanted, or if it seems to violate the friction law by more than
-        the tolerance, which may be noise or a missing zone.
+        the tolerance: this violation may be noise, or show a missing zone.
         """
         unknown = self.errors.get("slip") == math.inf
         return unknown and ("slip" in self.plan.quantities or self.wrong_slip > self.rtol)
@@ -243,7 +247,10 @@ class Run:
 
     @property
     def pressure_tolerance(self) -> float:
-        """The tolerance of a pressure that loads the tangential problem: tighter than `rtol`."""
+        """The tolerance of a pressure that loads the tangential problem.
+
+        It is tighter than `rtol`, unless that is near the rounding of fields.
+        """
         least = min(self.rtol, 3.0 * FIELD_ROUNDING)
         return max(self.rtol * NEGLIGIBLE_FRACTION, least)
 
@@ -276,6 +283,10 @@ class Run:
     def tangential(self, states: dict[str, StepState], contact: NormalContact | None) -> None:
         """Store what follows without a solve, then run the tangential steps.
 
+        With kappa = 0 nothing drives the surface sideways, and everything sticks at any friction.
+        With infinite friction the zones are known, and with friction 0 all but the slip; the
+        rest is solved for.
+
         Parameters
         ----------
         states : dict of str to StepState
@@ -286,22 +297,23 @@ class Run:
         scene = self.scene
         friction = scene.friction
         exact = {"traction": 0.0, "total_shear": 0.0, "stick_radius": 0.0, "zones": 0.0}
-        if not friction or friction == math.inf or scene.kappa == 0.0:
-            self._no_load_ratios("nothing slips" if friction else "nothing sticks")
         if friction is None:
+            self._no_load_ratios("nothing sticks")
             self.values.update(total_shear=0.0, zones=(), stick_radius=None)
             self.errors.update(exact)
             return
         if scene.kappa == 0.0:
+            self._no_load_ratios("nothing slips")
             self.store_all_stick()
             none = dict.fromkeys(FULL_STICK_RATIOS, 0.0)
             self.values.update(none, total_shear=0.0)
-            self.errors.update(exact | none, slip=0.0)
+            self.errors.update(exact | none)
             return
         if friction == math.inf:
+            self._no_load_ratios("nothing slips")
             self.store_all_stick()
-            self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
         if friction == 0.0:
+            self._no_load_ratios("nothing sticks")
             self.values.update(
                 total_shear=0.0, stick_radius=0.0, zones=(Zone.from_radii("slip", CENTRE, EDGE),)
             )
@@ -316,8 +328,9 @@ class Run:
             self.run_full_stick(contact, states)
 
     def store_all_stick(self) -> None:
-        """Store that the whole contact sticks."""
+        """Store that the whole contact sticks, for sure: errors are 0."""
         self.values.update(stick_radius=1.0, zones=(Zone.from_radii("stick", CENTRE, EDGE),))
+        self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0)
 
     def _no_load_ratios(self, reason: str) -> None:
         """Note that a scene below its largest load has no thresholds of the load, and why."""
@@ -353,8 +366,10 @@ class Run:
     def _full_stick(self, contact: NormalContact) -> FullStick:
         """Return full stick under the known pressure, from the cache if it is there.
 
-        Total shear alone needs looser fields (`pointwise`), and no ratio q/p (`ratios`). Finite
-        friction has to be compared with the critical one, which is a ratio.
+        The traction is solved for to the tolerance at every point if it is wanted, or the zones of
+        slip that are found from it, and else as closely as the total shear needs. Ratios q/p are
+        evaluated if they are wanted, or if the friction is finite: it is compared with the
+        critical one, which is the largest ratio.
         """
         begin = perf_counter()
         asked = set(self.plan.quantities)
@@ -412,7 +427,7 @@ class Run:
         return full_stick(solved, contact, pointwise=pointwise, ratios=ratios)
 
     def store_full_stick(self, stick: FullStick, scale: float) -> None:
-        """Store full stick; at friction 0 its ratios q/p alone, because its fields are others.
+        """Store full stick; at friction 0, where nothing sticks, its ratios q/p alone.
 
         Parameters
         ----------
@@ -449,19 +464,20 @@ class Run:
     def is_supercritical(self) -> bool:
         """Return whether the friction is not below the critical one, so that nothing slips.
 
-        Full stick has to be stored before.
+        Then the shakedown ratio is 0. Full stick has to be stored before.
         """
         return bool(self.values["shakedown_ratio"] == 0.0)
 
     def store_supercritical(self, stick: FullStick) -> None:
         """Store that the whole contact sticks, with errors for the slip that may be unresolved."""
         self.store_all_stick()
-        self.errors.update(stick_radius=0.0, zones=0.0, slip=0.0, violation=0.0)
+        self.errors["violation"] = 0.0
         self._no_load_ratios("nothing slips")
         if self.errors["shakedown_ratio"] > 0.0:  # friction may be below the critical, by its error
             from spectral_contact.contact.onset import unresolved_slip
 
             radius_error = unresolved_slip(stick, self.parameters)
+            # no digit is known of the zone that may be missing, nor of the slip in it
             self.errors.update(stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0)
         reason = f"friction is not below the critical {self.values['critical_friction']:.6g}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

@@ -51,10 +51,12 @@ class UncoupledRun(Run):
     def given_radius(self, logit: float) -> RadiusFriction | None:
         """Return the friction at which the zones are one stick disk of a given radius.
 
-        The friction of the scene does not matter. None if there is no such friction, if the
-        friction law does not hold there or the tolerance is not met, or if the traction is not
-        positive: between two frictions at which the law holds it is known to hold only if the
+        The friction of the scene does not matter. A sweep solves few radii, and interpolates at the
+        frictions between: the friction law holds there, too, if it holds at both ends and the
         traction is positive (docs/internals).
+
+        None is returned if there is no such friction, if the friction law does not hold there, if
+        the tolerance is not met, or if the traction at an end of the stick disk is negative.
 
         Parameters
         ----------
@@ -111,7 +113,13 @@ class UncoupledRun(Run):
         self.store(solved, self.scene.kappa)
 
     def _unload(self, search: UncoupledSearch) -> None:
-        """Store the state below the largest load, whose zones the search is for.
+        """Store the state below the largest load.
+
+        Parameters
+        ----------
+        search : UncoupledSearch
+            That for the zones at the largest load, to a tighter tolerance than the state's: the
+            slip that it finds is an input of the state.
 
         Raises
         ------
@@ -146,7 +154,7 @@ class UncoupledRun(Run):
             raise NotComputedError(told, reason) from None
         path.add(place, solved.layout)
         self.store(solved, self.scene.kappa)
-        self.skip("the zones are those of the step unloading", ZONE_SEARCH)
+        self.skip("the step unloading has found the zones", ZONE_SEARCH)
         self.updated_steps[UNLOADING] = PlannedStep(
             UNLOADING, StepState.RUN, "; ".join(trial.text for trial in solved.trials)
         )
@@ -163,5 +171,5 @@ class UncoupledRun(Run):
                 self.errors[name] = ratio.error
         self.record(LOAD_RATIOS, None, begin)
         self.updated_steps[LOAD_RATIOS] = PlannedStep(
-            LOAD_RATIOS, StepState.RUN, "where slip back begins, and where a slip zone turns"
+            LOAD_RATIOS, StepState.RUN, "where slip back begins, and a slip zone begins to shrink"
         )

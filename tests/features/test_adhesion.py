@@ -180,7 +180,7 @@ def test_states_beyond_pull_off_are_refused_with_how_far():
     assert solve(sticky(load=limit * (1.0 - 1e-9)), rtol=1e-8).converged
     with pytest.raises(SceneError, match="pull-off under control of the approach"):
         solve(sticky(approach=-2.0))
-    with pytest.raises(SceneError, match="less than 2: there are so many branches"):
+    with pytest.raises(SceneError, match="less than 2, the number of branches"):
         solve(sticky(load=-3.0, branch=2))
     with pytest.raises(SceneError, match=r"at most .*where branch 1 ends"):
         solve(sticky(load=1.0, branch=1))
@@ -190,7 +190,7 @@ def test_states_beyond_pull_off_are_refused_with_how_far():
     with pytest.raises(SceneError, match="one state"):
         solve(flat.replace(load=1.0, branch=1))
     ball = profiles.Sphere(1.0)
-    with pytest.raises(SceneError, match="adhesion pulls it to its end"):
+    with pytest.raises(SceneError, match="adhesion makes the contact grow to that end"):
         solve(Scene(None, 100.0, profile=ball, load=0.0, work_of_adhesion=1e9))
 
 
@@ -210,6 +210,25 @@ def test_branches_are_states_of_one_load_from_large_contacts_to_small_ones():
         )
         assert given.load == pytest.approx(-0.615, rel=1e-12)
     assert [math.copysign(1.0, one.stiffness_on_branch) for one in found] == [1.0, -1.0, 1.0]
+
+
+def test_the_stiffness_on_the_branch_has_two_values_at_a_corner_alone():
+    """A polynomial through states to both sides of the corner gave one, 55 % off either."""
+    cornered = profiles.Sum(profiles.Cone(0.1), profiles.TruncatedCone(1.0, 0.7))
+    scene = Scene(None, 0.05, profile=cornered, contact_radius=1.0, work_of_adhesion=0.1)
+    found = solve(scene, rtol=1e-8)
+    assert found.stable_under == ("load", "approach")
+    with pytest.raises(NotComputedError, match="larger contacts have another slope"):
+        _ = found.stiffness_on_branch
+    rounded = profiles.Sum(profiles.Parabola(2.0), profiles.RoundedFlat(1.0, 1.0))
+    found = solve(scene.replace(profile=rounded))
+    assert found.error.stiffness_on_branch < 1e-9
+    smaller = [solve(scene.replace(profile=rounded, contact_radius=1.0 - k * 1e-3)) for k in (1, 2)]
+    load, approach = (
+        3.0 * getattr(found, name) - 4.0 * getattr(smaller[0], name) + getattr(smaller[1], name)
+        for name in ("load", "approach")
+    )
+    assert found.stiffness_on_branch == pytest.approx(load / approach, rel=1e-5)
 
 
 def test_continuations_and_sweeps_solve_what_solve_does():

@@ -9,6 +9,7 @@ from spectral_contact import Scene
 from spectral_contact.contact import unloading
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.unloading import HistoryError, LoadRatio, Unloading
+from spectral_contact.contact.zone_search import NoZonesError
 from spectral_contact.records import UNLOADING
 from spectral_contact.solving import uncoupled_run
 from spectral_contact.solving.planning import plan
@@ -77,6 +78,30 @@ def test_a_state_that_turned_names_the_load(from_largest_load, monkeypatch):
     monkeypatch.setattr(Unloading, "turning_ratio", known)
     with pytest.raises(HistoryError, match=r"turning ratio 0\.22 "):
         from_largest_load.state(0.15, unloading._unrecorded)
+
+
+def test_a_state_that_turned_is_refused_where_the_turning_ratio_is_not_found(
+    from_largest_load, monkeypatch
+):
+    def not_found(_):
+        raise NoZonesError("not found")
+
+    monkeypatch.setattr(Unloading, "turning_ratio", property(not_found))
+    with pytest.raises(HistoryError, match="turning ratio, which was not found"):
+        from_largest_load.state(0.15, unloading._unrecorded)
+
+
+def test_slip_that_is_missing_next_to_slip_is_no_zone_of_its_own(from_largest_load, monkeypatch):
+    search = from_largest_load._search(0.8)
+    solved = search.solve_zones(search.forward_zones)
+    ratios = unloading._friction_ratios
+
+    def forward(one, part):
+        y, ratio = ratios(one, part)
+        return np.array([y, np.where(y > 0.5, 1.1, ratio)])
+
+    monkeypatch.setattr(unloading, "_friction_ratios", forward)
+    assert unloading._with_missing_slip(solved) is None
 
 
 def test_the_reverse_ratio_is_just_below_where_cycles_shake_down(from_largest_load):

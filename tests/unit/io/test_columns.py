@@ -176,6 +176,17 @@ def test_a_line_of_headings_may_be_named(read):
     assert values(read(content, header=2, **options), "r", "z") == [[0.5, 1.5], [0.25, 0.0]]
 
 
+def test_a_file_without_headings_is_refused_where_no_column_is_required(read):
+    with pytest.raises(SolutionFileError, match="line 1: 2 columns without headings; write a fir"):
+        read("0.5,0.25\n", [Expected("load", required=False)])
+
+
+def test_a_file_without_headings_must_have_the_required_columns_only(read):
+    expected = [Expected("r"), Expected("pressure", required=False)]
+    with pytest.raises(SolutionFileError, match="without headings, where r is expected; say which"):
+        read("0.5,0.25\n", expected)
+
+
 REFUSED = [
     ("1,0.5,0.25\n", {}, "line 1: 3 columns without headings, where r and z are expected; say wh"),
     ("node,x,y\n1,0.5,0.25\n", {}, "no column of r and z: the headings are node, x, y; say which"),
