@@ -91,9 +91,30 @@ def _mark_numbers(_app: Any, document: Any) -> None:
             cell["classes"].append("number")
 
 
+def _join_parameters(_app: Any, document: Any) -> None:
+    """List parameters that share type and description as one item: Napoleon repeats these."""
+    for field in document.findall(nodes.field):
+        names, shared = [], None  # of the item before: its names, and the text that follows them
+        for item in list(field.findall(nodes.list_item)):
+            paragraph = item[0]
+            name = paragraph[0]
+            text = paragraph.astext().removeprefix(name.astext())
+            if not (isinstance(name, nodes.strong) and " – " in text):
+                names, shared = [], None
+            elif text == shared:
+                first = names[-1].parent
+                place = first.index(names[-1]) + 1
+                first.insert(place, [nodes.Text(", "), name])
+                names.append(name)
+                item.parent.remove(item)
+            else:
+                names, shared = [name], text
+
+
 def setup(app: Any) -> None:
-    """Register the filters of docstrings and tables, and the resolution of short names."""
+    """Register the filters of docstrings, lists and tables, and the resolution of short names."""
     app.connect("autodoc-process-docstring", _escape_bars)
     app.connect("autodoc-process-docstring", _note_parameters)
+    app.connect("doctree-read", _join_parameters)
     app.connect("doctree-read", _mark_numbers)
     app.connect("missing-reference", _resolve)

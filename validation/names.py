@@ -42,10 +42,10 @@ def main() -> None:
     parser.add_argument("module", help="such as contact.unloading; of a package, its __init__")
     parser.add_argument("seed", type=int, nargs="?", default=1)
     module, seed = vars(parser.parse_args()).values()
-    path = LIBRARY / module.replace(".", "/")
+    path = LIBRARY / module.removeprefix("spectral_contact.").replace(".", "/")
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     if not path.exists():
-        parser.error(f"no module {module}")
+        parser.error(f"no module {module} in spectral_contact: give one such as contact.refine")
     lines = defined_names(path.read_text())
     names = sorted(lines)
     drawn = random.Random(seed).sample(names, min(ASKED, len(names)))
