@@ -94,13 +94,16 @@ def _mark_numbers(_app: Any, document: Any) -> None:
 def _join_parameters(_app: Any, document: Any) -> None:
     """List parameters that share type and description as one item: Napoleon repeats these."""
     for field in document.findall(nodes.field):
-        names, shared = [], None  # of the item before: its names, and the text that follows them
+        # of the item before: its names, and the text that follows them
+        names: list[Any] = []
+        shared = None
         for item in list(field.findall(nodes.list_item)):
             paragraph = item[0]
             name = paragraph[0]
             text = paragraph.astext().removeprefix(name.astext())
             if not (isinstance(name, nodes.strong) and " – " in text):
-                names, shared = [], None
+                names = []
+                shared = None
             elif text == shared:
                 first = names[-1].parent
                 place = first.index(names[-1]) + 1
@@ -108,7 +111,8 @@ def _join_parameters(_app: Any, document: Any) -> None:
                 names.append(name)
                 item.parent.remove(item)
             else:
-                names, shared = [name], text
+                names = [name]
+                shared = text
 
 
 def setup(app: Any) -> None:
