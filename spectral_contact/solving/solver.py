@@ -20,7 +20,7 @@ from spectral_contact.solving.uncoupled_run import RadiusFriction, UncoupledRun
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
-#: By how much looser tolerances are at which zones are found that are not at one asked for.
+#: Where no zones are found, they are looked for at tolerances that are looser by these factors.
 _LOOSER = 10.0, 100.0
 
 
@@ -80,7 +80,8 @@ def solve(
     strict = checks.flag("strict", strict)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     if progress is not None:
-        ProgressLine(progress)  # refuses what it cannot be
+        # raises the errors of this argument before any work
+        ProgressLine(progress)
     run = _run(scene, todo, rtol, max_unknowns, StepCache(progress))
     with one_thread():
         solution = run.solution()
@@ -106,11 +107,11 @@ def _unmet(run: Run, solution: Solution) -> str:
 
 
 def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -> Solution:
-    """Return the solution of a run, or a closer one that knows what this one does not.
+    """Return the solution of a run, or one to a tighter tolerance if that knows more.
 
-    The slip of a narrow zone is smaller than the fields by a power of its width, and the fields'
-    errors hide it. So it is solved to a closer tolerance until a digit of the slip is known; the
-    tolerance that was asked for decides on convergence.
+    The slip in a narrow zone is smaller than the fields by a power of its width, and may be less
+    than their errors. So the scene is solved to tighter tolerances until a digit of the slip is
+    known. The tolerance that was asked for still decides on convergence.
 
     Parameters
     ----------
@@ -118,9 +119,10 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
         That has the solution.
     solution : Solution
     closer_for_zones : bool
-        Whether to try one closer tolerance because a zone may be missing.
+        Whether to try one tighter tolerance because a zone may be missing.
     """
-    # a closer tolerance takes even more unknowns, or finds the same: flat punches were tried closer
+    # a tighter tolerance takes even more unknowns; and the flat punches of a history, of which one
+    # was refused, were tried at tighter tolerances already
     if solution.ending is Ending.UNKNOWNS or (run.refusal and run.scene.profile is not None):
         return solution
     rtol = tolerance = solution.rtol
@@ -134,7 +136,7 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
         run = _run(run.scene, run.plan, tolerance, run.max_unknowns, shared)
         try:
             found = run.solution(rtol)
-        except NotComputedError:  # no zones are found that close
+        except NotComputedError:  # no zones are found at this tolerance
             break
         if found.converged and _unknown(run) < least_unknown:
             least_unknown, solution = _unknown(run), found
@@ -143,7 +145,10 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
 
 
 def _unknown(run: Run) -> tuple[bool, float]:
-    """Return what a closer tolerance is to lower: an unknown slip first, then the zones' error."""
+    """Return what a tighter tolerance should improve, to be compared in this order.
+
+    First comes whether no digit of the slip is known, then the error of the zones.
+    """
     return run.slip_unresolved, run.errors.get("zones", 0.0)
 
 
@@ -152,9 +157,10 @@ def _from_looser(
 ) -> Solution | None:
     """Return the solution with zones that are found at a looser tolerance, if any are.
 
-    Next to a threshold a search fails by accident of rounding: of 16 scenes within 1e-12 of one
-    that are refused at 1e-9 or 1e-12 this finds all. Where it fails again with these zones to start
-    from, the looser solution is returned, not converged unless its estimates meet the tolerance.
+    Next to a threshold of friction a search may fail by accident of rounding. The zones that a
+    looser tolerance finds are where the search at `rtol` begins then. If it fails again, the looser
+    solution is returned, which has converged only if its estimates meet `rtol`. Of 16 scenes whose
+    friction is within 1e-12 of a threshold, and that fail at rtol 1e-9 or 1e-12, all are solved.
     """
     known = None
     for tolerance in sorted({min(factor * rtol, 1e-2) for factor in _LOOSER} - {rtol}):
@@ -169,16 +175,18 @@ def _from_looser(
 
 
 def _zone_unknown(solution: Solution) -> bool:
-    """Return whether a zone may be missing: beside slip in places, or from full stick that fails.
+    """Return whether a zone may be missing, so that a tighter tolerance may find it.
 
-    Next to the threshold of slip, whether the search sees a narrow zone at the edge can hang on
-    rounding: with the oldest packages that are allowed, friction 1e-7 below it, rtol 1e-11 ended in
-    full stick and not converged, where 1e-12 found the zone (5e-12 still does not).
+    The error of the zones is 1 or more then. A solution of full stick that has converged is left as
+    it is. Next to the threshold of slip it may depend on rounding whether the search finds a narrow
+    zone at the edge: for a friction 1e-7 below the threshold, with NumPy and SciPy of the oldest
+    versions, rtol 1e-11 and 5e-12 ended in full stick, not converged, and 1e-12 found the zone.
     """
     return _zone_missing(solution) and (len(solution.zones) >= 2 or not solution.converged)
 
 
 def _zone_missing(solution: Solution) -> bool:
+    """Return whether the error of the zones is that of a zone that is missing or too many."""
     zones = solution.error.zones
     return zones is not None and zones >= 1.0
 
@@ -216,10 +224,21 @@ class Continuation:
             return mirrored(_resolved(run, run.solution()), asked)
 
     def given_radius(self, scene: Scene, logit: float) -> RadiusFriction | None:
-        """Return the friction with which a scene has one stick disk of this radius, if any has.
+        """Return the friction with which a flat punch without coupling has one stick disk.
 
-        That of the scene does not count. Of a scene with κ < 0 it is that of its mirror image, with
-        a positive total shear.
+        The friction of the scene does not matter. If its κ is negative, the result is that of its
+        mirror image, with κ and total shear positive.
+
+        Parameters
+        ----------
+        scene : Scene
+        logit : float
+            Of the stick radius c, in contact radii: ``ln(c**2/(1 - c**2))``.
+
+        Returns
+        -------
+        RadiusFriction or None
+            As `UncoupledRun.given_radius`.
         """
         scene = with_positive_kappa(scene)
         todo = plan(scene, self._quantities)
