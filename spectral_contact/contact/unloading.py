@@ -34,6 +34,7 @@ its outer one; zone 0, around the centre, has the latter alone.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import copysign, exp, log, pi, sqrt
 from time import perf_counter
@@ -185,6 +186,23 @@ class UnloadedSearch(ZoneSearch):
                 return refine(problem, self.tolerance, self.max_unknowns).best.value
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             raise NoZonesError(str(error)) from None
+
+    def followed(self, zones: Layout | None) -> ZoneSolution:
+        """Return the solution on zones near those at a similar load, if there are such zones.
+
+        Else, or without such zones, it is that of the search.
+
+        Raises
+        ------
+        NoZonesError
+            If the friction law holds on no zones that are tried.
+        """
+        if zones is not None:
+            with suppress(NoZonesError):
+                return self.solve_zones(zones)
+        self.outcome()
+        assert self.solved is not None
+        return self.solved
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         """Refuse: there are no zones that could stand for those on which the law holds.
@@ -416,13 +434,12 @@ class Unloading:
         places = [0.0]
         leasts = [growth.least]
         place = sqrt(COARSE_TOL)
-        load = reverse.value * exp(-(place**2))
-        search = self._search(load, tolerance=tolerance)
-        # slip back has begun: the zones are searched for once, and followed from there
-        search.outcome()
-        assert search.solved is not None
-        solved = search.solved
+        zones: Layout | None = None
         for _ in range(MAX_STEPS):
+            load = reverse.value * exp(-(place**2))
+            search = self._search(load, tolerance=tolerance)
+            solved = search.followed(zones)
+            zones = solved.layout
             growth = search.growth(solved)
             places.append(place)
             leasts.append(growth.least)
@@ -432,9 +449,6 @@ class Unloading:
                 error = 2.0 * place * (tolerance + 2.0 * growth.error / abs(slope))
                 return LoadRatio(load, error + reverse.error)
             place = min(max(place + step, place / 2.0), 2.0 * place)
-            load = reverse.value * exp(-(place**2))
-            search = self._search(load, tolerance=tolerance)
-            solved = search.solve_zones(solved.layout)
         raise NoZonesError("the load at which a slip zone turns was not found")
 
 
