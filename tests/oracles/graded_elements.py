@@ -12,25 +12,36 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.blas import dsyrk
 from scipy.optimize import root
 
 Array = NDArray[np.float64]
 
-#: Degree on an element, ratio of neighbouring elements, and the narrowest one over its zone.
-DEGREE, RATIO, NARROWEST = 12, 0.25, 1e-6
-#: Points t on an element.
-_POINTS = 36
+#: Ratio of neighbouring elements.
+RATIO = 0.25
 
 
-def graded_ends(radii: Sequence[float]) -> Array:
+class Fineness(NamedTuple):
+    """Degree on an element, the narrowest one over its zone, and points t on an element."""
+
+    degree: int = 12
+    narrowest: float = 1e-6
+    points: int = 36
+
+
+USUAL = Fineness()
+
+
+def graded_ends(radii: Sequence[float], narrowest: float) -> Array:
     """Return ends of elements in ``s^2``, graded to the given radii and to the edge."""
     marks = np.concatenate([[0.0], np.square(radii), [1.0]])
-    levels = RATIO ** np.arange(np.ceil(np.log(NARROWEST) / np.log(RATIO)), -1, -1)
+    levels = RATIO ** np.arange(np.ceil(np.log(narrowest) / np.log(RATIO)), -1, -1)
     ends = [0.0]
     for k, (lower, upper) in enumerate(pairwise(marks)):
         middle = lower if k == 0 else (lower + upper) / 2.0
@@ -43,7 +54,7 @@ def graded_ends(radii: Sequence[float]) -> Array:
 class Elements:
     """Matrices of the functions of all elements; unknowns are coefficients, element by element."""
 
-    def __init__(self, ends: Array, degree: int = DEGREE) -> None:
+    def __init__(self, ends: Array, degree: int = USUAL.degree, points: int = USUAL.points) -> None:
         self.lower = ends[:-1]
         self.width = np.diff(ends)
         self.degree = degree
@@ -54,16 +65,16 @@ class Elements:
         #: points of every element, and the weights of ``s ds``, (elements, points)
         self.z = self.lower[:, None] + self.width[:, None] * (1.0 + x) / 2.0
         self._weight = self.width[:, None] / 4.0 * weight
-        self._half_integrals()
+        self._half_integrals(points)
 
     @property
     def count(self) -> int:
         """How many elements there are."""
         return len(self.width)
 
-    def _half_integrals(self) -> None:
+    def _half_integrals(self, points: int) -> None:
         """Find ``int_t^1 phi s ds / sqrt(s^2 - t^2)`` of all functions at the points t."""
-        x, weight = leggauss(_POINTS)
+        x, weight = leggauss(points)
         angle = np.pi / 4.0 * (1.0 + x)
         before = self.width[:, None] * np.cos(angle) ** 2  # upper end of the element less t^2
         square = self.lower[:, None] + self.width[:, None] * np.sin(angle) ** 2
@@ -72,7 +83,7 @@ class Elements:
         step = self.width[:, None] * np.sin(2.0 * angle) * np.pi / 4.0 * weight
         self.t_weight = step.ravel() / (2.0 * self.t) / np.pi
         nodes, node_weight = leggauss(self.degree + 1)
-        table = np.zeros((self.count, _POINTS, self.count, self.functions))
+        table = np.zeros((self.count, points, self.count, self.functions))
         upper = self.lower + self.width
         for k in range(self.count):
             rows = slice(0, k + 1)
@@ -93,12 +104,13 @@ class Elements:
             table[rows, :, k] = np.einsum("epnf,n->epf", values, node_weight) * (
                 length[..., None] / 2.0
             )
-        self.half = table.reshape(self.count * _POINTS, -1)
+        self.half = table.reshape(self.count * points, -1)
 
     def gram(self, power: int) -> Array:
         """Return ``(1/pi) int t^power H H dt`` with the half-integrals H: N for 0, T for 2."""
-        weighted = self.half * (self.t_weight * self.t**power)[:, None]
-        return np.asarray(self.half.T @ weighted)
+        weighted = self.half * np.sqrt(self.t_weight * self.t**power)[:, None]
+        lower = np.tril(dsyrk(1.0, weighted.T, lower=1))
+        return np.asarray(lower + np.tril(lower, -1).T)
 
     def mass(self, power: int) -> Array:
         """Return ``int phi psi s^power s ds``, power 0 for p and 2 for q."""
@@ -185,9 +197,11 @@ def _solved(
     before: Callable[[Elements, Array, Array], Array] | None,
     marks: Sequence[float],
     scale: float,
+    fineness: Fineness,
 ) -> ZonesOnElements:
     """Return the fields on zones with given boundaries, for the load `scale`."""
-    elements = Elements(graded_ends(sorted([*boundaries, *marks])))
+    ends = graded_ends(sorted([*boundaries, *marks]), fineness.narrowest)
+    elements = Elements(ends, fineness.degree, fineness.points)
     unit = elements.tested(np.ones_like(elements.z))
     pressure = _solution(alpha * elements.mass(0) + elements.gram(0), unit)
     pressure /= 2.0 * np.pi * float(unit @ pressure)
@@ -226,7 +240,7 @@ def _with_free_boundaries(
         )
 
     start = np.log(np.square(guess) / (1.0 - np.square(guess)))
-    found = root(jumps, start, tol=1e-14, options={"maxfev": 40})
+    found = root(jumps, start, tol=1e-9, options={"maxfev": 40})
     return solve(_radii(found.x))
 
 
@@ -235,11 +249,16 @@ def _radii(logits: Array) -> tuple[float, ...]:
 
 
 def loaded(
-    alpha: float, beta: float, friction: float, guess: Sequence[float], states: Sequence[int]
+    alpha: float,
+    beta: float,
+    friction: float,
+    guess: Sequence[float],
+    states: Sequence[int],
+    fineness: Fineness = USUAL,
 ) -> ZonesOnElements:
     """Return partial slip at the largest load, with the zones of these states."""
     return _with_free_boundaries(
-        lambda b: _solved(alpha, beta, friction, b, states, None, (), 1.0), guess
+        lambda b: _solved(alpha, beta, friction, b, states, None, (), 1.0, fineness), guess
     )
 
 
@@ -252,6 +271,7 @@ def unloaded(
     states: Sequence[int],
     before: ZonesOnElements,
     before_states: Sequence[int],
+    fineness: Fineness = USUAL,
 ) -> ZonesOnElements:
     """Return the state at a load below the largest one, which the zones `before` belong to.
 
@@ -271,7 +291,15 @@ def unloaded(
 
     return _with_free_boundaries(
         lambda b: _solved(
-            alpha, beta, friction, b, states, traction_before, before.boundaries, load
+            alpha,
+            beta,
+            friction,
+            b,
+            states,
+            traction_before,
+            before.boundaries,
+            load,
+            fineness,
         ),
         guess,
     )

@@ -26,6 +26,7 @@ STRATA = {
     "adhesion": ("adhesion", "adhesive contact under profiles, and its pull-off"),
     "cycles": ("cycles", "steady loops of a load that cycles"),
     "unloading": ("unloading", "the first unloading of flat punches"),
+    "unloaded_too_far": ("unloading", "loads below the turning ratio, which are refused"),
     "growing": ("growing", "friction under growing contacts"),
     "growing_together": ("growing_together", "the same with elastic coupling"),
     "layers": ("layers", "nonlinear layers"),

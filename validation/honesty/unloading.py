@@ -1,11 +1,16 @@
 """True errors of the first unloading against their estimates.
 
 A stratum of honesty.py. Scenes have random compliances, Poisson's ratios, frictions, load ratios
-down to where slip back begins and below, and tolerances. The truth of the shear is another solver
-(tests/oracles/graded_elements.py): Legendre polynomials on graded elements, with boundaries of its
-own, which begin at those found. It has ten digits of the shear, and room for that is given. It
-has fewer digits of the fields and boundaries; of these the truth is a solve to 1e-12, with its
-estimates as room. The traction is compared at places that the boundaries fix.
+down to where slip back begins and below, and tolerances. The truth of the shear is another
+solver (tests/oracles/graded_elements.py): Legendre polynomials on graded elements, with boundaries
+of its own, which begin at those found. It has ten digits of the shear, and room for that is given;
+where that is too few, finer elements have twelve. It has fewer digits of the fields and boundaries;
+of these the truth is a solve to 1e-12, with its estimates as room. The traction is compared at
+places that the boundaries fix.
+
+The second stratum is of loads below the turning ratio, down to a hundredth of it: each must be
+refused. A state there is refused if a slip zone shrinks as the load falls on, which is seen at that
+state alone; so a zone that has begun to shrink must not grow again.
 """
 
 from __future__ import annotations
@@ -21,26 +26,37 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from spectral_contact import NotComputedError, Scene, Solution, solve
 from tests.oracles import graded_elements
 
-#: What the truth of the shear may be off by, over the friction; and the tolerance of the other.
-ROOM, CLOSE = 3e-11, 1e-12
+#: Elements of the truth, and what the shear may be off by on them, over the friction.
+MESHES = (
+    (graded_elements.USUAL, 3e-11),
+    (graded_elements.Fineness(degree=16, narrowest=1e-8, points=48), 1e-12),
+)
+#: The tolerance of the other truth.
+CLOSE = 1e-12
 #: Compliances, in decades; thinner layers take more elements.
 LEAST, MOST = -1.5, 0.5
 #: Places in a zone, in the square of the radius.
 PLACES = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
+#: Loads over the turning ratio, in the second stratum: in decades, and the most.
+DEEPEST, HIGHEST = -2.0, 0.999
 
 
-def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
-    """Return a scene and a tolerance."""
+def punch(rng: np.random.Generator) -> tuple[Scene, float]:
+    """Return a flat punch at its largest load, and its shakedown ratio."""
     alpha = decade(rng, LEAST, MOST)
     beta = alpha if rng.random() < 0.25 else float(np.clip(alpha * decade(rng, -1, 1), 0.02, 5.0))
     nu = float(rng.choice([0.0, 0.1, 0.3, 0.45]))
     base = Scene(nu, alpha, beta, np.inf)
     critical = solve(base, 1e-8, ["critical_friction"]).critical_friction
     share = rng.uniform(0.05, 0.95)
-    lowest = (1.0 - share) / (1.0 + share)
+    return base.replace(friction=critical * share), (1.0 - share) / (1.0 + share)
+
+
+def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
+    """Return a scene and a tolerance."""
+    loaded, lowest = punch(rng)
     ratio = lowest + (1.0 - lowest) * rng.uniform(-0.01, 0.99)
-    scene = base.replace(friction=critical * share, unloaded_to=float(ratio))
-    return scene, decade(rng, -9.0, -2.0)
+    return loaded.replace(unloaded_to=float(ratio)), decade(rng, -9.0, -2.0)
 
 
 def states(solution: Solution) -> tuple[int, ...]:
@@ -48,16 +64,18 @@ def states(solution: Solution) -> tuple[int, ...]:
     return tuple(zone.sense if zone.kind == "slip" else 0 for zone in solution.zones)
 
 
-def truth_of(scene: Scene, found: Solution) -> graded_elements.ZonesOnElements:
+def truth_of(
+    scene: Scene, found: Solution, fineness: graded_elements.Fineness
+) -> graded_elements.ZonesOnElements:
     """Return the truth on zones of the same states."""
     assert scene.friction is not None
     given = scene.normal_compliance, scene.tangential_compliance, scene.friction / scene.kappa
     largest = solve(scene.replace(unloaded_to=1.0), 1e-8, ["zones"])
     guess = [zone.outer for zone in largest.zones[:-1]]
-    before = graded_elements.loaded(*given, guess, states(largest))
+    before = graded_elements.loaded(*given, guess, states(largest), fineness)
     guess = [zone.outer for zone in found.zones[:-1]]
     return graded_elements.unloaded(
-        *given, scene.unloaded_to, guess, states(found), before, states(largest)
+        *given, scene.unloaded_to, guess, states(found), before, states(largest), fineness
     )
 
 
@@ -82,28 +100,55 @@ def ratios(rng: np.random.Generator, _: int) -> Outcome:
     asked = "traction", "pressure", "zones", "stick_radius", "total_shear"
     found = solve(scene, tolerance, asked, strict=False)
     close = solve(scene, CLOSE, asked, strict=False)
-    exact = scene.kappa * truth_of(scene, close).total_shear
     error, room = ({name: getattr(one.error, name) for name in asked} for one in (found, close))
-    shear = abs(found.total_shear - exact)
+    shear = 0.0
+    for fineness, off in MESHES:
+        exact = scene.kappa * truth_of(scene, close, fineness).total_shear
+        allowed = error["total_shear"] * abs(exact) + off * (scene.friction or 0.0)
+        shear = abs(found.total_shear - exact) / allowed
+        if shear <= 1.0:
+            break
     zones = max(
         abs(zone.outer - known.outer) / min(known.outer, known.outer_from_edge)
         for zone, known in zip(found.zones[:-1], close.zones[:-1], strict=True)
     )
     traction = traction_off(scene, found, close)
     own = {
-        "total shear": shear / (error["total_shear"] * abs(exact) + ROOM * (scene.friction or 0.0)),
+        "total shear": shear,
         "zones": zones / (error["zones"] + room["zones"]),
         "traction": traction / (error["traction"] + room["traction"]),
     }
     return Outcome(own, label, found.converged)
 
 
+def refusal(rng: np.random.Generator, _: int) -> Outcome:
+    """Return 0 of a load below the turning ratio that is refused, and 2 of another."""
+    loaded, lowest = punch(rng)
+    asked = ["turning_ratio"]
+    turning = solve(loaded.replace(unloaded_to=(1.0 + lowest) / 2.0), 1e-6, asked).turning_ratio
+    scene = loaded.replace(unloaded_to=turning * min(decade(rng, DEEPEST, 0.0), HIGHEST))
+    label = f"{scene!r}, turning ratio {turning:.9g}"
+    try:
+        solve(scene, 1e-6, ["total_shear"], strict=False)
+    except NotComputedError:
+        return Outcome({"refused": 0.0}, label)
+    return Outcome({"refused": 2.0}, label)
+
+
 STRATA = {
+    "unloaded_too_far": Stratum(
+        "Loads below the turning ratio",
+        100,
+        in_turn(refusal, (NotComputedError,)),
+        refused="in {} the turning ratio was not found",
+        compared="0 if the load is refused, 2 if not",
+        every=10,
+    ),
     "unloading": Stratum(
         "Honesty: the first unloading",
         150,
         in_turn(ratios, (NotComputedError, ArithmeticError, np.linalg.LinAlgError)),
         refused="{} were refused, most of them below the turning ratio",
         every=5,
-    )
+    ),
 }
