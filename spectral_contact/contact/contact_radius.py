@@ -190,8 +190,8 @@ class _RadiusSearch:
 
         If rough, it suffices that the residual is below its error, or that one more step by a
         secant, which is taken without a solve, makes it less than the tolerance. The search also
-        ends where a small residual does not fall any more. Whatever is left of the residual counts
-        in the error of the radius (`outcome`).
+        ends where a small residual does not fall any more; what is left of it counts in the error
+        of the radius (`outcome`). If it does not end, no digit of the radius is known.
         """
         # the bracket of a smaller space may be wrong
         self.low = -inf
@@ -208,6 +208,7 @@ class _RadiusSearch:
             if rough and _SECANT_ERROR * size * least <= tolerance:
                 return
             least = min(least, size)
+        self.residual = inf
 
     def _evaluate(self, solve: Callable[[float], Contact]) -> None:
         """Solve at the radius at hand; set residual, slope and error."""

@@ -224,26 +224,18 @@ class CoupledRun(Run):
         max_onset_distance : float
             ``1 - f/f_crit`` plus the error of the critical friction.
         """
-        from spectral_contact.contact.onset import unresolved_slip
-
-        parameters = self.parameters
         tighter = closer_tolerance(self.rtol)
         too_inaccurate = ONSET_ERROR_FACTOR * max_onset_distance > 0.5 * self.rtol
         if tighter < min(self.rtol, _ONSET_TOLERANCE) and too_inaccurate:
             stick = self._coupled_stick(tighter)
             self._store_coupled_stick(stick)
-            onset_distance = max(1.0 - parameters.friction / stick.critical, 0.0)
+            onset_distance = max(1.0 - self.parameters.friction / stick.critical, 0.0)
             max_onset_distance = onset_distance + stick.critical_error
-        radius_error = unresolved_slip(stick, parameters)
         self.store_all_stick()
+        self.store_unresolved_slip_errors(stick)
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * max_onset_distance
-        self.errors.update(
-            stick_radius=radius_error,
-            zones=max(radius_error, 1.0),
-            slip=1.0,
-            violation=max_onset_distance,
-        )
+        self.errors["violation"] = max_onset_distance
         below = f"{max_onset_distance:.1e} below the critical"
         reason = f"slip is too narrow to be found: friction is {below}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)

@@ -474,13 +474,19 @@ class Run:
         self.errors["violation"] = 0.0
         self._no_load_ratios("nothing slips")
         if self.errors["shakedown_ratio"] > 0.0:  # friction may be below the critical, by its error
-            from spectral_contact.contact.onset import unresolved_slip
-
-            radius_error = unresolved_slip(stick, self.parameters)
-            # no digit is known of the zone that may be missing, nor of the slip in it
-            self.errors.update(stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0)
+            self.store_unresolved_slip_errors(stick)
         reason = f"friction is not below the critical {self.values['critical_friction']:.6g}"
         self.skip(reason, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
+
+    def store_unresolved_slip_errors(self, stick: FullStick) -> None:
+        """Store the errors of full stick where slip is too narrow to be resolved.
+
+        No digit is known of the zone that may be missing, nor of the slip in it.
+        """
+        from spectral_contact.contact.onset import unresolved_slip
+
+        radius_error = unresolved_slip(stick, self.parameters)
+        self.errors.update(stick_radius=radius_error, zones=max(radius_error, 1.0), slip=1.0)
 
     @property
     def parameters(self) -> Parameters:

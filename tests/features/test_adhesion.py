@@ -190,8 +190,11 @@ def test_states_beyond_pull_off_are_refused_with_how_far():
     with pytest.raises(SceneError, match="one state"):
         solve(flat.replace(load=1.0, branch=1))
     ball = profiles.Sphere(1.0)
-    with pytest.raises(SceneError, match="adhesion makes the contact grow to that end"):
-        solve(Scene(None, 100.0, profile=ball, load=0.0, work_of_adhesion=1e9))
+    grown = Scene(None, 100.0, profile=ball, load=0.0, work_of_adhesion=1e9)
+    for refuse, name in ((solve, "load"), (pull_off, "work_of_adhesion")):
+        with pytest.raises(SceneError, match="adhesion makes the contact grow to that end") as told:
+            refuse(grown)
+        assert told.value.parameter == name
 
 
 def test_branches_are_states_of_one_load_from_large_contacts_to_small_ones():

@@ -116,12 +116,12 @@ GROUPS = {
     ),
     "bench_adhesion": (
         "# Adhesive contact, in dense solves\n\nrtol 1e-10, one BLAS thread, medians of some "
-        "rounds; by `python validation/cost/bench.py adhesion`. The goals hold for smooth profiles "
-        "and on smooth surfaces. Under a tip on a layer the pressure has powers of the radius, and "
-        "a mesh that is graded to it has three times the unknowns: one state takes 1 to 2 ms, and "
-        "pull-off some 35 states, ten of them for the digits of the slope of the curve. Under a "
-        "profile with breaks every radius has operators of its own, of which the sixty or so of a "
-        "curve are not kept.",
+        "rounds; by `python validation/cost/bench.py adhesion`. Under a tip on a layer the "
+        "pressure has powers of the radius, and a mesh that is graded to it has three times the "
+        "unknowns: one state takes 1 to 2 ms, and pull-off some 35 states, ten of them for the "
+        "digits of the slope of the curve, which 'all, of a radius' needs, too. Under a profile "
+        "with breaks every radius has operators of its own, of which the sixty or so of a curve "
+        "are not kept.",
         "profile | alpha* | what",
         adhesive,
     ),

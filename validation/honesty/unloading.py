@@ -54,8 +54,8 @@ def punch(rng: np.random.Generator) -> tuple[Scene, float]:
 
 def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
     """Return a scene and a tolerance."""
-    loaded, lowest = punch(rng)
-    ratio = lowest + (1.0 - lowest) * rng.uniform(-0.01, 0.99)
+    loaded, shakedown = punch(rng)
+    ratio = shakedown + (1.0 - shakedown) * rng.uniform(-0.01, 0.99)
     return loaded.replace(unloaded_to=float(ratio)), decade(rng, -9.0, -2.0)
 
 
@@ -123,9 +123,9 @@ def ratios(rng: np.random.Generator, _: int) -> Outcome:
 
 def refusal(rng: np.random.Generator, _: int) -> Outcome:
     """Return 0 of a load below the turning ratio that is refused, and 2 of another."""
-    loaded, lowest = punch(rng)
-    asked = ["turning_ratio"]
-    turning = solve(loaded.replace(unloaded_to=(1.0 + lowest) / 2.0), 1e-6, asked).turning_ratio
+    loaded, shakedown = punch(rng)
+    between = loaded.replace(unloaded_to=(1.0 + shakedown) / 2.0)
+    turning = solve(between, 1e-6, ["turning_ratio"]).turning_ratio
     scene = loaded.replace(unloaded_to=turning * min(decade(rng, DEEPEST, 0.0), HIGHEST))
     label = f"{scene!r}, turning ratio {turning:.9g}"
     try:

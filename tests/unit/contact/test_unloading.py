@@ -91,6 +91,21 @@ def test_a_state_that_turned_is_refused_where_the_turning_ratio_is_not_found(
         from_largest_load.state(0.15, unloading._unrecorded)
 
 
+def test_zones_that_cannot_be_followed_are_searched_for(from_largest_load, monkeypatch):
+    search = from_largest_load._search(0.2)
+    searched = search.outcome().zones
+
+    def fails(_, zones):
+        raise NoZonesError("no boundaries near by")
+
+    monkeypatch.setattr(unloading.UnloadedSearch, "solve_zones", fails)
+    found = from_largest_load._search(0.2).followed(search.forward_zones)
+    assert found.layout.states == (0, 1, 0, -1)
+    assert [radius.value for radius in found.system.radii] == pytest.approx(
+        [zone.outer for zone in searched[:-1]], rel=1e-9
+    )
+
+
 def test_slip_that_is_missing_next_to_slip_is_no_zone_of_its_own(from_largest_load, monkeypatch):
     search = from_largest_load._search(0.8)
     solved = search.solve_zones(search.forward_zones)

@@ -1,0 +1,39 @@
+"""The contact radius of a given load: searches that end early, and those out of range."""
+
+import math
+
+import pytest
+
+from spectral_contact import SceneError, profiles
+from spectral_contact.contact import contact_radius
+from spectral_contact.contact.contact_radius import find_radius, indenter
+
+BALL = profiles.Parabola(1.0)
+#: Load and radius of a smooth contact, ``P = 16/3 a**3`` in units of E'.
+LOAD, RADIUS = 16.0 / 3.0 * 0.3**3, 0.3
+
+
+def found(profile=BALL, load=LOAD, **given):
+    solver = indenter(profile, 0.0, 1000)
+    return find_radius(profile, solver, 1e-10, load=load, approach=None, pointwise=False, **given)
+
+
+def test_a_search_that_settles_has_the_radius_to_its_error():
+    contact, error = found()
+    assert abs(contact.radius / RADIUS - 1.0) <= error
+    assert error < 1e-10
+
+
+@pytest.mark.parametrize("near", [0.2, 0.6, 0.9])
+def test_of_a_search_that_does_not_settle_no_digit_is_known(near, monkeypatch):
+    """Twice the residual, made linear, was too little for a start at three times the radius."""
+    monkeypatch.setattr(contact_radius, "_MAX_STEPS", 1)
+    contact, error = found(profiles.Sphere(1.0), near=near)
+    assert error == contact.approach_error == math.inf
+    assert contact.load_error == 0.0
+
+
+def test_a_load_beyond_the_profile_is_refused():
+    with pytest.raises(SceneError, match="the range of the profile") as refused:
+        found(profiles.Sphere(1.0), load=1e9)
+    assert refused.value.parameter == "load"
