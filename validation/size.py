@@ -128,7 +128,7 @@ class Gate:
 
 GATES = (
     Gate("tokens of the flat core", 60_671, 55_551, 42_000),
-    Gate("tokens of contact, spectral and solving", 108_742, 122_646, 108_742),
+    Gate("tokens of contact, spectral and solving", 108_742, 122_653, 108_742),
     Gate("code lines of the flat core", 5_200, None, 3_800),
     Gate("named numeric constants", 167, 70, 95),
     Gate("tuned constants", 122, 50, 50),

@@ -168,9 +168,9 @@ class _RadiusSearch:
         self.approach = approach
         self.origin = origin
         self.scale = RadiusScale(profile)
-        size = profile.flat_part or (1.0 if isinf(profile.reach) else profile.reach)
         if near is None or not profile.flat_part < near < profile.reach:
-            near = profile.flat_part + 0.5 * size
+            size = min(profile.flat_part or inf, profile.reach - profile.flat_part)
+            near = profile.flat_part + 0.5 * (1.0 if isinf(size) else size)
         self.v = self.scale.place(near)
         self.low = -inf
         self.high = inf
@@ -191,7 +191,8 @@ class _RadiusSearch:
         If rough, it suffices that the residual is below its error, or that one more step by a
         secant, which is taken without a solve, makes it less than the tolerance. The search also
         ends where a small residual does not fall any more; what is left of it counts in the error
-        of the radius (`outcome`). If it does not end, no digit of the radius is known.
+        of the radius (`outcome`). After `_MAX_STEPS` the residual is infinite, and so are all
+        errors that follow from it.
         """
         # the bracket of a smaller space may be wrong
         self.low = -inf
@@ -229,8 +230,9 @@ class _RadiusSearch:
         residual = log(value / given)
         self.residual_error = self._value_error(contact)
         self.slope = rate * self.scale.slope(radius) / value
-        # Over a short step the secant is more exact: next to the rim of a sphere the pressure bends
-        # closer to the edge than where its slope, and so the growth, is taken.
+        # Over a short step the secant is more exact: the growth follows from the pressure at a
+        # small distance from the edge, and next to the rim of a sphere the pressure bends closer to
+        # the edge than that.
         if self.last_v is not None and 0.0 < abs(self.v - self.last_v) < _SECANT_DISTANCE:
             secant = (residual - self.residual) / (self.v - self.last_v)
             self.slope = secant if secant > 0.0 else self.slope

@@ -144,9 +144,9 @@ class UnloadedSearch(ZoneSearch):
         return _without_reverse_slip(self._zones_on_rings)
 
     def _is_possible(self, zones: Layout) -> bool:
-        """Return whether there may be such zones.
+        """Return whether there may be such zones: at least three, with stick at the centre.
 
-        They stick at the centre, slip, and stick with memory further out: three zones at least.
+        Beyond the zone that has not slipped there is forward slip, and stick with memory.
         """
         return zones.states[0] == 0 and len(zones.states) >= 3
 
@@ -412,7 +412,7 @@ class Unloading:
             step = margins[-1] * (logs[-1] - logs[-2]) / (margins[-2] - margins[-1])
             if abs(step) < self._tolerance:
                 error = 2.0 * (solved.traction_error + solved.pressure_error)
-                # of the first two points, which are furthest apart
+                # the slope of the first two points: the last ones are too close together
                 slope = (margins[1] - margins[0]) / (logs[1] - logs[0])
                 return LoadRatio(exp(log_load), error / abs(slope) + self._tolerance), solved
             log_load += step
@@ -422,11 +422,11 @@ class Unloading:
     def turning_ratio(self) -> LoadRatio:
         """The load ratio at which a slip zone ceases to grow at one of its boundaries.
 
-        It is looked for below the reverse ratio, since until then the forward slip grows, by
-        experience. With x the distance of ln(load) from the reverse ratio, the width of the slip
-        back is proportional to x where it begins at the edge, and to ``sqrt(x)`` where it begins
-        inside. `ZoneGrowth.least` changes in proportion to that width, so that it is nearly a
-        parabola in ``sqrt(x)``. Its zero is found by Muller's method.
+        It is looked for below the reverse ratio, since above that the forward slip grows, in all
+        cases that were tried. With ``x = ln(reverse ratio/load)``, the width of the slip back is
+        proportional to x where it begins at the edge, and to ``sqrt(x)`` where it begins inside.
+        `ZoneGrowth.least` changes in proportion to that width, so that it is nearly a parabola in
+        ``sqrt(x)``, which is called the place here. Its zero is found by Muller's method.
         """
         reverse, solved = self._onset_of_reverse_slip
         tolerance = max(self._tolerance, JACOBIAN_FIELD_TOL)

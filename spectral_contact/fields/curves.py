@@ -36,8 +36,8 @@ _STEPS, _STILL = 12, 1e-13
 def nodes_needed(low: float, high: float, rtol: float) -> float:
     """Return about how many nodes an interval takes.
 
-    The singularities of the functions are at the distance pi from the real axis, since x is a
-    logarithm.
+    The functions are smooth in the radius, of which x is the logarithm or the logit: so they are
+    analytic for ``|Im x| < pi``, and nodes grow in proportion to the length and to the digits.
     """
     return float((_FIRST + _MORE * (high - low)) * np.log(rtol) / np.log(1e-8))
 
@@ -48,7 +48,7 @@ def nodes_allowed(scenes: int) -> int:
 
 
 class Placed(NamedTuple):
-    """Where the first function has some values, and the others there.
+    """Places at which the first function has given values, with the other functions there.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Placed(NamedTuple):
         The places x, and estimates of their errors.
     values, lost, slopes : ndarray, shape (values, functions - 1)
         The other functions, estimates of their errors at exactly these places, and the moduli of
-        their derivatives by x, times which errors of the places count.
+        their derivatives by x: an error e of the place adds ``slopes e`` to that of the value.
     """
 
     places: Array
@@ -87,7 +87,8 @@ class Curves:
         self._places = np.linspace(low, high, _PLACES)
         # distances are in units of the width: products of them underflow in a narrow interval
         self._width = high - low
-        #: sums of the logarithms of the distances from the nodes; the first node is `low`
+        #: sums of the logarithms of the distances from the nodes; before there are any, what makes
+        #: `low` the first node
         self._apart = -np.abs(self._places - low)
         self.nodes = np.empty(0)
         self._next = low
@@ -131,7 +132,10 @@ class Curves:
             self._apart += np.log(np.abs(self._places - self._next))
 
     def settled(self, rtol: float) -> bool:
-        """Return whether the misfits at the last nodes are at most a tolerance."""
+        """Return whether the misfits at the last nodes are at most a tolerance.
+
+        Those at the first few nodes do not count: they are no estimates.
+        """
         last = self._misfits[-_LAST:]
         return len(self._misfits) > 2 * _LAST and bool((last <= rtol).all())
 
@@ -146,7 +150,10 @@ class Curves:
         return Placed(places, moved, value[:, 1:], lost[:, 1:], np.abs(slope[:, 1:]))
 
     def _inverted(self, wanted: Array) -> tuple[Array, Array]:
-        """Return where the first function has these values, and how far that still moved."""
+        """Return where the first function has these values, and the last steps to there.
+
+        A step is large where the value lies outside of the interval.
+        """
         ends = self._places[[0, -1]]
         known = self._polynomials(self._places)[0][:, 0]
         place = np.interp(wanted, known, self._places)
@@ -161,7 +168,7 @@ class Curves:
         return place, np.abs(step)
 
     def _spread(self, x: Array) -> Array:
-        """Return the Lebesgue function: what the largest error at the nodes may become at x."""
+        """Return the Lebesgue function: the factor by which errors at the nodes may grow at x."""
         apart = (self.nodes[:, None] - self.nodes) / self._width
         np.fill_diagonal(apart, 1.0)
         ahead = (x[:, None] - self.nodes) / self._width

@@ -40,7 +40,7 @@ class Stability:
     error : float
         Error of that, relative to itself or to the stiffness at a fixed radius if that is larger.
     reason : str
-        Why there is none.
+        Why there is no stiffness.
     """
 
     stable_under: tuple[str, ...]
@@ -161,7 +161,7 @@ def stability(scene: Scene, found: Indentation, tolerance: float, max_unknowns: 
     """Return how a state under a profile that is not flat goes on along the curve.
 
     A state in which load or approach does not change with the radius, within its error, counts as
-    stable: it is that of pull-off, the last stable one.
+    stable: it is the last one of a stable branch, such as that of pull-off.
     """
     return stability_on(curve_of(scene, tolerance, max_unknowns), found)
 
@@ -170,8 +170,9 @@ def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
     """Return how a state on a curve goes on.
 
     At a corner of the profile, and at the rim of its flat part, the rates of larger contacts are
-    others than those of smaller ones. It is stable if a larger contact takes a larger load, or
-    approach: if a smaller one does so, too, this is the state of pull-off.
+    others than those of smaller ones. Such a state is stable if load, or approach, increases
+    towards larger contacts. If it increases towards smaller ones, too, the state is that of
+    pull-off.
     """
     a = found.radius
     if a in curve.corners:
@@ -194,8 +195,8 @@ def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
 def with_surface_energy(found: Indentation, adhesion: float) -> Indentation:
     """Return a state with the work ``int P ddelta`` along the curve in place of the elastic energy.
 
-    The curve begins at the point of no contact. The work is the elastic energy less w times the
-    area of contact, and may be negative; its error is relative to the sum of both.
+    The work is counted from no contact. It is the elastic energy less w times the area of contact,
+    and may be negative; its error is relative to the sum of both.
     """
     surface = pi * adhesion * found.radius**2
     error = found.work_error * found.work / (found.work + surface)

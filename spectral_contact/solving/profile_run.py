@@ -50,8 +50,8 @@ _POINTS, _FARTHEST = 5, 1.0
 _ROUGH = 1e-4
 #: A history is followed to a radius that is larger by this share, to be sure to contain the load.
 _ROOM = 1e-3
-#: Where a law bends, the traction is off by up to this times the error of the pressure that drives
-#: it: the errors of the pressure oscillate there.
+#: Where the slope of a law jumps, the traction is off by up to this times the error of the pressure
+#: that drives it: the errors of the pressure oscillate there.
 _BENT_TRACTION = 10.0
 _BEYOND = "with coupling it is not reached at the radius that normal contact has without coupling"
 
@@ -247,8 +247,8 @@ class ProfileRun(Run):
         assert stick.traction is not None
         self.traction = stick.traction.times(kappa)
         self.values["total_shear"] = kappa * radius**2 * stick.total_shear
-        # Traction and shear are linear in the pressure, and have its error by the given load or
-        # approach. If the law bends, the series of the pressure has an error of its own.
+        # Traction and shear are linear in the pressure, whose error they have. If the slope of the
+        # law jumps, the series of the pressure that drives them has an error of its own.
         bent = self._driving.pressure_error
         self.errors.update(
             traction=stick.traction_error + self.errors["pressure"] + _BENT_TRACTION * bent,

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from spectral_contact import SceneError, profiles
@@ -13,9 +14,10 @@ BALL = profiles.Parabola(1.0)
 LOAD, RADIUS = 16.0 / 3.0 * 0.3**3, 0.3
 
 
-def found(profile=BALL, load=LOAD, **given):
-    solver = indenter(profile, 0.0, 1000)
-    return find_radius(profile, solver, 1e-10, load=load, approach=None, pointwise=False, **given)
+def found(profile=BALL, load=LOAD, approach=None, near=None):
+    """Return the contact and the relative error of its radius."""
+    given = {"load": load, "approach": approach, "pointwise": False, "near": near}
+    return find_radius(profile, indenter(profile, 0.0, 1000), 1e-10, **given)
 
 
 def test_a_search_that_settles_has_the_radius_to_its_error():
@@ -31,6 +33,18 @@ def test_of_a_search_that_does_not_settle_no_digit_is_known(near, monkeypatch):
     contact, error = found(profiles.Sphere(1.0), near=near)
     assert error == contact.approach_error == math.inf
     assert contact.load_error == 0.0
+
+
+@pytest.mark.parametrize("load", [1e-3, 0.5])
+def test_a_flat_part_may_be_wider_than_what_is_beyond_it(load):
+    """The first radius was half of the flat part beyond it, where this profile has ended."""
+    r = np.linspace(0.0, 1.2, 25)
+    wide = profiles.Sampled.from_points(r, np.where(r > 1.0, (r - 1.0) ** 2, 0.0))
+    contact, error = found(wide, load=load)
+    assert wide.flat_part < contact.radius < wide.reach
+    again, _ = found(wide, load=None, approach=contact.approach)
+    assert again.load == pytest.approx(load, rel=1e-9)
+    assert abs(again.radius / contact.radius - 1.0) <= 2.0 * error + 1e-10
 
 
 def test_a_load_beyond_the_profile_is_refused():
