@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
+from scipy.special import expit
 
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import (
@@ -28,7 +29,7 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.solving.growth import Growth
-from spectral_contact.solving.growth_panel import Panel
+from spectral_contact.solving.growth_panel import _TINY, Panel
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
@@ -41,15 +42,15 @@ _WIDTH, _GAIN = 2.0, 3.05
 _AT_CENTRE = 4
 #: The fewest panels, and how many where there are square roots, as a smooth surface has them.
 _FEWEST, _ROOT_PANELS = 11, 26
-#: Quadrature over the history, graded to where it begins: the ratio of its panels, their number
-#: where there are square roots, and points; what is smooth takes few points.
-_RATIO, _ROOT_GRADED, _POINTS, _SMOOTH = 0.2, 36, 14, (16, 1, 0.0)
-#: How far into the edge, as a power of the tolerance in shares of the layer, panels go, and
-#: quadrature, where fields are bounded.
-_DEEP, _DEEP_QUADRATURE = 0.75, 0.5
-#: Quadrature of slip, which is bounded at the edge; graded to where a radius sticks, too.
-_SLIP_GRADED, _ROOT_SLIP_GRADED = (10, 6, 0.2), (10, 12, 0.2)
-#: Quadrature is graded to where it begins if that is not so far, in lengths of the panel.
+#: How far into the edge, as a power of the tolerance in shares of the layer, panels go, where
+#: fields are bounded.
+_DEEP = 0.75
+#: Tolerance of the quadrature over the history, relative to that of the fields: estimates may be a
+#: fiftieth of the tolerance that is asked for.
+_QUADRATURE = 1e-3
+#: Gauss points for a smooth part of the history.
+_SMOOTH = 16
+#: A history is smooth if it begins so far from a singularity, in lengths of the panel.
 _NEAR = 0.3
 #: What series leave out, over their last terms: 1.3 for a traction with square roots.
 _SAFETY = 3.0
@@ -89,21 +90,22 @@ class GrownFields:
     """
 
     def __init__(self, growth: Growth, stick: Radius, layer: float, tolerance: float) -> None:
-        smooth, digits = layer == 0.0, -math.log(tolerance)
-        count, graded = _ROOT_PANELS, _ROOT_GRADED
-        if not smooth:
-            edge = max(-2.0 * math.log(layer), 0.0)
-            count = min(max(2 + int((edge + _DEEP * digits) / _WIDTH), _FEWEST), count)
-            deep = (edge + _DEEP_QUADRATURE * digits) / -math.log(_RATIO)
-            graded = min(1 + int(deep), graded)
+        digits = -math.log(tolerance)
+        # on a smooth surface roots go on to the edge
+        edge = -math.log(min(max(layer, _TINY), 1.0))
+        count = max(2 + int((2.0 * edge + _DEEP * digits) / _WIDTH), _FEWEST)
+        self._quadrature_error = _QUADRATURE * tolerance
+        exact = -math.log(self._quadrature_error)
+        # A field goes like ln(x)/sqrt(x) at the edge: what nodes from x on leave out is
+        # -2 sqrt(x) ln(x). Within the layer it is bounded.
+        left_out = exact + math.log(4.0 * exact)
         self.history = _History(
             growth,
-            stick_rule=graded_rule(_POINTS, graded, _RATIO),
-            slip_rule=_both_ends(_POINTS, graded, _RATIO),
+            rule=tanh_rule(exact, depth=left_out + min(edge, left_out)),
             degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
         )
-        self._displacement_rule = _both_ends(*(_ROOT_SLIP_GRADED if smooth else _SLIP_GRADED))
-        self.stick, self._count = stick, count
+        self._slipping_pressures = dict[bytes, Array]()
+        self.stick, self._count = stick, min(count, _ROOT_PANELS)
         self._inner = self._cuts(-math.inf, math.log(stick.value))
         self._outer = self._cuts(math.log(stick.value), 0.0)
 
@@ -133,7 +135,7 @@ class GrownFields:
             when = self.history.when_stuck(log_r)
             total = self.history.while_stuck("traction", log_r, when)
             if self.stick.from_edge > 0.0:
-                total += friction * self.history.while_slipping("pressure", log_r, when)
+                total += friction * self._pressure_while_slipping(log_r, when)
             return total
 
         found = self._sampled(values, [CENTRE, *self._inner, self.stick], power=1)
@@ -153,18 +155,26 @@ class GrownFields:
         def values(log_r: Array) -> Array:
             when = self.history.when_stuck(log_r)
             total = self.history.while_stuck("pressure", log_r, when)
-            return total + self.history.while_slipping("pressure", log_r, when)
+            return total + self._pressure_while_slipping(log_r, when)
 
         return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=0)
+
+    def _pressure_while_slipping(self, log_r: Array, when: Array) -> Array:
+        """Return by how much the pressure grew at radii before they stuck.
+
+        Pressure and traction are sampled at the same radii of the stick disk: it is computed once.
+        """
+        key = log_r.tobytes()
+        if key not in self._slipping_pressures:
+            self._slipping_pressures[key] = self.history.while_slipping("pressure", log_r, when)
+        return self._slipping_pressures[key]
 
     def slip(self) -> GrownField:
         """Return by how far points have slipped since they came into contact."""
 
         def values(log_r: Array) -> Array:
             when = self.history.when_stuck(log_r)
-            return self.history.while_slipping(
-                "slip", log_r, when, self._displacement_rule, power=1
-            )
+            return self.history.while_slipping("slip", log_r, when, power=1)
 
         return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=1)
 
@@ -191,6 +201,7 @@ class GrownFields:
                 lost = max(lost, float((size * last).max()))
                 largest = max(largest, float((size * np.abs(series.at_ends()[:-1])).max()))
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
+        lost += self._quadrature_error * largest
         return GrownField(ZonalField(tuple(pieces)), lost, largest)
 
     def _series(self, values: Callable[[Array], Array], mesh: GradedMesh, power: int) -> LogSeries:
@@ -235,22 +246,15 @@ def _largest_radii(mesh: GradedMesh) -> Array:
 class _History:
     """A growth, and what it adds up to.
 
-    `stick_rule` is for radii that stick, graded to when they stuck. `slip_rule` is for radii that
-    slip, graded to when they began and to when they stuck: with coupling the pressure of a flat
-    punch has a root at the edge and one at its stick radius. `degree` is that of the series.
+    `rule` is the quadrature over a part of the history at whose ends fields may be singular: the
+    pressure of a flat punch has a root at the edge and, with coupling, one at its stick radius.
+    `smooth_rule`, of Gauss, is that over any other part. `degree` is that of the series.
     """
 
-    def __init__(
-        self,
-        growth: Growth,
-        *,
-        stick_rule: tuple[Array, Array],
-        slip_rule: tuple[Array, Array],
-        degree: int,
-    ) -> None:
+    def __init__(self, growth: Growth, rule: tuple[Array, Array], degree: int) -> None:
         self.growth = growth
-        self.stick_rule = stick_rule
-        self.slip_rule = slip_rule
+        self.rule = rule
+        self.smooth_rule = graded_rule(_SMOOTH, 1, 0.0)
         self.degree = degree
 
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
@@ -269,21 +273,14 @@ class _History:
             # what stuck long before has a smooth integrand
             near = panel.stretch.before(stuck) < _NEAR * panel.stretch.extent
             for rows, rule in (
-                (near & (stuck < panel.high), self.stick_rule),
-                (~near, graded_rule(*_SMOOTH)),
+                (near & (stuck < panel.high), self.rule),
+                (~near, self.smooth_rule),
             ):
                 if rows.any():
                     total[rows] += _while_stuck(name, panel, log_r[rows], stuck[rows], rule)
         return total
 
-    def while_slipping(
-        self,
-        name: str,
-        log_r: Array,
-        stuck: Array,
-        rule: tuple[Array, Array] | None = None,
-        power: int = 2,
-    ) -> Array:
+    def while_slipping(self, name: str, log_r: Array, stuck: Array, power: int = 2) -> Array:
         """Return by how much a field, that of flat punches over ``b**power``, grew before."""
         total = np.zeros(len(log_r))
         for panel in self.growth.all_panels:
@@ -293,8 +290,8 @@ class _History:
             near = (panel.stretch.before(log_r) < room) | (stuck - end < panel.high - panel.low)
             slipped = (begin < end) & panel.slips
             for rows, by in (
-                (slipped & near, rule or self.slip_rule),
-                (slipped & ~near, graded_rule(*_SMOOTH)),
+                (slipped & near, self.rule),
+                (slipped & ~near, self.smooth_rule),
             ):
                 if rows.any():
                     span = begin[rows], end[rows]
@@ -362,11 +359,25 @@ def _while_slipping(
     return np.asarray(extent[:, 0] * (values @ weights))
 
 
-def _both_ends(points: int, panels: int, ratio: float) -> tuple[Array, Array]:
-    """Return a rule on (0, 1) whose panels shrink towards both ends."""
-    nodes, weights = graded_rule(points, panels, ratio)
-    halves = np.concatenate([nodes / 2.0, 1.0 - nodes / 2.0])
-    return halves, np.concatenate([weights, weights]) / 2.0
+def tanh_rule(digits: float, depth: float) -> tuple[Array, Array]:
+    """Return nodes and weights on (0, 1) for what is singular at one end or both.
+
+    It is the trapezoidal rule in ``y``, ``x = 1/(1 + exp(-y))`` (Trefethen and Weideman 2014,
+    section 14): what is analytic in a strip of half width ``pi/2``, which is the disk over (0, 1),
+    has an error of ``exp(-pi**2/step)``.
+
+    Parameters
+    ----------
+    digits : float
+        Minus the natural logarithm of the error.
+    depth : float
+        Minus the natural logarithm of the distance of the outermost nodes from the ends.
+    """
+    step = math.pi**2 / digits
+    count = math.ceil(depth / step)
+    y = step * np.arange(-count, count + 1)
+    nodes = expit(y)
+    return nodes, step * nodes * expit(-y)
 
 
 def _crossed(panel: Panel, log_r: Array) -> Array:

@@ -159,6 +159,8 @@ class Panel:
 
     def log_stick(self, t: Array) -> Array:
         """Return ``ln c*``."""
+        if self.alike:
+            return np.full_like(t, self.stick[0])
         return chebyshev_value(self.stick, t)
 
     def integral(self, rates: Callable[[Array], Array]) -> float:
