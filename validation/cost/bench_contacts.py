@@ -24,6 +24,9 @@ GROWING: list[tuple[str, float, bool, tuple[float, ...], float]] = [
     ("full stick, coupled", math.inf, True, (1e-4, 1e-10), 60.0),
     ("partial slip, coupled", 0.1, True, (1e-4,), 60.0),
 ]
+#: Spence's problem (1975): a smooth surface whose stick radius is half the contact radius.
+SPENCE = {"Spence's sphere": PARABOLA, "Spence's cone": profiles.Cone(1.2)}
+HALF_STUCK = 0.298714615962
 GROWN = ["load", "approach", "pressure", "traction", "total_shear", "stick_radius"]
 CURVE = ["contact_radius", "approach", "load", "stiffness"]
 #: Of a curve of loads, and of a cycle.
@@ -68,6 +71,11 @@ def growing() -> Iterator[Case]:
         scene = Scene(0.3, 0.2, 0.2, friction, coupling=coupled, **given)
         return partial(solve, scene, rtol, GROWN, strict=False, progress=False)
 
+    def smooth(place: float, profile: profiles.Profile) -> Callable[[], object]:
+        given = {"profile": profile, "contact_radius": 1.0 + 1e-3 * place}
+        scene = Scene(0.0, friction=HALF_STUCK, coupling=True, **given)
+        return partial(solve, scene, 1e-10, strict=False, progress=False)
+
     def curve(place: float, alpha: float) -> Callable[[], object]:
         scene = Scene(0.3, alpha, profile=PARABOLA, load=1.0)
         loads = np.linspace(0.1, 2.0 + 1e-3 * place, LOADS)
@@ -77,6 +85,8 @@ def growing() -> Iterator[Case]:
         for rtol in tolerances:
             given = {"friction": friction, "coupled": coupled, "rtol": rtol}
             yield Case((name, f"{rtol:g}"), partial(grown, **given), goal, rounds=3)
+    for name, profile in SPENCE.items():
+        yield Case((name, "1e-10"), partial(smooth, profile=profile), 60.0, rounds=3)
     for alpha in (0.5, 0.0):
         cells = f"{LOADS} loads, alpha* = {alpha:g}", "1e-10"
         yield Case(cells, partial(curve, alpha=alpha), 5.0, rounds=3)
