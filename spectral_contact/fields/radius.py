@@ -42,6 +42,11 @@ class Radius:
         return self.from_edge * (1.0 + self.value)
 
     @property
+    def log(self) -> float:
+        """Return ``ln b`` to relative accuracy."""
+        return float(np.log(self.value) if self.value < 0.5 else np.log1p(-self.from_edge))
+
+    @property
     def logit(self) -> float:
         """Return ``ln(b**2 / (1 - b**2))``."""
         return 2.0 * float(np.log(self.value)) - float(np.log(self.rest))

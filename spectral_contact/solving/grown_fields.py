@@ -106,8 +106,8 @@ class GrownFields:
         )
         self._slipping_pressures = dict[bytes, Array]()
         self.stick, self._count = stick, min(count, _ROOT_PANELS)
-        self._inner = self._cuts(-math.inf, math.log(stick.value))
-        self._outer = self._cuts(math.log(stick.value), 0.0)
+        self._inner = self._cuts(-math.inf, stick.log)
+        self._outer = self._cuts(stick.log, 0.0)
 
     def _cuts(self, lowest: float, highest: float) -> list[Radius]:
         """Return where fields are not smooth: where something began, and what stuck then."""
@@ -323,7 +323,6 @@ def _while_stuck(
     extent = stretch.step(depth, (panel.high - begin)[:, None])
     t, ahead = stretch.place(depth + extent * points), stretch.ahead(depth, extent * points)
     # how far inside the stick radius: exactly at it when they stuck
-    inside = ahead
     if panel.slips:
         start = panel.log_stick(stretch.place(depth))
         inside = ahead + panel.log_stick(t) - start

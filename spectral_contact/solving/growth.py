@@ -48,6 +48,8 @@ _AT_ONSET, _TIGHTEST, _POWER = 1e-3, 1e-10, 0.2
 _BESIDE = 2.0
 #: What panels may leave out, of the tolerance, as there are a few; they are not halved below.
 _MARGIN, _SHORTEST = 0.1, 1e-4
+#: A history that ends by less than this past a panel, in ``u``, ends with it.
+_SAME = 1e-12
 #: By how much a stick radius may fall, relative, beside what its errors make of it.
 _FALL = 1e-8
 #: By how much more than their own errors those of the flat punches count in load and approach,
@@ -354,12 +356,8 @@ class Grower:
         return found
 
     def until(self, growth: Growth, log_radius: float) -> Growth:
-        """Return a history that ends earlier."""
-        kept = [
-            one
-            for one in growth.panels
-            if one.high < log_radius - _SHORTEST * min(one.stretch.extent, 1.0)
-        ]
+        """Return a history that ends earlier, in the panel that contains a radius."""
+        kept = [one for one in growth.panels if one.high < log_radius - _SAME]
         cut = growth.panels[len(kept)].stretch
         self.weight.back(len(kept))
         last = self._panel(replace(cut, high=log_radius))

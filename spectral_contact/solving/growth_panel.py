@@ -38,7 +38,7 @@ _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
 _SLIPPING_LOOKS: Array = np.array([0.01, 0.2, 0.5, 0.8])
 #: Panels of fields towards the edge and the stick radius, deep enough for an inverse root.
 _DEEP = 30
-#: Below the range of doubles.
+#: In place of a divisor of 0.
 _TINY = 1e-300
 #: Fields go with the rate of the load, which an interpolant has less well: 2.4 times so in one of
 #: 50 random scenes, less in all others.
@@ -137,7 +137,7 @@ class Panel:
     @cached_property
     def stick(self) -> Array:
         """``ln c*`` of the stages."""
-        return np.array([math.log(stick_radius(one).value) for one in self.flats])
+        return np.array([stick_radius(one).log for one in self.flats])
 
     @cached_property
     def shears(self) -> Array:
@@ -255,7 +255,7 @@ class Panel:
         largest = np.abs(self.slips_by).max(axis=1)
         known = np.array([one.error.slip or 0.0 for one in self.flats])
         # just past the onset no digit is known of slip that is small on its panel
-        of_flats = np.where(known <= 1.0, largest * np.minimum(known, 1.0), largest.max())
+        of_flats = np.where(known <= 1.0, largest * known, largest.max())
         # places move with the stick radius
         moved = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), _TINY)
         left = max(left_out(column) for column in self.slips_by.T)

@@ -31,11 +31,13 @@ _TIGHTER, _TIGHTEST = 0.1, 1e-12
 _NEGLIGIBLE = 0.01
 #: By how much longer a step to smaller radii is than the last one, at the least and at most.
 _LEAST_STRIDE, _STRIDE = 0.1, 4.0
-#: How far past a flat part the history begins, with what is carried there.
+#: How far past a flat part the history begins, relative, with what is carried there.
 _PAST = 1e-10
 #: Width of the first panel past a break, where the load goes on like the power 3/2 of the distance,
 #: and where a layer makes it smoother.
 _AT_SMOOTH_BREAK, _AT_BREAK = 1e-7, 3e-4
+#: Rounding of the radii of a history, relative.
+_RADIUS_ROUNDING = 1e-15
 #: How close to where a profile is vertical, over the distance from the edge at which the flat punch
 #: pulls: loads have no digits at 75 times that, and all at 220 times.
 _PULLED = 200.0
@@ -125,12 +127,12 @@ class Stages:
 
     def grower(self, least: float, radius: float) -> Grower:
         """Return what follows the contact between two radii."""
+        self._check_digits(radius)
         onset = self._path.onset = self._onset(least, radius)
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         # with coupling what a panel adds is the rest of all others, which a short one drowns in
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
         at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
-        layer = min(one for one in (*compliances, math.inf) if one > 0.0)
         self._check_pole(radius)
         return Grower(
             stage=self.flat,
@@ -140,17 +142,29 @@ class Stages:
             tolerance=self.rtol,
             breaks=self.profile.breaks,
             at_break=at_break,
-            layer=layer if layer < math.inf else 0.0,
+            layer=min((one for one in compliances if one > 0.0), default=0.0),
             powers=self._powers(least),
             end=math.log(self.profile._pole),
         )
+
+    def _check_digits(self, radius: float) -> None:
+        """Raise if a radius is so close to a flat part or a pole that it has too few digits.
+
+        The load is a power of the distance from the one, and a logarithm of that from the other.
+        """
+        flat, pole = self.profile.flat_part, self.profile._pole
+        distance = min(radius - flat, pole - radius) / radius
+        if distance < max(_RADIUS_ROUNDING / self.rtol, 10.0 * _PAST):
+            told = f"the contact radius is within {distance:.1e}, relative, of the end of the flat "
+            told += f"part or of a vertical surface, too close for rtol = {self.rtol:g}"
+            raise NotComputedError("traction", told)
 
     def _check_pole(self, radius: float) -> None:
         """Raise if a contact with coupling is so close to where its profile is vertical."""
         room = 1.0 - radius / self.profile._pole
         # without a pole no flat punch has to be solved
         pulls = room < 1.0 and self.scene.couples and self.flat(radius).values.get("opening")
-        if pulls and room < min(_PULLED * pulls, 1.0):
+        if pulls and room < _PULLED * pulls:
             told = f"at the contact radius {radius:.6g} the surface next to the edge"
             raise NotComputedError("load", f"{told} would sink more than the punch")
 

@@ -29,7 +29,7 @@ from spectral_contact.fields.series import LogSeries
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.solving.outside import outside_displacement, reached
 from spectral_contact.solving.stretch import RadiusStretch, interpolation_weights, left_out
-from spectral_contact.spectral.jacobi import gauss_rule, graded_rule
+from spectral_contact.spectral.jacobi import graded_rule
 
 if TYPE_CHECKING:
     from spectral_contact.contact.on_parts import Indentation
@@ -43,8 +43,6 @@ _GRADED, _SMOOTH = (14, 16, 0.2), 20
 _FAR = 1.0
 #: How close a panel is to a break that begins there.
 _NEXT = 1e-14
-#: Below the range of doubles.
-_TINY = 1e-300
 #: The equation is collocated, by least squares, at so many places for each unknown: the end of a
 #: panel is one of them. With as many as unknowns errors grow from panel to panel where the pressure
 #: oscillates.
@@ -127,8 +125,7 @@ class SmoothWeight:
 
     def __init__(self, profile: Profile, first: float) -> None:
         self.profile = profile
-        g, w = gauss_rule(_SMOOTH)
-        self._rule = (1.0 + g) / 2.0, w / 2.0
+        self._rule = graded_rule(_SMOOTH, 1, 0.0)
         self._loads, self._end = [first], first
 
     def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
@@ -220,8 +217,7 @@ class CoupledWeight:
         roots, weights = graded_rule(*_GRADED)
         half, shares = roots**2 / 2.0, roots * weights
         self._graded = 2.0 * half, 2.0 * shares
-        g, w = gauss_rule(_SMOOTH)
-        self._smooth = (1.0 + g) / 2.0, w / 2.0
+        self._smooth = graded_rule(_SMOOTH, 1, 0.0)
         self._both = np.append(half, 1.0 - half), np.append(shares, shares)
         self._breaks, self._flat_part = np.log(profile.breaks), profile.flat_part > 0.0
         self._last = first, outside_displacement(first)
@@ -288,7 +284,7 @@ class CoupledWeight:
             raise NotComputedError("load", told)
         # fields next to the edge know a short panel by the root of what it adds
         added = 1.0 - min(load / self._end[0], approach / self._end[1])
-        error = left_out(panel.rates) / max(float(np.abs(panel.rates).max()), _TINY)
+        error = left_out(panel.rates) / float(np.abs(panel.rates).max())
         error *= math.sqrt(max(added, 0.0))
         return Weights(loads[:-1], approaches[:-1], error)
 
