@@ -63,7 +63,9 @@ class GreenwoodWilliamson(Layer):
     )
     heights: str = field(
         default="gaussian",
-        metadata=declared("distribution of their heights", choices=("gaussian", "exponential")),
+        metadata=declared(
+            "distribution of their heights", choices=("gaussian", "exponential"), kind=str
+        ),
     )
 
     def _over(self, unit: float) -> Self:

@@ -19,7 +19,7 @@ from spectral_contact.solving.solver import solve
 from spectral_contact.spectral.cache import clear_caches
 from spectral_contact.studies.study_results import Convergence, Point, WorkPrecision
 from spectral_contact.studies.timing import Times, this_machine, times_of
-from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
+from spectral_contact.studies.truth import Truth, attribute_of, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
@@ -228,7 +228,7 @@ class OwnSolver:
     Parameters
     ----------
     quantities : tuple of str, optional
-        What `solve` is asked for; the default is everything.
+        What `solve` is asked for, for an ``edge_pressure`` the pressure; the default is everything.
     """
 
     quantities: tuple[str, ...] | None = None
@@ -238,7 +238,8 @@ class OwnSolver:
     def __call__(self, scene: Scene, rtol: float) -> Solution:
         """Solve a scene to a tolerance."""
         asked = real("rtol", rtol, allowed=">= 1e-13", low=1e-13, infinite_ok=True)
-        return solve(scene, min(asked, _LOOSEST), self.quantities, strict=False)
+        wanted = self.quantities and tuple(dict.fromkeys(map(attribute_of, self.quantities)))
+        return solve(scene, min(asked, _LOOSEST), wanted, strict=False)
 
 
 def named_solver(name: str) -> Solver:

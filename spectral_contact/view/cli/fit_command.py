@@ -14,7 +14,6 @@ from spectral_contact.calibration.force_curves import PARTS
 from spectral_contact.calibration.indentation_curve import with_modulus
 from spectral_contact.calibration.indentation_data import IndentationData, read_curve
 from spectral_contact.io.checks import within
-from spectral_contact.io.documents import checked_path
 from spectral_contact.io.units import in_si
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
@@ -26,6 +25,7 @@ from spectral_contact.view.cli.options import (
     UsageError,
     flag,
     measured,
+    picture,
     written,
 )
 from spectral_contact.view.cli.scene_options import PROFILES, SceneOptions
@@ -81,39 +81,29 @@ def run(
         plot = f"{Path(file).stem}_fit.png" if find_spec("matplotlib") is not None else "none"
     draws = plot.strip().lower() != "none"
     if draws:
-        plotting.require()
-        checked_path(plot, plotting.FORMATS)
+        picture(plot)
     noise = None if sigma is None else in_si("sigma", sigma, "N")
     arguments = reading.arguments("missing")
     data = read_curve(file, IndentationData, part=part, sigma=noise, **arguments)
     wanted = [name.strip().replace("-", "_") for name in free.split(",")]
     rtol = within("rtol", rtol, "in [1e-12, 1e-4]")
     found = fit_curve(_start(scene.given, data), data, wanted, rtol, _MOST_EVALUATIONS, None)
-    told = [str(found)]
-    physical = found.scene.physical
-    if physical is not None and physical.youngs_modulus is not None:
-        at = f"at a Poisson's ratio of {found.scene.poisson_ratio:g}"
-        told.append(f"Young's modulus {physical.youngs_modulus:.5g} Pa, {at}")
     if output is not None:
         found.to_csv(output)
     if draws:
         plotting.save(plotting.plot_fit(found), plot)
-        told.append(f"picture: {plot}")
-    print(*told, sep="\n")
+    print(found, *([f"picture: {plot}"] if draws else []), sep="\n")
 
 
 def _start(options: Mapping[str, Any], data: IndentationData) -> Scene:
     """Return the scene of the options; a modulus that is not given is estimated."""
-    given = dict(options)
-    alien = [name for name in ALL_CONTROLS if name in given]
-    if alien:
-        raise UsageError(f"{flag(alien[0])}: the depths and loads are those of the file")
-    if "friction" in given:
-        raise UsageError("--friction: curves are fitted without friction")
-    if "profile" not in given:
+    for name in (*ALL_CONTROLS, "friction"):
+        if name in options:
+            told = "depths and loads are those of the file, and there is no friction"
+            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
+    if "profile" not in options:
         raise UsageError(f"give --profile, one of {', '.join(PROFILES)}")
-    extent = float(np.ptp(data.depth))
-    given["approach"] = extent if extent > 0.0 else 1.0
+    given = {**options, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
         return SceneOptions(given).solved().scene
     if any(name.startswith("layer") for name in given):

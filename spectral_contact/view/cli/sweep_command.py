@@ -34,6 +34,17 @@ class SweptOptions(SceneOptions):
 
     several = True
 
+    def first_and_varying(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the options with the first of their values, and the lists of more, by axis."""
+        lists = {name: one for name, one in self.given.items() if isinstance(one, list)}
+        lists = {name: one for name, one in lists.items() if name in NUMBERS}
+        varying = {name: one for name, one in lists.items() if len(one) > 1}
+        for name in varying:
+            if name in SHAPES and name != "radius":
+                raise UsageError(f"{flag(name)}: one number: of a profile the radius alone varies")
+        first = {**self.given, **{name: one[0] for name, one in lists.items()}}
+        return first, {name.removesuffix("_si"): one for name, one in varying.items()}
+
 
 def run(
     scenes: SweptOptions,
@@ -90,21 +101,9 @@ def run(
     spectral-contact sweep --youngs-modulus '70 GPa' --poisson-ratio 0.2 --profile parabola \
         --radius '10 um' --load '0.1:10:50:log mN' --output curve.csv
     """
-    given = dict(scenes.given)
-    axes: dict[str, Any] = {}
-    for name, several in scenes.given.items():
-        if isinstance(several, list) and name in NUMBERS:
-            given[name] = several[0]
-            if len(several) > 1:
-                axes[name.removesuffix("_si")] = several
+    given, axes = scenes.first_and_varying()
     if table is not None:
         given |= _first_of_table(table, given, scenes)
-    varying_shape = [name for name in axes if name in SHAPES and name != "radius"]
-    if "radius" in axes and scenes.shaped and not scenes.of_materials:
-        varying_shape.append("radius")
-    if varying_shape:
-        told = "one number: of a profile the radius alone varies, in SI units"
-        raise UsageError(f"{flag(varying_shape[0])}: {told}")
     if FlatOptions(given).of_materials and not scenes.shaped:
         given.setdefault("friction", None)
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
