@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Final
 
-from spectral_contact.errors import ConvergenceError, SceneError, SpectralContactError
+from spectral_contact import ConvergenceError, SceneError, SpectralContactError
 from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
 from spectral_contact.threads import one_thread
 from spectral_contact.view.cli import (

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from spectral_contact import compare
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.columns import Expected
 from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import PROFILE_QUANTITIES
-from spectral_contact.studies.comparison import compare
 from spectral_contact.view.cli.files import Reading
 from spectral_contact.view.cli.options import NamedNumbers, NotSolved, Number, UsageError, flag
 from spectral_contact.view.cli.scene_options import SceneOptions

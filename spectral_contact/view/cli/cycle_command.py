@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from spectral_contact.sweeps.steady_cycle import steady_cycle
-from spectral_contact.view import plotting
+from spectral_contact import plotting, steady_cycle
 from spectral_contact.view.cli.options import Number, Picture, Whole, written
 from spectral_contact.view.cli.scene_options import SceneOptions
 

@@ -6,11 +6,9 @@ from typing import Annotated
 
 import numpy as np
 
+from spectral_contact import Scene, plotting, solve
 from spectral_contact.equations.interior.grids import QUANTITIES, SUFFIXES
 from spectral_contact.io.columns import Expected
-from spectral_contact.scene import Scene
-from spectral_contact.solving.solver import solve
-from spectral_contact.view import plotting
 from spectral_contact.view.cli.files import Reading
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Values, written
 from spectral_contact.view.cli.scene_options import SceneOptions

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from spectral_contact.errors import NotComputedError
+from spectral_contact import NotComputedError, plan, plotting, solve
 from spectral_contact.quantities import FIELDS, QUANTITIES
 from spectral_contact.solution import GROWTH, StepState
-from spectral_contact.solving.planning import plan
-from spectral_contact.solving.solver import solve
-from spectral_contact.view import plotting
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Whole, written
 from spectral_contact.view.cli.scene_options import SceneOptions
 from spectral_contact.view.report import report, write_csv

@@ -5,27 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from spectral_contact.io.checks import whole as checked_whole
+from spectral_contact import QUANTITIES, plotting, sweep
+from spectral_contact.io.checks import whole
 from spectral_contact.processes import workers as worker_processes
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps.dataset import summary, unsolved, write
 from spectral_contact.sweeps.physical_scenes import columns_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
-from spectral_contact.sweeps.sweep_run import sweep
-from spectral_contact.view import plotting
-from spectral_contact.view.cli.options import (
-    NamedNumbers,
-    NotSolved,
-    Number,
-    Option,
-    Picture,
-    UsageError,
-    Values,
-    Whole,
-    flag,
-    written,
-)
+from spectral_contact.view.cli import options
+from spectral_contact.view.cli.options import NotSolved, Option, UsageError, flag
 from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, FlatOptions, SceneOptions
 
 
@@ -50,16 +38,16 @@ def run(
     scenes: SweptOptions,
     *,
     table: str | None = None,
-    rtol: Number = 1e-8,
+    rtol: options.Number = 1e-8,
     quantities: Annotated[list[str] | None, Option(*QUANTITIES, nargs="+")] = None,
-    s: Values | None = None,
-    from_edge: Values | None = None,
-    workers: Whole = 1,
+    s: options.Values | None = None,
+    from_edge: options.Values | None = None,
+    workers: options.Whole = 1,
     store: str | None = None,
-    output: Annotated[str | None, written(".nc", ".csv")] = None,
-    plot: Picture | None = None,
+    output: Annotated[str | None, options.written(".nc", ".csv")] = None,
+    plot: options.Picture | None = None,
     plot_quantity: str | None = None,
-    at: NamedNumbers | None = None,
+    at: options.NamedNumbers | None = None,
 ) -> None:
     r"""Solve a grid of scenes.
 
@@ -107,7 +95,7 @@ def run(
     if FlatOptions(given).of_materials and not scenes.shaped:
         given.setdefault("friction", None)
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
-    with worker_processes(checked_whole("workers", workers, 1)) as executor:
+    with worker_processes(whole("workers", workers, 1)) as executor:
         found = sweep(
             SceneOptions(given).solved().scene,
             **axes,
