@@ -18,17 +18,6 @@ from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-__all__ = [
-    "PROGRAM",
-    "VERSION",
-    "Terminated",
-    "end_with_parent",
-    "failed",
-    "guarded",
-    "quiet_imports",
-    "workers",
-]
-
 PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
@@ -158,6 +147,7 @@ def workers(count: int) -> Iterator[Executor | None]:
         pool.shutdown(cancel_futures=True)
 
 
+@cache
 def end_with_parent(number: int) -> None:
     """End this process when its parent ends, be it by a kill.
 
@@ -169,17 +159,10 @@ def end_with_parent(number: int) -> None:
     """
     from multiprocessing import parent_process
 
+    def end_after(parent: Any) -> NoReturn:
+        parent.join()
+        os._exit(1)
+
     parent = parent_process()
     if parent is not None and parent.pid == number:
-        _follow(parent)
-
-
-@cache
-def _follow(parent: Any) -> None:
-    """Begin to wait for the end of the parent."""
-    Thread(target=_end_after, args=(parent,), daemon=True).start()
-
-
-def _end_after(parent: Any) -> NoReturn:
-    parent.join()
-    os._exit(1)
+        Thread(target=end_after, args=(parent,), daemon=True).start()
