@@ -149,12 +149,15 @@ def test_an_approach_yields_the_load(capsys, solved):
 def test_what_was_not_given_in_si_is_named(capsys):
     given = (*SLIDING, "--load", "1000", *QUICK)
     _, out, _ = run(capsys, *given, "--normal-compliance-si", "1e-14")
-    assert "\nremarks\n  not given, and so taken as 0: --tangential-compliance-si\n" in out
+    assert "\nremarks\n  not given, and so left out: --tangential-compliance-si\n" in out
     both = ("--normal-compliance-si", "1e-14", "--tangential-compliance-si", "0")
     assert "remarks" not in run(capsys, *given, *both)[1]
     assert "remarks" not in run(capsys, *QUICK)[1]
     neither = run(capsys, *given)[1]
-    assert "as 0: --normal-compliance-si, --tangential-compliance-si\n" in neither
+    assert "left out: --normal-compliance-si, --tangential-compliance-si\n" in neither
+    frictionless = run(capsys, *STEEL, "--load", "1000", *both, *QUICK)[1]
+    assert "left out: --friction\n" in frictionless
+    assert "no friction; rtol" in frictionless
 
 
 @pytest.mark.parametrize(
@@ -361,14 +364,13 @@ def test_a_plot(capsys, tmp_path):
         (["--quantites=approach"], "; did you mean --quantities? (see "),
         (["--quantities", "aproach"], "shakedown_ratio; did you mean approach?"),
         (["more"], "more"),
-        (["--radius", "1"], "SI input needs --youngs-modulus"),
-        (["--load", "1"], "SI input needs --youngs-modulus and --poisson-ratio and --radius"),
+        (["--radius", "1"], "--youngs-modulus, --poisson-ratio = None: must be given with SI data"),
+        (["--load", "1"], "--youngs-modulus, --poisson-ratio, --radius = None: must be given"),
         ([*SLIDING], "--load, --approach = (None, None): must be one value"),
         ([*SLIDING, "--load", "1", "--approach", "1"], "--load, --approach = (1.0, 1.0): must"),
         ([*SLIDING, "--load", "-1"], "--load = -1.0"),
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
-        ([*STEEL, "--load", "1"], "SI input needs --friction: there is no default material"),
-        (["--load", "1", "--friction", "0"], "needs --youngs-modulus and --poisson-ratio and --ra"),
+        (["--load", "1", "--friction", "0"], "--youngs-modulus, --poisson-ratio, --radius ="),
         ([*STEEL, "--load", "1", "--normal-compliance", "1"], "cannot be mixed"),
         (["--normal-compliance-si", "1", "--tangential-compliance", "1"], "cannot be mixed"),
         (["--output", "solution.txt"], "solution.txt: the suffix must be one of .json, .csv, .npz"),

@@ -57,29 +57,27 @@ def run(
     spectral-contact inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png \
         --output body.csv
     """
-    if points is not None and (r or z):
-        raise UsageError("--points is instead of --r and --z")
     if points is None and reading.given:
         raise UsageError(f"{reading.given[0]} goes with --points")
-    if points is not None and output is not None and output.lower().endswith(".nc"):
-        raise UsageError("a .nc file holds a grid: not with --points")
+    if points is not None and (r or z or (output or "").lower().endswith(".nc")):
+        raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
     contact = scene.solved().scene
     _check_bodies(contact, punch=punch)
     unit = "" if contact.physical is None else "m"
     expected = [Expected(name, unit, at_least=0.0) for name in ("r", "z")]
-    table = None if points is None else reading.read(points, expected)
+    read = [] if points is None else [reading.read(points, expected)]
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
     if output is not None:
         default = np.linspace(0.0, 2.0 * body.radius, 81)
         places = np.meshgrid(r or default, z or default, sparse=True)
-        if table is not None:
+        for table in read:
             places = table.values["r"], table.values["z"]
         body.save(output, *places, rtol=rtol)
     if plot is not None:
         plotting.save(plotting.plot_inside(body, quantity), plot)
-    print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")
+    print(*read, repr(solution), report_inside(body), sep="\n")
 
 
 def _check_bodies(contact: Scene, *, punch: bool) -> None:

@@ -82,9 +82,9 @@ class _PhysicalOptions:
     """Scene in SI units.
 
     Any of these replaces the dimensionless compliances: modulus, --radius, either --load or
-    --approach, --poisson-ratio and --friction are then required; a compliance that is not given is
-    0, and the output says so. A number may have a unit, as in '210 GPa' or '50 nm/MPa' (needs the
-    extra: units).
+    --approach, and --poisson-ratio are then required; friction and compliances that are not given
+    are left out, and the output says so. A number may have a unit, as in '210 GPa' or '50 nm/MPa'
+    (needs the extra: units).
     """
 
 
@@ -229,9 +229,10 @@ class FlatOptions:
             values["layer"] = _law(given, self.si)
         if self.si:
             values |= {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
-            absent = [flag(f"{one}_si") for one in _COMPLIANCES if f"{one}_si" not in given]
+            of_flat = ("friction", *(f"{name}_si" for name in _COMPLIANCES))
+            absent = [flag(name) for name in of_flat if name not in given]
             if absent and not self.shaped:
-                remarks.append(f"not given, and so taken as 0: {', '.join(absent)}")
+                remarks.append(f"not given, and so left out: {', '.join(absent)}")
             return GivenScene(Scene.from_physical(**values), remarks)
         values = {**({"poisson_ratio": 0.3} if self.shaped else _DEFAULTS), **values}
         if "kappa" in given:
@@ -240,7 +241,7 @@ class FlatOptions:
         return GivenScene(Scene(**values), remarks)
 
     def _check(self) -> None:
-        """Refuse what mixes SI with dimensionless numbers, and what has no default."""
+        """Refuse what mixes SI with dimensionless numbers, and options without a profile."""
         given = self.given
         if self.shaped and "profile" not in given:
             raise UsageError(
@@ -252,16 +253,12 @@ class FlatOptions:
             return
         for name in ("kappa", *_COMPLIANCES):
             if name in given:
-                told = "is dimensionless and cannot be mixed with SI input, which has"
-                instead = "moduli and Poisson's ratios" if name == "kappa" else f"{flag(name)}-si"
+                kappa = name == "kappa"
+                instead = (
+                    "the moduli and Poisson's ratios" if kappa else f"{flag(name)}-si, in m/Pa"
+                )
+                told = "is dimensionless and cannot be mixed with SI input; use"
                 raise UsageError(f"{flag(name)} {told} {instead}")
-        needed = [] if "reduced_modulus" in given else ["youngs_modulus", "poisson_ratio"]
-        if not self.shaped:
-            needed += ["radius", "friction"] if needed else ["radius"]
-        missing = [flag(name) for name in needed if name not in given]
-        if missing:
-            told = f"SI input needs {' and '.join(missing)}: there is no default material"
-            raise UsageError(told if self.of_materials else f"{told}; or give --profile")
 
     def in_options(self, error: SceneError) -> str:
         """Return a message with the parameter under the name that the command line gives it."""

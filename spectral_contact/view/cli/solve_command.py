@@ -6,10 +6,9 @@ from typing import Annotated
 
 from spectral_contact import NotComputedError, plan, plotting, solve
 from spectral_contact.quantities import FIELDS, QUANTITIES
-from spectral_contact.solution import GROWTH, StepState
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Whole, written
 from spectral_contact.view.cli.scene_options import SceneOptions
-from spectral_contact.view.report import report, write_csv
+from spectral_contact.view.report import report
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -69,15 +68,14 @@ def run(
         raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
     if plot is not None:
         plotting.check(todo)
-    grows = any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps)
-    if history is not None and not grows:
+    if history is not None and not (contact.profile and contact.friction):
         raise NotComputedError("history", "it needs a profile and friction")
     solution = solve(contact, rtol, quantities, max_unknowns=max_unknowns, strict=not no_strict)
     try:
         if output is not None:
-            write_csv(solution, output) if is_table else solution.save(output)
+            solution.to_csv(output) if is_table else solution.save(output)
         if plot is not None:
-            plotting.save(plotting.plot_solution(solution), plot)
+            plotting.save(solution.plot(), plot)
         if history is not None:
             solution.history.to_csv(history)
     finally:  # a full disk must not cost the user the result

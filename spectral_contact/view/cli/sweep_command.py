@@ -14,7 +14,7 @@ from spectral_contact.sweeps.physical_scenes import columns_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
 from spectral_contact.view.cli import options
 from spectral_contact.view.cli.options import NotSolved, Option, UsageError, flag
-from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, FlatOptions, SceneOptions
+from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, SceneOptions
 
 
 class SweptOptions(SceneOptions):
@@ -92,8 +92,6 @@ def run(
     given, axes = scenes.first_and_varying()
     if table is not None:
         given |= _first_of_table(table, given, scenes)
-    if FlatOptions(given).of_materials and not scenes.shaped:
-        given.setdefault("friction", None)
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
     with worker_processes(whole("workers", workers, 1)) as executor:
         found = sweep(

@@ -144,7 +144,7 @@ def test_a_grid_as_a_dataset_and_a_plot(capsys, tmp_path):
     ("options", "said"),
     [
         (("--points", "p.csv", "--r", "1"), "--points is instead of"),
-        (("--points", "p.csv", "--output", "x.nc"), "holds a grid"),
+        (("--points", "p.csv", "--output", "x.nc"), "not for a .nc file"),
         (("--columns", "r,z"), "--columns goes with --points"),
         (("--skip-invalid",), "--skip-invalid goes with --points"),
         (("--points", "absent.csv"), "cannot be read"),

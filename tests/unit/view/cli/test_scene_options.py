@@ -266,7 +266,7 @@ PROFILE_FAULTS = [
     (("--profile", "cone", "--half-angle", "1", "--load", "2 N"), "without a unit"),
     (
         ("--profile", "cone", "--half-angle", "1", "--load", "2", "--youngs-modulus", "1"),
-        "SI input needs --poisson-ratio",
+        "--poisson-ratio = None: must be given with SI data",
     ),
     (("--profile", "sphere", "--radius", "1", "--contact-radius", "2"), "--contact-radius = 2.0"),
     (("--profile", "wedge"), "invalid choice: 'wedge'"),

@@ -197,12 +197,12 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
         (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=X"),
-        (("--load", "1,2"), "SI input needs --youngs-modulus"),
+        (("--load", "1,2"), "--youngs-modulus, --poisson-ratio, --radius = None: must"),
         (
             ("--profile", "parabola", "--radius", "1 mm", "--load", "1"),
             "without a unit, without --youngs",
         ),
-        (("--youngs-modulus", "1e9", "--radius", "1 mm"), "needs --poisson-ratio"),
+        (("--youngs-modulus", "1e9", "--radius", "1 mm"), "--poisson-ratio = None: must be given"),
         (
             ("--youngs-modulus", "1e9 mm", "--poisson-ratio", "0.3", "--radius", "1"),
             "--youngs-modulus = '1000000000.0 mm': must be a number in Pa",
