@@ -8,7 +8,7 @@ import numpy as np
 
 from spectral_contact import Scene, plotting, solve
 from spectral_contact.equations.interior.grids import QUANTITIES, SUFFIXES
-from spectral_contact.io.columns import Expected
+from spectral_contact.io.columns import Expected, NumberTable
 from spectral_contact.view.cli.files import Reading
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Values, written
 from spectral_contact.view.cli.scene_options import SceneOptions
@@ -57,15 +57,11 @@ def run(
     spectral-contact inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png \
         --output body.csv
     """
-    if points is None and reading.given:
-        raise UsageError(f"{reading.given[0]} goes with --points")
     if points is not None and (r or z or (output or "").lower().endswith(".nc")):
         raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
     contact = scene.solved().scene
     _check_bodies(contact, punch=punch)
-    unit = "" if contact.physical is None else "m"
-    expected = [Expected(name, unit, at_least=0.0) for name in ("r", "z")]
-    read = [] if points is None else [reading.read(points, expected)]
+    read = _points(points, reading, "" if contact.physical is None else "m")
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
@@ -78,6 +74,15 @@ def run(
     if plot is not None:
         plotting.save(plotting.plot_inside(body, quantity), plot)
     print(*read, repr(solution), report_inside(body), sep="\n")
+
+
+def _points(path: str | None, reading: Reading, unit: str) -> list[NumberTable]:
+    """Return the radii and depths of a file, nothing without one."""
+    if path is not None:
+        return [reading.read(path, [Expected(name, unit, at_least=0.0) for name in ("r", "z")])]
+    if reading.given:
+        raise UsageError(f"{reading.given[0]} goes with --points")
+    return []
 
 
 def _check_bodies(contact: Scene, *, punch: bool) -> None:

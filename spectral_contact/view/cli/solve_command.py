@@ -58,10 +58,10 @@ def run(
     spectral-contact solve --profile sphere --radius 1 --load 0.1 --normal-compliance 0.01
     """
     contact, remarks = scene.solved()
-    physical = contact.physical
-    if quantities is not None and contact.profile is None and physical is not None:
+    if quantities is not None and contact.profile is None:
+        given = getattr(contact.physical, "approach", None)
         # SI values hang on the load, and this on the approach where that is given
-        quantities = quantities if physical.approach is None else ("approach", *quantities)
+        quantities = quantities if given is None else ("approach", *quantities)
     todo = plan(contact, quantities)
     is_table = output is not None and output.lower().endswith(".csv")
     if is_table and not set(FIELDS).intersection(todo.quantities):
