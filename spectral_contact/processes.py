@@ -18,6 +18,17 @@ from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
+__all__ = [
+    "PROGRAM",
+    "VERSION",
+    "Terminated",
+    "end_with_parent",
+    "failed",
+    "guarded",
+    "quiet_imports",
+    "workers",
+]
+
 PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 

@@ -14,6 +14,8 @@ from collections.abc import Callable
 from contextlib import ContextDecorator, nullcontext
 from typing import Any, Final, TypeVar
 
+__all__ = ["cached_property", "one_thread"]
+
 T = TypeVar("T")
 
 
