@@ -337,7 +337,7 @@ class Scene(Suggesting):
             needed["radius"] = radius
         missing = [name for name, value in needed.items() if value is None]
         if missing:
-            told = "given with SI data (reduced_modulus, or a profile, may take their place)"
+            told = "given with SI data (a reduced modulus, or a profile, may take their place)"
             raise SceneError(", ".join(missing), None, told)
         if reduced_modulus is None:
             poisson_ratio = checked_poisson_ratio(poisson_ratio)
