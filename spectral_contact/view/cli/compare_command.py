@@ -16,14 +16,10 @@ from spectral_contact.view.cli.scene_options import SceneOptions
 
 #: Numbers that may be compared beside the fields of a file.
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
-#: Fields of a file with their SI units and, of the displacement, all headings.
+#: Fields of a file with their SI units.
 _UNITS: Final = {one.name: one.si_unit for one in OUTPUTS if one.name in FIELDS} | {
     "displacement": "m"
 }
-_DISPLACEMENT: Final = (
-    *("displacement", "normal displacement", "surface displacement"),
-    *("uz", "u_z", "u3", "u2"),
-)
 
 
 def run(
@@ -79,11 +75,9 @@ def run(
 def _nodes(file: str, reading: Reading, *, si: bool) -> NumberTable:
     """Return radii, over the contact radius as s, and fields of a file."""
     radius = Expected("r", "m" if si else "", at_least=0.0)
-    expected = [radius]
-    for name, unit in _UNITS.items():
-        headings = _DISPLACEMENT if name == "displacement" else ()
-        expected.append(Expected(name, unit if si else "", headings, required=False))
-    table = reading.read(file, expected)
+    units = _UNITS if si else dict.fromkeys(_UNITS, "")
+    fields = [Expected(name, unit, required=False) for name, unit in units.items()]
+    table = reading.read(file, [radius, *fields])
     if len(table.values) == 1:
         names = ", ".join(_UNITS)
         raise UsageError(f"{file}: no column of {names}; say which is which")
