@@ -45,7 +45,7 @@ class Parameter:
     choices : tuple of str
         Names, of which it is one; empty if it is a number.
     kind : type
-        float, int or bool; str of a name.
+        float, int or bool; str if there are choices.
     """
 
     meaning: str
@@ -55,6 +55,10 @@ class Parameter:
     headings: tuple[str, ...] = ()
     choices: tuple[str, ...] = ()
     kind: type = float
+
+    def __post_init__(self) -> None:
+        if self.choices:
+            object.__setattr__(self, "kind", str)  # into a frozen dataclass
 
     def __str__(self) -> str:
         """Return all of it on one line of ASCII, as ``--help`` has it."""

@@ -63,9 +63,7 @@ class GreenwoodWilliamson(Layer):
     )
     heights: str = field(
         default="gaussian",
-        metadata=declared(
-            "distribution of their heights", choices=("gaussian", "exponential"), kind=str
-        ),
+        metadata=declared("distribution of their heights", choices=("gaussian", "exponential")),
     )
 
     def _over(self, unit: float) -> Self:

@@ -24,8 +24,8 @@ class SweptOptions(SceneOptions):
 
     def first_and_varying(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the options with the first of their values, and the lists of more, by axis."""
-        lists = {name: one for name, one in self.given.items() if isinstance(one, list)}
-        lists = {name: one for name, one in lists.items() if name in NUMBERS}
+        numbers = {name: one for name, one in self.given.items() if name in NUMBERS}
+        lists = {name: one for name, one in numbers.items() if isinstance(one, list)}
         varying = {name: one for name, one in lists.items() if len(one) > 1}
         for name in varying:
             if name in SHAPES and name != "radius":
