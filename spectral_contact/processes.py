@@ -158,7 +158,6 @@ def workers(count: int) -> Iterator[Executor | None]:
         pool.shutdown(cancel_futures=True)
 
 
-@cache
 def end_with_parent(number: int) -> None:
     """End this process when its parent ends, be it by a kill.
 
@@ -170,10 +169,17 @@ def end_with_parent(number: int) -> None:
     """
     from multiprocessing import parent_process
 
-    def end_after(parent: Any) -> NoReturn:
+    parent = parent_process()
+    if parent is not None and parent.pid == number:
+        _follow(parent)
+
+
+@cache
+def _follow(parent: Any) -> None:
+    """Begin to wait for the end of the parent; a process that is forked has another one."""
+
+    def end_after() -> NoReturn:
         parent.join()
         os._exit(1)
 
-    parent = parent_process()
-    if parent is not None and parent.pid == number:
-        Thread(target=end_after, args=(parent,), daemon=True).start()
+    Thread(target=end_after, daemon=True).start()
