@@ -573,7 +573,7 @@ def test_help_begins_with_examples_that_run(command, capsys):
         assert program == PROGRAM
         arguments = _parser().parse_args(joined(options))
         if command not in ("sweep", "fit"):  # which have scenes of their own
-            assert isinstance(SceneOptions.of(vars(arguments)).solved().scene, Scene)
+            assert isinstance(SceneOptions.of(vars(arguments)).build().scene, Scene)
 
 
 def test_a_command_that_is_misspelt_gets_a_suggestion(capsys):

@@ -55,7 +55,7 @@ def run(
         --radius "5 mm" --load 1000 --friction 0.05 --columns "r=2 [mm],pressure=4 [MPa]" \
         --at-most 0.01
     """
-    contact = scene.solved().scene
+    contact = scene.build().scene
     given: dict[str, Any] = {one_of("value", name, _NUMBERS): x for name, x in value or ()}
     for name, x in given.items():
         if not math.isfinite(x):

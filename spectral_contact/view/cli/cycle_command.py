@@ -49,7 +49,7 @@ def run(
         --load "5 kN" --normal-compliance-si 5e-15 --tangential-compliance-si 6e-15 \
         --friction 0.15 --lowest 0.2 --rtol 1e-4 --plot loop.png
     """
-    contact, remarks = scene.solved()
+    contact, remarks = scene.build()
     cycle = steady_cycle(
         contact, lowest, rtol=rtol, max_unknowns=max_unknowns, strict=not no_strict
     )

@@ -89,8 +89,8 @@ def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:
         raise UsageError(f"give --profile, one of {', '.join(PROFILES)}")
     given = {**known, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
-        return SceneOptions(given).solved().scene
+        return SceneOptions(given).build().scene
     if any(name.startswith("layer") for name in given):
         raise UsageError("give --youngs-modulus or --reduced-modulus with a nonlinear layer")
     modulus = "youngs_modulus" if "poisson_ratio" in given else "reduced_modulus"
-    return with_modulus(SceneOptions({**given, modulus: 1.0}).solved().scene, data)
+    return with_modulus(SceneOptions({**given, modulus: 1.0}).build().scene, data)

@@ -59,7 +59,7 @@ def run(
     """
     if points is not None and (r or z or (output or "").lower().endswith(".nc")):
         raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
-    contact = scene.solved().scene
+    contact = scene.build().scene
     _check_bodies(contact, punch=punch)
     read = _points(points, reading, "" if contact.physical is None else "m")
     solution = solve(contact, min(rtol, 1e-10))

@@ -32,7 +32,7 @@ _FILE_OPTIONS: Final[dict[type, tuple[str, ...]]] = {
     Table: ("layer_table", "layer_columns"),
 }
 #: What the options of the parameters of a law begin with.
-_LAW: Final = "layer_"
+_LAW_PREFIX: Final = "layer_"
 
 
 def _named(kinds: Iterable[type]) -> dict[str, Any]:
@@ -56,18 +56,19 @@ def _merged(kinds: Mapping[str, type], prefix: str = "") -> dict[str, dict[Param
 PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
 LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
-_OF_LAWS: Final = _merged(LAWS, _LAW)
+_OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
 #: Numbers without a unit that have one in SI units have an option for these.
 _COMPLIANCES: Final = tuple(name for name in SI if name in SCENE and not SCENE[name].unit)
-_SI: Final = {f"{name}_si" if name in _COMPLIANCES else name: SI[name] for name in SI}
+_SI_OPTIONS: Final = {f"{name}_si" if name in _COMPLIANCES else name: SI[name] for name in SI}
 #: What the options of numbers and names declare; kinds that share an option share its unit.
 _DECLARED: Final[Mapping[str, Parameter]] = {
     **{name: next(iter(declared)) for name, declared in (SHAPES | _OF_LAWS).items()},
-    **_SI,
+    **_SI_OPTIONS,
     **SCENE,
 }
 #: Options of which a sweep takes several values.
 NUMBERS: Final = frozenset(name for name, one in _DECLARED.items() if one.kind is float)
+#: Parameters of scenes with a profile alone: how far it is pressed, and adhesion.
 _PRESSED: Final = tuple(name for name in SCENE if SCENE[name].unit or name == "branch")
 #: Dimensionless scene of a bare ``spectral-contact solve``.
 _DEFAULTS: Final[Mapping[str, Any]] = {
@@ -209,7 +210,7 @@ class FlatOptions:
     @property
     def of_materials(self) -> bool:
         """Whether a modulus or another number is given that only scenes in SI units have."""
-        return not ({*_SI} - {"radius", "work_of_adhesion"}).isdisjoint(self.given)
+        return not ({*_SI_OPTIONS} - {"radius", "work_of_adhesion"}).isdisjoint(self.given)
 
     @property
     def si(self) -> bool:
@@ -217,10 +218,10 @@ class FlatOptions:
         of_flat = not {"radius", "load", "approach"}.isdisjoint(self.given)
         return self.of_materials or (of_flat and not self.shaped)
 
-    def solved(self) -> GivenScene:
+    def build(self) -> GivenScene:
         """Return the scene: under a profile, in SI units, or dimensionless."""
         self._check()
-        given = _plain(self.given, self.si)
+        given = _without_units(self.given, self.si)
         values = {name: given[name] for name in (*SCENE, *SI) if name in given}
         remarks: list[str] = []
         if self.shaped:
@@ -229,8 +230,10 @@ class FlatOptions:
             values["layer"] = _law(given, self.si)
         if self.si:
             values |= {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
-            of_flat = ("friction", *(f"{name}_si" for name in _COMPLIANCES))
-            absent = [flag(name) for name in of_flat if name not in given]
+            optional = [f"{name}_si" for name in _COMPLIANCES]
+            if "reduced_modulus" not in given:  # with which there is no friction
+                optional.insert(0, "friction")
+            absent = [flag(name) for name in optional if name not in given]
             if absent and not self.shaped:
                 remarks.append(f"not given, and so left out: {', '.join(absent)}")
             return GivenScene(Scene.from_physical(**values), remarks)
@@ -280,7 +283,7 @@ class SceneOptions(FlatOptions):
         """Add the options; what is not given is no attribute."""
         super().add_options(parser)
         group = add_options(parser, _PhysicalOptions)
-        for name, parameter in _SI.items():
+        for name, parameter in _SI_OPTIONS.items():
             if name not in SHAPES and name not in SCENE:
                 cls._add(group, name, str(parameter))
         group = add_options(parser, _ProfileOptions)
@@ -300,7 +303,7 @@ class SceneOptions(FlatOptions):
             cls._add(group, name, "; ".join(told))
 
 
-def _plain(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
+def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
     """Return options with numbers in place of text with units.
 
     Units are understood in SI units alone, but for those of an angle.
@@ -317,7 +320,7 @@ def _plain(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
     return plain
 
 
-def _takes(kind: Any, prefix: str) -> dict[str, bool]:
+def _options_of(kind: Any, prefix: str) -> dict[str, bool]:
     """Return the options that describe an object of a kind, and whether each is needed."""
     if kind in _FILE_OPTIONS:
         path, *others = _FILE_OPTIONS[kind]
@@ -326,13 +329,30 @@ def _takes(kind: Any, prefix: str) -> dict[str, bool]:
     return {prefix + name: defaults[name] is MISSING for name in parameters_of(kind)}
 
 
-def _own(
+def _given_for(
     option: str, kinds: Mapping[str, type], given: Mapping[str, Any], prefix: str = ""
 ) -> dict[str, Any]:
-    """Return what is given of the kind that an option names, if that is all that it needs."""
+    """Return the options that describe an object: all that its kind needs, and no other.
+
+    Parameters
+    ----------
+    option : str
+        That which names the kind, as ``profile``.
+    kinds : mapping of str to type
+        By the names that it may have.
+    given : mapping of str to object
+        All options that are given.
+    prefix : str
+        What the options of the parameters of these kinds begin with.
+
+    Raises
+    ------
+    UsageError
+        If one is missing, or belongs to another kind.
+    """
     name = given[option]
-    takes = _takes(kinds[name], prefix)
-    known = {one for kind in kinds.values() for one in _takes(kind, prefix)}
+    takes = _options_of(kinds[name], prefix)
+    known = {one for kind in kinds.values() for one in _options_of(kind, prefix)}
     own = {one: given[one] for one in given if one in known}
     needed = {one for one, is_needed in takes.items() if is_needed}
     if not needed <= own.keys() <= takes.keys():
@@ -343,7 +363,7 @@ def _own(
 
 def _profile(given: Mapping[str, Any], si: bool) -> tuple[Any, list[str]]:
     """Return the profile of the options, and what is to be said of its file."""
-    kind, own = PROFILES[given["profile"]], _own("profile", PROFILES, given)
+    kind, own = PROFILES[given["profile"]], _given_for("profile", PROFILES, given)
     profile: Profile
     remarks: list[str] = []
     if kind is Sampled:
@@ -366,20 +386,20 @@ def _punch_profile(words: list[str], si: bool) -> Profile:
         numbers = dict(zip(names, map(options.measured, words[1:]), strict=True))
     except ValueError as error:
         raise UsageError(f"--punch-profile {words[0]}: {error}") from None
-    return kind(**_plain(numbers, si))
+    return kind(**_without_units(numbers, si))
 
 
 def _law(given: Mapping[str, Any], si: bool) -> Layer | None:
     """Return the law of the options, None without."""
     if "layer" not in given:
-        if any(name.startswith(_LAW) for name in given):
+        if any(name.startswith(_LAW_PREFIX) for name in given):
             raise UsageError(f"give --layer, one of {', '.join(LAWS)}, with options of a layer")
         return None
-    kind, own = LAWS[given["layer"]], _own("layer", LAWS, given, _LAW)
+    kind, own = LAWS[given["layer"]], _given_for("layer", LAWS, given, _LAW_PREFIX)
     if kind is Table:
         columns = own.get("layer_columns")
         return Table.from_file(own["layer_table"], columns, si_units=si, option="--layer-columns")
     try:
-        return kind(**{name.removeprefix(_LAW): one for name, one in own.items()})
+        return kind(**{name.removeprefix(_LAW_PREFIX): one for name, one in own.items()})
     except SceneError as error:
-        raise SceneError(_LAW + error.parameter, error.value, error.allowed) from error
+        raise SceneError(_LAW_PREFIX + error.parameter, error.value, error.allowed) from error

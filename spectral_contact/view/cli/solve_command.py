@@ -57,7 +57,7 @@ def run(
         --normal-compliance-si 5e-14 --friction 0.05 --plot punch.png
     spectral-contact solve --profile sphere --radius 1 --load 0.1 --normal-compliance 0.01
     """
-    contact, remarks = scene.solved()
+    contact, remarks = scene.build()
     if quantities is not None and contact.profile is None:
         given = getattr(contact.physical, "approach", None)
         # SI values hang on the load, and this on the approach where that is given

@@ -94,7 +94,7 @@ def run_convergence(
     times: dict[str, Any] = {"repeats": 0} if no_times else {}
     study = convergence(
         results.own_solver() if solver is None else _imported(solver),
-        scene.solved().scene,
+        scene.build().scene,
         resolutions or _TOLERANCES,
         name=solver,
         quantities=results.quantities,
@@ -125,7 +125,7 @@ def run_work_precision(
     solvers: dict[str, Any] = {OwnSolver.name: results.own_solver()}
     for name, at in solver or ():
         solvers[name] = _imported(name) if at is None else (_imported(name), at)
-    study = work_precision(solvers, scene.solved().scene, accuracies, quantities=results.quantities)
+    study = work_precision(solvers, scene.build().scene, accuracies, quantities=results.quantities)
     results.write(study)
 
 

@@ -95,7 +95,7 @@ def run(
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
     with worker_processes(whole("workers", workers, 1)) as executor:
         found = sweep(
-            SceneOptions(given).solved().scene,
+            SceneOptions(given).build().scene,
             **axes,
             layer=law or None,
             table=table,
