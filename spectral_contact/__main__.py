@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, Final
 
-from spectral_contact.errors import ConvergenceError, SceneError, SpectralContactError
+from spectral_contact import ConvergenceError, SceneError, SpectralContactError
 from spectral_contact.processes import PROGRAM, VERSION, failed, guarded
 from spectral_contact.threads import one_thread
 from spectral_contact.view.cli import (
@@ -86,15 +86,13 @@ def _run(argv: Sequence[str]) -> int:
             arguments.run(arguments)
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
-    except ConvergenceError as error:
-        hint = " (--no-strict prints what was reached)" if "no_strict" in given else ""
-        return failed(f"{error}{hint}", 1)
-    except NotSolved as error:
-        return failed(str(error), 1)
     except SceneError as error:
         return failed(SceneOptions(given).in_options(error), 2)
     except SpectralContactError as error:
-        return failed(str(error), 2)
+        hint = ""
+        if isinstance(error, ConvergenceError) and "no_strict" in given:
+            hint = " (--no-strict prints what was reached)"
+        return failed(f"{error}{hint}", 1 if isinstance(error, ConvergenceError | NotSolved) else 2)
     return 0
 
 

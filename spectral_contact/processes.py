@@ -176,10 +176,10 @@ def end_with_parent(number: int) -> None:
 
 @cache
 def _follow(parent: Any) -> None:
-    """Begin to wait for the end of the parent."""
-    Thread(target=_end_after, args=(parent,), daemon=True).start()
+    """Begin to wait for the end of the parent; a process that is forked has another one."""
 
+    def end_after() -> NoReturn:
+        parent.join()
+        os._exit(1)
 
-def _end_after(parent: Any) -> NoReturn:
-    parent.join()
-    os._exit(1)
+    Thread(target=end_after, daemon=True).start()

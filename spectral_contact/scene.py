@@ -330,6 +330,15 @@ class Scene(Suggesting):
         ...     youngs_modulus=70e9, poisson_ratio=0.2, load=5e-3, profile=ball
         ... )
         """
+        needed = {"youngs_modulus": youngs_modulus, "poisson_ratio": poisson_ratio}
+        if reduced_modulus is not None:
+            needed = {}
+        if profile is None:
+            needed["radius"] = radius
+        missing = [name for name, value in needed.items() if value is None]
+        if missing:
+            told = "given with SI data (a reduced modulus, or a profile, may take their place)"
+            raise SceneError(", ".join(missing), None, told)
         if reduced_modulus is None:
             poisson_ratio = checked_poisson_ratio(poisson_ratio)
         elif poisson_ratio is not None:
@@ -338,8 +347,6 @@ class Scene(Suggesting):
         elif friction is not None:
             told = "None with reduced_modulus: friction takes the Poisson's ratios as well"
             raise SceneError("friction", friction, told)
-        if radius is None and profile is None:
-            raise SceneError("radius", None, "given, in m: that of the flat punch")
         physical = PhysicalData(
             youngs_modulus=in_si("youngs_modulus", youngs_modulus, "Pa"),
             radius=in_si("radius", radius, "m"),

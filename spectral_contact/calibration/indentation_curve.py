@@ -160,7 +160,12 @@ class IndentationFit:
         lines.append(f"chi square {self.chi_square:.4g} at {freedom} degrees of freedom")
         least, largest = min(self.residuals), max(self.residuals)
         lines.append(f"residuals from {least:.2f} to {largest:.2f} standard deviations")
-        return "\n".join([*lines, *self.remarks])
+        lines += self.remarks
+        physical = self.scene.physical
+        if physical is not None and physical.youngs_modulus is not None:
+            at = f"at a Poisson's ratio of {self.scene.poisson_ratio:g}"
+            lines.append(f"Young's modulus {physical.youngs_modulus:.5g} Pa, {at}")
+        return "\n".join(lines)
 
 
 def first_modulus(profile: Profile, data: IndentationData) -> float:

@@ -21,7 +21,7 @@ from spectral_contact.calibration.force_curves import (
 from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import reals
-from spectral_contact.io.choices import one_of
+from spectral_contact.io.choices import instance, one_of
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
 from spectral_contact.io.headings import NoColumnError
 
@@ -118,6 +118,7 @@ class IndentationData:
         header: int | None = None,
         decimal: str | None = None,
         invalid: str = "missing",
+        option: str = "columns",
     ) -> Self:
         """Read the force curve that an instrument wrote, see docs/files.
 
@@ -142,6 +143,8 @@ class IndentationData:
         invalid : str
             Rows without a value are left out and named; with ``"raise"`` they are errors, and with
             ``"skip"`` other rows that cannot be read are left out, too.
+        option : str
+            What `columns` is called where the user gave it, for errors.
 
         Returns
         -------
@@ -163,6 +166,7 @@ class IndentationData:
             header=header,
             decimal=decimal,
             invalid=invalid,
+            option=instance("option", option, str),
         )
 
 

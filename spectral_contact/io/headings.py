@@ -24,7 +24,11 @@ _HEADINGS: Final[Mapping[str, tuple[str, ...]]] = {
     "pressure": ("p", "pressure", "contact pressure", "cpress"),
     "traction": ("q", "traction", "shear traction", "cshear1"),
     "slip": ("u", "slip", "cslip1"),
-    "displacement": ("u", "h", "displacement", "indentation", "depth", "approach"),
+    "displacement": (
+        *("displacement", "normal displacement", "surface displacement"),
+        *("uz", "u_z", "u3", "u2"),
+    ),
+    "height": ("height", "h", "z", "Z", "profile", "gap"),
     "load": (
         *("P", "F", "load", "force", "normal force", "load on sample", "indentation force"),
         *("vertical deflection", "vDeflection", "deflection", "defl"),

@@ -44,6 +44,8 @@ class Parameter:
         By which headings of a table it is known, besides its name.
     choices : tuple of str
         Names, of which it is one; empty if it is a number.
+    kind : type
+        float, int or bool; str if there are choices.
     """
 
     meaning: str
@@ -52,6 +54,11 @@ class Parameter:
     symbol: str = ""
     headings: tuple[str, ...] = ()
     choices: tuple[str, ...] = ()
+    kind: type = float
+
+    def __post_init__(self) -> None:
+        if self.choices:
+            object.__setattr__(self, "kind", str)  # into a frozen dataclass
 
     def __str__(self) -> str:
         """Return all of it on one line of ASCII, as ``--help`` has it."""
@@ -122,7 +129,9 @@ SCENE: Final[Mapping[str, Parameter]] = {
     "unloaded_to": Parameter(
         "load over the largest load", "in (0, 1], 1 being the largest load", symbol="λ"
     ),
-    "coupling": Parameter("elastic coupling: whether the traction acts back on the pressure"),
+    "coupling": Parameter(
+        "elastic coupling: whether the traction acts back on the pressure", kind=bool
+    ),
     "contact_radius": Parameter("contact radius", _POSITIVE, "m", "a"),
     "load": Parameter("load", _POSITIVE, "N", "P", ("P", "F", "force", "normal force")),
     "approach": Parameter("approach", _POSITIVE, "m", "δ", ("delta", "δ", "depth")),
@@ -133,7 +142,9 @@ SCENE: Final[Mapping[str, Parameter]] = {
         "J/m^2",
         "w",
     ),
-    "branch": Parameter("stretch of the curve of states with adhesion, from large contacts"),
+    "branch": Parameter(
+        "stretch of the curve of states with adhesion, from large contacts", kind=int
+    ),
 }
 #: The numbers of a scene in SI units that a dimensionless one has not, or not in that range.
 SI: Final[Mapping[str, Parameter]] = {

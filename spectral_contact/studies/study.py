@@ -6,7 +6,7 @@ import math
 import numbers
 import pkgutil
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar, Final
 
@@ -18,8 +18,8 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.spectral.cache import clear_caches
 from spectral_contact.studies.study_results import Convergence, Point, WorkPrecision
-from spectral_contact.studies.timing import Times, this_machine, times_of
-from spectral_contact.studies.truth import Truth, chosen, estimate_of, given_truth
+from spectral_contact.studies.timing import this_machine, times_of
+from spectral_contact.studies.truth import Truth, attribute_of, chosen, estimate_of, given_truth
 from spectral_contact.view.progress import ProgressLine
 
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
@@ -105,10 +105,8 @@ def convergence(
     ProgressLine(progress)  # refuses what it cannot be, before any work
     true = truth_of(scene, truth, progress=progress)
     runs = _Runs(chosen(quantities, [true]), quantities is not None, count)
-    points = runs.points([(named, called, asked, true)], 0.0, progress)
-    return Convergence(
-        named, scene, true.source, true.error, runs.shown(points), points, this_machine()
-    )
+    shown, points = runs.measured([(named, called, asked, true)], 0.0, progress)
+    return Convergence(named, scene, true.source, true.error, shown, points, this_machine())
 
 
 def work_precision(
@@ -167,11 +165,9 @@ def work_precision(
     ]
     runs = _Runs(chosen(quantities, found), quantities is not None, count)
     cases = [(name, *one, true) for true in found for name, one in called.items()]
-    points = runs.points(cases, goals[-1], progress)
+    shown, points = runs.measured(cases, goals[-1], progress)
     sources = tuple(true.source for true in found)
-    return WorkPrecision(
-        tuple(called), solved, sources, goals, runs.shown(points), points, this_machine()
-    )
+    return WorkPrecision(tuple(called), solved, sources, goals, shown, points, this_machine())
 
 
 def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -> Truth:
@@ -228,7 +224,7 @@ class OwnSolver:
     Parameters
     ----------
     quantities : tuple of str, optional
-        What `solve` is asked for; the default is everything.
+        What `solve` is asked for, for an ``edge_pressure`` the pressure; the default is everything.
     """
 
     quantities: tuple[str, ...] | None = None
@@ -238,7 +234,8 @@ class OwnSolver:
     def __call__(self, scene: Scene, rtol: float) -> Solution:
         """Solve a scene to a tolerance."""
         asked = real("rtol", rtol, allowed=">= 1e-13", low=1e-13, infinite_ok=True)
-        return solve(scene, min(asked, _LOOSEST), self.quantities, strict=False)
+        wanted = self.quantities and tuple(dict.fromkeys(map(attribute_of, self.quantities)))
+        return solve(scene, min(asked, _LOOSEST), wanted, strict=False)
 
 
 def named_solver(name: str) -> Solver:
@@ -290,10 +287,14 @@ class _Runs:
     asked: bool
     repeats: int
 
-    def points(
+    def measured(
         self, cases: Sequence[_Case], goal: float, progress: bool | None
-    ) -> tuple[Point, ...]:
-        """Run solvers through their resolutions, until all errors are at most a goal."""
+    ) -> tuple[tuple[str, ...], tuple[Point, ...]]:
+        """Return the quantities of a study and its points.
+
+        Solvers run through their resolutions until all errors are at most a goal. The quantities
+        are those asked for, or those that some solution has.
+        """
         found: list[Point] = []
         with ProgressLine(progress) as tell:
             for i, (name, solver, resolutions, true) in enumerate(cases):
@@ -303,36 +304,29 @@ class _Runs:
                     if max(found[-1].errors.values(), default=math.inf) <= goal:
                         break
             tell("", 1.0)
-        return tuple(found)
+        there = tuple(name for name in self.wanted if any(name in one.errors for one in found))
+        return (self.wanted if self.asked else there or self.wanted), tuple(found)
 
     def _point(self, name: str, solver: Solver, truth: Truth, resolution: float) -> Point:
         """Run a solver once, compare it with the truth, and time it."""
         wanted = [one for one in self.wanted if one in truth.quantities]
-        solution: Any = None
-        errors: dict[str, float] = {}
-        estimates: dict[str, float] = {}
-        times: Times | None = None
-        failure = ""
+        point = Point(name, truth.scene, resolution, _unknowns(None, resolution), {}, {}, None)
         try:
             solution = solver(truth.scene, resolution)
-            errors = truth.errors(solution, wanted)
-            known = {one: estimate_of(solution, one) for one in errors}
+            point = replace(point, unknowns=_unknowns(solution, resolution))
+            point = replace(point, errors=truth.errors(solution, wanted))
+            known = {one: estimate_of(solution, one) for one in point.errors}
             estimates = {one: estimate for one, estimate in known.items() if estimate is not None}
+            point = replace(point, estimates=estimates)
             if self.repeats:
                 times = times_of(solver, truth.scene, resolution, self.repeats)
+                point = replace(point, times=times)
         except Exception as error:  # a user's solver may raise anything
-            failure = " ".join(f"{type(error).__name__}: {error}".split())
-        lacking = [one for one in wanted if one not in errors]
-        if not failure and lacking and (self.asked or not errors):
-            allowed = f"one whose solutions have {' or '.join(lacking)}"
-            raise SceneError("solver", name, allowed)
-        unknowns = _unknowns(solution, resolution)
-        return Point(name, truth.scene, resolution, unknowns, errors, estimates, times, failure)
-
-    def shown(self, points: Sequence[Point]) -> tuple[str, ...]:
-        """Return the quantities asked for, or those that were there."""
-        there = tuple(q for q in self.wanted if any(q in p.errors for p in points))
-        return self.wanted if self.asked else there or self.wanted
+            return replace(point, failure=" ".join(f"{type(error).__name__}: {error}".split()))
+        lacking = [one for one in wanted if one not in point.errors]
+        if lacking and (self.asked or not point.errors):
+            raise SceneError("solver", name, f"one whose solutions have {' or '.join(lacking)}")
+        return point
 
 
 def _unknowns(solution: Any, resolution: float) -> int | None:
@@ -362,9 +356,7 @@ def _solvers(solvers: Any, goals: tuple[float, ...]) -> dict[str, tuple[Solver, 
         raise SceneError("solvers", solvers, "a mapping of names to solvers")
     found = {}
     for name, one in solvers.items():
-        instance("solvers", name, str)
-        pair = isinstance(one, tuple) and len(one) == 2
-        solver, resolutions = one if pair else (one, goals)
+        solver, resolutions = one if isinstance(one, tuple) and len(one) == 2 else (one, goals)
         called = function("solvers", solver, _OF_SCENES)
-        found[name] = called, _resolutions("solvers", resolutions) if pair else goals
+        found[instance("solvers", name, str)] = called, _resolutions("solvers", resolutions)
     return found

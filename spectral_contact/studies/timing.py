@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import platform
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from threadpoolctl import threadpool_limits
 
 from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import finite
+from spectral_contact.processes import VERSION
 
 #: Warm repeats of a short solve go on for so long [s], or until there are so many.
 _SECONDS = 0.2
@@ -102,7 +102,7 @@ def this_machine() -> dict[str, Any]:
         "python": platform.python_version(),
         "numpy": np.__version__,
         "scipy": scipy.__version__,
-        "library": sys.modules["spectral_contact"].__version__,
+        "library": VERSION,
         "blas": f"{blas.get('name', 'unknown')} {blas.get('version', '')}".strip(),
     }
 

@@ -86,14 +86,14 @@ class Truth:
         found = {}
         for name in names("wanted", wanted, self.quantities):
             with suppress(NotComputedError):
-                if getattr(solution, _attribute(name), None) is not None:
+                if getattr(solution, attribute_of(name), None) is not None:
                     error = self._error(solution, name)
                     found[name] = error if error >= 0.0 else math.inf
         return found
 
     def _error(self, solution: Any, name: str) -> float:
         """Return the error of a quantity that the solution has."""
-        attribute = _attribute(name)
+        attribute = attribute_of(name)
         if name in _SCALARS:
             value = scalar(f"solution.{name}", getattr(solution, name))
             return abs(value - self.scalars[name]) / abs(self.scalars[name])
@@ -128,8 +128,8 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
 
 def estimate_of(solution: Any, name: str) -> float | None:
     """Return what a solution says of the relative error of a quantity; None if nothing."""
-    estimate = getattr(getattr(solution, "error", None), _attribute(name), None)
-    return None if estimate is None else scalar(f"error.{_attribute(name)}", estimate)
+    estimate = getattr(getattr(solution, "error", None), attribute_of(name), None)
+    return None if estimate is None else scalar(f"error.{attribute_of(name)}", estimate)
 
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
@@ -148,7 +148,8 @@ def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[s
     return tuple(name for name in known if name in asked)
 
 
-def _attribute(name: str) -> str:
+def attribute_of(name: str) -> str:
+    """Return the attribute of a solution that has a quantity of a study."""
     return "pressure" if name == "edge_pressure" else name
 
 

@@ -160,7 +160,7 @@ def test_the_command_line_takes_si(capsys):
     assert main(["solve", *tip, *body, "--normal-compliance-si", "2e-18"]) == 0
     assert "8.868" in capsys.readouterr().out
     for options, said in (
-        ((*tip, *body[:2]), "SI input needs --poisson-ratio"),
+        ((*tip, *body[:2]), "--poisson-ratio = None: must be given with SI data"),
         ((*tip, *body, "--normal-compliance", "1"), "use --normal-compliance-si, in m/Pa"),
     ):
         assert main(["solve", *options]) == 2

@@ -695,7 +695,10 @@ def test_the_command_line_looks_into_the_punch(capsys):
         ([*BALL_OPTIONS, *OF_RUBBER, "--kappa", "0.1"], "--kappa is dimensionless"),
         ([*BALL_OPTIONS, *OF_RUBBER, *OF_GLASS[:2]], "--punch-poisson-ratio = None"),
         ([*BALL_OPTIONS, "--reduced-modulus", "1e7", "--friction", "1"], "--friction = 1.0"),
-        ([*BALL_OPTIONS, *OF_GLASS], "SI input needs --youngs-modulus and --poisson-ratio"),
+        (
+            [*BALL_OPTIONS, *OF_GLASS],
+            "--youngs-modulus, --poisson-ratio = None: must be given with SI data",
+        ),
     ],
 )
 def test_what_the_command_line_refuses(capsys, options, told):

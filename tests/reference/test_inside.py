@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 from oracles.inside_oracle import hankel, over_rings, stuck
 
-from spectral_contact import ErrorEstimates, NotComputedError, Scene, SceneError, solve
+from spectral_contact import (
+    ErrorEstimates,
+    NotComputedError,
+    Scene,
+    SceneError,
+    SolutionFileError,
+    solve,
+)
 from spectral_contact.closed_forms import flat_punch_displacement, flat_punch_stress
 
 SCENES = {
@@ -290,6 +297,19 @@ def test_no_points_are_no_error(solutions, rtol, shape):
             assert found.shape == shape
         assert body.to_xarray(none, [0.1, 0.2], rtol=rtol).sigma_zz.shape == (2, 0)
         assert body.to_xarray([0.1], none, rtol=rtol).u_r.shape == (0, 1)
+
+
+def test_points_are_stored_as_a_table(tmp_path):
+    body = solve(Scene(0.3)).inside
+    table = body.to_table([0.0, 0.5], [0.5, 0.0])
+    body.save(tmp_path / "body.npz", [0.0, 0.5], [0.5, 0.0])
+    stored = np.load(tmp_path / "body.npz")
+    assert all(np.array_equal(stored[name], one) for name, one in table.items())
+    body.save(tmp_path / "body.csv", [0.0, 0.5], [0.5, 0.0])
+    rows = np.genfromtxt(tmp_path / "body.csv", delimiter=",", names=True, skip_header=1)
+    assert np.array_equal(rows["sigma_rr"], table["sigma_rr"])
+    with pytest.raises(SolutionFileError, match=r"the suffix must be one of .csv, .npz, .nc$"):
+        body.save(tmp_path / "body.txt", 0.0, 0.5)
 
 
 def test_points_beyond_memory_are_refused_before_they_are_made():

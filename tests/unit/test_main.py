@@ -149,13 +149,15 @@ def test_an_approach_yields_the_load(capsys, solved):
 def test_what_was_not_given_in_si_is_named(capsys):
     given = (*SLIDING, "--load", "1000", *QUICK)
     _, out, _ = run(capsys, *given, "--normal-compliance-si", "1e-14")
-    assert "\nremarks\n  --tangential-compliance-si was not given: it is taken as 0\n" in out
-    assert "--normal-compliance-si was not given" not in out
+    assert "\nremarks\n  not given, and so left out: --tangential-compliance-si\n" in out
     both = ("--normal-compliance-si", "1e-14", "--tangential-compliance-si", "0")
     assert "remarks" not in run(capsys, *given, *both)[1]
     assert "remarks" not in run(capsys, *QUICK)[1]
-    neither = run(capsys, *given)[1]  # only then the surface is smooth
-    assert "-si and --tangential-compliance-si were not given: both are taken as 0" in neither
+    neither = run(capsys, *given)[1]
+    assert "left out: --normal-compliance-si, --tangential-compliance-si\n" in neither
+    frictionless = run(capsys, *STEEL, "--load", "1000", *both, *QUICK)[1]
+    assert "left out: --friction\n" in frictionless
+    assert "no friction; rtol" in frictionless
 
 
 @pytest.mark.parametrize(
@@ -362,14 +364,13 @@ def test_a_plot(capsys, tmp_path):
         (["--quantites=approach"], "; did you mean --quantities? (see "),
         (["--quantities", "aproach"], "shakedown_ratio; did you mean approach?"),
         (["more"], "more"),
-        (["--radius", "1"], "SI input needs --youngs-modulus"),
-        (["--load", "1"], "SI input needs --youngs-modulus and --poisson-ratio and --radius"),
+        (["--radius", "1"], "--youngs-modulus, --poisson-ratio = None: must be given with SI data"),
+        (["--load", "1"], "--youngs-modulus, --poisson-ratio, --radius = None: must be given"),
         ([*SLIDING], "--load, --approach = (None, None): must be one value"),
         ([*SLIDING, "--load", "1", "--approach", "1"], "--load, --approach = (1.0, 1.0): must"),
         ([*SLIDING, "--load", "-1"], "--load = -1.0"),
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
-        ([*STEEL, "--load", "1"], "SI input needs --friction: there is no default material"),
-        (["--load", "1", "--friction", "0"], "needs --youngs-modulus and --poisson-ratio and --ra"),
+        (["--load", "1", "--friction", "0"], "--youngs-modulus, --poisson-ratio, --radius ="),
         ([*STEEL, "--load", "1", "--normal-compliance", "1"], "cannot be mixed"),
         (["--normal-compliance-si", "1", "--tangential-compliance", "1"], "cannot be mixed"),
         (["--output", "solution.txt"], "solution.txt: the suffix must be one of .json, .csv, .npz"),
@@ -572,7 +573,7 @@ def test_help_begins_with_examples_that_run(command, capsys):
         assert program == PROGRAM
         arguments = _parser().parse_args(joined(options))
         if command not in ("sweep", "fit"):  # which have scenes of their own
-            assert isinstance(SceneOptions.of(vars(arguments)).solved().scene, Scene)
+            assert isinstance(SceneOptions.of(vars(arguments)).build().scene, Scene)
 
 
 def test_a_command_that_is_misspelt_gets_a_suggestion(capsys):

@@ -231,7 +231,7 @@ SHELL = f"{sys.executable} -m spectral_contact"
     ("command", "status", "said"),
     [
         ("{} solve --quantities approach >&-", 0, ""),
-        ("{} solve --load 1 >&-", 2, "SI input needs --youngs-modulus"),
+        ("{} solve --load 1 >&-", 2, "--youngs-modulus, --poisson-ratio"),
         ("{} solve --load 1 2>&-", 2, ""),
         ("{} solve --load 1 2>/dev/full", 2, ""),
     ],

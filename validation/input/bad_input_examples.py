@@ -176,6 +176,8 @@ COMPANY: dict[str, dict[str, Any]] = {
     "studies.truth_of": {"truth": Quarter(), "scene": NORMAL},
     **{f"{INSIDE}.{name}.rtol": {"r": [0.5]} for name in ("displacement", "stress", "surface")},
     **{f"{INSIDE}.{name}.rtol": {"r": [0.5], "z": [0.5]} for name in ("to_table", "to_xarray")},
+    f"{INSIDE}.save": {"path": "x.csv"},
+    f"{INSIDE}.save.rtol": {"path": "x.csv", "r": [0.5], "z": [0.5]},
     "testing.check_solution": {"strict": False},
     "sweeps.sweep": {"quantities": ["approach"]},
     "sweeps.sweep.table": {"quantities": ["approach"]},

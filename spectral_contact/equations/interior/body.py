@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,11 @@ from spectral_contact.equations.interior import places
 from spectral_contact.equations.interior.energies import energies
 from spectral_contact.equations.interior.extremes import MEASURES, largest
 from spectral_contact.equations.interior.grids import (
+    SUFFIXES,
     UnitNames,
     Units,
+    as_csv,
+    as_npz,
     checked_lengths,
     columns,
     dataset,
@@ -40,6 +44,13 @@ from spectral_contact.equations.interior.sampling import (
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks, choices
+from spectral_contact.io.documents import (
+    checked_path,
+    netcdf,
+    path_text,
+    replace_file,
+    reported,
+)
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.solution import Solution
 from spectral_contact.threads import cached_property
@@ -391,6 +402,42 @@ class Inside:
         depths = np.ravel(checked_lengths("z", z, self._units))
         self._points(radii, depths[:, None], None)
         return dataset(self, radii, depths, rtol)
+
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        r: ArrayLike,
+        z: ArrayLike,
+        *,
+        rtol: float | None = None,
+    ) -> None:
+        """Store everything at points, or on a grid.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.csv`` and ``.npz`` hold what `to_table` returns, ``.nc`` what `to_xarray` returns.
+        r, z, rtol
+            As of these two.
+
+        Raises
+        ------
+        SceneError
+            As `displacement`.
+        SolutionFileError
+            For another suffix, or a path that cannot be written.
+        MissingDependencyError
+            If xarray is not installed, for a ``.nc`` file.
+        """
+        source = checked_path(path_text(path), SUFFIXES)
+        suffix = source.lower().rpartition(".")[2]
+        if suffix == "nc":
+            content = netcdf(self.to_xarray(r, z, rtol=rtol))
+        else:
+            table = self.to_table(r, z, rtol=rtol)
+            content = as_npz(table) if suffix == "npz" else as_csv(table, self.unit_names)
+        with reported(source, "cannot be written"):
+            replace_file(source, content)
 
     def largest(self, measure: str) -> Extreme:
         """Return the largest von Mises stress, shear stress or tension of the surface, and where.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,8 @@ QUANTITIES = {
     "displacement_error": "estimated error of u_r and u_z, relative to its length",
     "stress_error": "estimated error of the stresses, relative to their Frobenius norm",
 }
+#: Files of a table or, in NetCDF, of a grid.
+SUFFIXES: Final = (".csv", ".npz", ".nc")
 #: How far points may be, in radii of the punch; seventh powers of distances are formed.
 _FARTHEST = 1e30
 

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from spectral_contact import compare
 from spectral_contact.io.choices import one_of
-from spectral_contact.io.columns import Expected
+from spectral_contact.io.columns import Expected, NumberTable
 from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import PROFILE_QUANTITIES
-from spectral_contact.studies.comparison import compare
 from spectral_contact.view.cli.files import Reading
 from spectral_contact.view.cli.options import NamedNumbers, NotSolved, Number, UsageError, flag
 from spectral_contact.view.cli.scene_options import SceneOptions
 
 #: Numbers that may be compared beside the fields of a file.
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
-#: Fields of a file with their SI units and, of the displacement, all headings.
+#: Fields of a file with their SI units.
 _UNITS: Final = {one.name: one.si_unit for one in OUTPUTS if one.name in FIELDS} | {
     "displacement": "m"
 }
-_DISPLACEMENT: Final = (
-    *("displacement", "normal displacement", "surface displacement"),
-    *("uz", "u_z", "u3", "u2"),
-)
 
 
 def run(
@@ -59,30 +55,32 @@ def run(
         --radius "5 mm" --load 1000 --friction 0.05 --columns "r=2 [mm],pressure=4 [MPa]" \
         --at-most 0.01
     """
-    contact = scene.solved().scene
+    contact = scene.build().scene
     given: dict[str, Any] = {one_of("value", name, _NUMBERS): x for name, x in value or ()}
     for name, x in given.items():
         if not math.isfinite(x):
             raise UsageError(f"{flag('value')} {name}={x}: the number must be finite")
-    if file is None and not given:
+    read = [] if file is None else [_nodes(file, reading, si=contact.physical is not None)]
+    if not (read or given):
         raise UsageError("give a FILE of nodes, or --value NAME=X")
-    told: list[Any] = []
-    if file is not None:
-        si = contact.physical is not None
-        expected = [Expected("r", "m" if si else "", at_least=0.0)]
-        for name, unit in _UNITS.items():
-            headings = _DISPLACEMENT if name == "displacement" else ()
-            expected.append(Expected(name, unit if si else "", headings, required=False))
-        table = reading.read(file, expected)
-        found = {name: values for name, values in table.values.items() if name != "r"}
-        if not found:
-            names = ", ".join(_UNITS)
-            raise UsageError(f"{file}: no column of {names}; say which is which")
-        is_ratio = expected[0].is_ratio(table.sources["r"].heading)
-        given |= {**found, "s" if is_ratio else "r": table.values["r"]}
-        told.append(table)
+    for table in read:
+        given |= table.values
     comparison = compare(contact, **given)
-    print(*told, comparison, sep="\n")
+    print(*read, comparison, sep="\n")
     if at_most is not None and not comparison.error <= at_most:
         excess = f"the largest error is {comparison.error:.1e}, --at-most is {at_most:g}"
         raise NotSolved(excess)
+
+
+def _nodes(file: str, reading: Reading, *, si: bool) -> NumberTable:
+    """Return radii, over the contact radius as s, and fields of a file."""
+    radius = Expected("r", "m" if si else "", at_least=0.0)
+    units = _UNITS if si else dict.fromkeys(_UNITS, "")
+    fields = [Expected(name, unit, required=False) for name, unit in units.items()]
+    table = reading.read(file, [radius, *fields])
+    if len(table.values) == 1:
+        names = ", ".join(_UNITS)
+        raise UsageError(f"{file}: no column of {names}; say which is which")
+    if radius.is_ratio(table.sources["r"].heading):
+        table.values["s"] = table.values.pop("r")
+    return table

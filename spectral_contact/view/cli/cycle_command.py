@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from spectral_contact.sweeps.steady_cycle import steady_cycle
-from spectral_contact.view import plotting
+from spectral_contact import plotting, steady_cycle
 from spectral_contact.view.cli.options import Number, Picture, Whole, written
 from spectral_contact.view.cli.scene_options import SceneOptions
 
@@ -50,7 +49,7 @@ def run(
         --load "5 kN" --normal-compliance-si 5e-15 --tangential-compliance-si 6e-15 \
         --friction 0.15 --lowest 0.2 --rtol 1e-4 --plot loop.png
     """
-    contact, remarks = scene.solved()
+    contact, remarks = scene.build()
     cycle = steady_cycle(
         contact, lowest, rtol=rtol, max_unknowns=max_unknowns, strict=not no_strict
     )

@@ -36,4 +36,4 @@ def run(
     spectral-contact explore --poisson-ratio 0.3 --friction 0.05
     """
     started = partial(print, flush=True)
-    serve(scene.solved().scene, rtol=rtol, port=port, started=started, show=not no_browser)
+    serve(scene.build().scene, rtol=rtol, port=port, started=started, show=not no_browser)

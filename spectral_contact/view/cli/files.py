@@ -54,15 +54,13 @@ class Reading:
 
 
 def profile_of_points(
-    path: str, columns: str | None, *, convex_hull: bool, si: bool
+    profile_file: str, profile_columns: str | None = None, convex_hull: bool = False, *, si: bool
 ) -> tuple[Sampled, str]:
     """Return the profile through the points of a file, and what was read from it."""
     unit = "m" if si else ""
-    expected = (
-        Expected("r", unit, at_least=0.0),
-        Expected("height", unit, ("height", "h", "z", "Z", "profile", "gap")),
-    )
-    table = read_columns(path, expected, columns=columns, option="--profile-columns")
+    expected = Expected("r", unit, at_least=0.0), Expected("height", unit)
+    option = "--profile-columns"
+    table = read_columns(profile_file, expected, columns=profile_columns, option=option)
     points = table.values["r"], table.values["height"]
     profile = Sampled.from_points(*points, convex_hull=convex_hull)
     if not convex_hull:

@@ -5,32 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any
 
 import numpy as np
 
-from spectral_contact.calibration.curve_fit import fit_curve
+from spectral_contact import Scene, fit, plotting
 from spectral_contact.calibration.force_curves import PARTS
 from spectral_contact.calibration.indentation_curve import with_modulus
-from spectral_contact.calibration.indentation_data import IndentationData, read_curve
-from spectral_contact.io.checks import within
-from spectral_contact.io.documents import checked_path
-from spectral_contact.io.units import in_si
+from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.scene import Scene
-from spectral_contact.view import plotting
+from spectral_contact.view.cli import options
 from spectral_contact.view.cli.files import Reading
-from spectral_contact.view.cli.options import (
-    Number,
-    Option,
-    UsageError,
-    flag,
-    measured,
-    written,
-)
+from spectral_contact.view.cli.options import Number, Option, UsageError, flag, written
 from spectral_contact.view.cli.scene_options import PROFILES, SceneOptions
-
-_MOST_EVALUATIONS: Final = 200
 
 
 def run(
@@ -39,7 +26,7 @@ def run(
     file: str,
     *,
     part: Annotated[str | None, Option(choices=PARTS)] = None,
-    sigma: Annotated[float | str | None, Option(read=measured)] = None,
+    sigma: Annotated[float | str | None, Option(read=options.measured)] = None,
     free: str = "reduced-modulus,zero-point",
     rtol: Number = 1e-8,
     output: Annotated[str | None, written(".csv")] = None,
@@ -81,42 +68,29 @@ def run(
         plot = f"{Path(file).stem}_fit.png" if find_spec("matplotlib") is not None else "none"
     draws = plot.strip().lower() != "none"
     if draws:
-        plotting.require()
-        checked_path(plot, plotting.FORMATS)
-    noise = None if sigma is None else in_si("sigma", sigma, "N")
-    arguments = reading.arguments("missing")
-    data = read_curve(file, IndentationData, part=part, sigma=noise, **arguments)
+        options.picture(plot)
+    data = IndentationData.from_file(file, part=part, sigma=sigma, **reading.arguments("missing"))
     wanted = [name.strip().replace("-", "_") for name in free.split(",")]
-    rtol = within("rtol", rtol, "in [1e-12, 1e-4]")
-    found = fit_curve(_start(scene.given, data), data, wanted, rtol, _MOST_EVALUATIONS, None)
-    told = [str(found)]
-    physical = found.scene.physical
-    if physical is not None and physical.youngs_modulus is not None:
-        at = f"at a Poisson's ratio of {found.scene.poisson_ratio:g}"
-        told.append(f"Young's modulus {physical.youngs_modulus:.5g} Pa, {at}")
+    found = fit(_start(scene.given, data), data, wanted, rtol=rtol)
     if output is not None:
         found.to_csv(output)
     if draws:
         plotting.save(plotting.plot_fit(found), plot)
-        told.append(f"picture: {plot}")
-    print(*told, sep="\n")
+    print(found, *([f"picture: {plot}"] if draws else []), sep="\n")
 
 
-def _start(options: Mapping[str, Any], data: IndentationData) -> Scene:
+def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:
     """Return the scene of the options; a modulus that is not given is estimated."""
-    given = dict(options)
-    alien = [name for name in ALL_CONTROLS if name in given]
-    if alien:
-        raise UsageError(f"{flag(alien[0])}: the depths and loads are those of the file")
-    if "friction" in given:
-        raise UsageError("--friction: curves are fitted without friction")
-    if "profile" not in given:
+    for name in (*ALL_CONTROLS, "friction"):
+        if name in known:
+            told = "depths and loads are those of the file, and there is no friction"
+            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
+    if "profile" not in known:
         raise UsageError(f"give --profile, one of {', '.join(PROFILES)}")
-    extent = float(np.ptp(data.depth))
-    given["approach"] = extent if extent > 0.0 else 1.0
+    given = {**known, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
-        return SceneOptions(given).solved().scene
+        return SceneOptions(given).build().scene
     if any(name.startswith("layer") for name in given):
         raise UsageError("give --youngs-modulus or --reduced-modulus with a nonlinear layer")
     modulus = "youngs_modulus" if "poisson_ratio" in given else "reduced_modulus"
-    return with_modulus(SceneOptions({**given, modulus: 1.0}).solved().scene, data)
+    return with_modulus(SceneOptions({**given, modulus: 1.0}).build().scene, data)

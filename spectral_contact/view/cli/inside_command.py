@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 
-from spectral_contact.equations.interior.grids import QUANTITIES, as_csv, as_npz
-from spectral_contact.io.columns import Expected
-from spectral_contact.io.documents import netcdf, replace_file, reported
-from spectral_contact.scene import Scene
-from spectral_contact.solving.solver import solve
-from spectral_contact.view import plotting
+from spectral_contact import Scene, plotting, solve
+from spectral_contact.equations.interior.grids import QUANTITIES, SUFFIXES
+from spectral_contact.io.columns import Expected, NumberTable
 from spectral_contact.view.cli.files import Reading
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Values, written
 from spectral_contact.view.cli.scene_options import SceneOptions
@@ -29,7 +25,7 @@ def run(
     punch: bool = False,
     rtol: Number = 1e-8,
     quantity: Annotated[str, Option(choices=QUANTITIES)] = "von_mises",
-    output: Annotated[str | None, written(".csv", ".npz", ".nc")] = None,
+    output: Annotated[str | None, written(*SUFFIXES)] = None,
     plot: Picture | None = None,
 ) -> None:
     r"""Stress and displacement inside the body.
@@ -61,49 +57,39 @@ def run(
     spectral-contact inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png \
         --output body.csv
     """
-    suffix = "" if output is None else Path(output).suffix.lower()
-    if points is not None and (r or z):
-        raise UsageError("--points is instead of --r and --z")
-    if points is None and reading.given:
-        raise UsageError(f"{reading.given[0]} goes with --points")
-    if points is not None and suffix == ".nc":
-        raise UsageError("a .nc file holds a grid: not with --points")
-    contact = scene.solved().scene
-    unit = "" if contact.physical is None else "m"
-    expected = [Expected(name, unit, at_least=0.0) for name in ("r", "z")]
-    _check_bodies(contact, scene, punch=punch)
-    table = None if points is None else reading.read(points, expected)
+    if points is not None and (r or z or (output or "").lower().endswith(".nc")):
+        raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
+    contact = scene.build().scene
+    _check_bodies(contact, punch=punch)
+    read = _points(points, reading, "" if contact.physical is None else "m")
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
     if output is not None:
         default = np.linspace(0.0, 2.0 * body.radius, 81)
-        radii, depths = (default if one is None else np.array(one) for one in (r, z))
-        if suffix == ".nc":
-            content = netcdf(body.to_xarray(radii, depths, rtol=rtol))
-        else:
-            places = list(np.meshgrid(radii, depths, sparse=True))
-            places = places if table is None else [table.values["r"], table.values["z"]]
-            found = body.to_table(*places, rtol=rtol)
-            content = as_npz(found) if suffix == ".npz" else as_csv(found, body.unit_names)
-        with reported(output, "cannot be written"):
-            replace_file(output, content)
+        places = np.meshgrid(r or default, z or default, sparse=True)
+        for table in read:
+            places = table.values["r"], table.values["z"]
+        body.save(output, *places, rtol=rtol)
     if plot is not None:
         plotting.save(plotting.plot_inside(body, quantity), plot)
-    print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")
+    print(*read, repr(solution), report_inside(body), sep="\n")
 
 
-def _check_bodies(contact: Scene, scene: SceneOptions, *, punch: bool) -> None:
-    """Refuse bodies whose elastic constants are not told apart, and points in a rigid punch."""
-    if "reduced_modulus" in scene.given:
-        told = "does not tell the bodies apart: stress inside takes --youngs-modulus and"
-        raise UsageError(f"--reduced-modulus {told} --poisson-ratio of the half-space in its place")
-    if "kappa" in scene.given:
-        told = "does not say which bodies they are: stress inside takes --poisson-ratio in its"
-        raise UsageError(f"--kappa {told} place, or moduli and Poisson's ratios of both bodies")
-    if not punch:
-        return
-    if contact.physical is None or contact.physical.punch_youngs_modulus is None:
-        rigid = "" if contact.physical is None else ": without them the punch is rigid"
+def _points(path: str | None, reading: Reading, unit: str) -> list[NumberTable]:
+    """Return the radii and depths of a file, nothing without one."""
+    if path is not None:
+        return [reading.read(path, [Expected(name, unit, at_least=0.0) for name in ("r", "z")])]
+    if reading.given:
+        raise UsageError(f"{reading.given[0]} goes with --points")
+    return []
+
+
+def _check_bodies(contact: Scene, *, punch: bool) -> None:
+    """Refuse, before the work, bodies that are not told apart, and points in a rigid punch."""
+    if contact.poisson_ratio is None:
+        told = "stress inside takes --poisson-ratio of the half-space, and --youngs-modulus"
+        raise UsageError(f"--reduced-modulus and --kappa do not tell the bodies apart: {told}")
+    if punch and (contact.physical is None or contact.physical.punch_youngs_modulus is None):
         needed = "--punch-youngs-modulus and --punch-poisson-ratio"
-        raise UsageError(f"--punch goes with {needed}{rigid}")
+        raise UsageError(f"--punch goes with {needed}: without them the punch is rigid")

@@ -50,8 +50,6 @@ def measured(text: str) -> float | str:
     try:
         return number(text)
     except ValueError as error:
-        if text.strip()[:1] not in tuple("0123456789.+-"):
-            raise
         raise ValueError(f"{error}, nor a number and a unit, as '5 mm' or '50 nm/MPa'") from error
 
 

@@ -9,11 +9,11 @@ from dataclasses import MISSING, dataclass, fields
 from typing import Annotated, Any, ClassVar, Final, NamedTuple, Self
 
 from spectral_contact.errors import SceneError
+from spectral_contact.io.choices import one_of
 from spectral_contact.io.parameters import SCENE, SI, Parameter, parameters_of
 from spectral_contact.io.units import in_si
 from spectral_contact.layers import Layer, Table, scene_layer
 from spectral_contact.profiles import Flat, Profile, Sampled, Sum, control
-from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.view.cli import options
 from spectral_contact.view.cli.command import Parser, add_options
@@ -26,19 +26,22 @@ _NAMES: Final = {
     "CalculixExponential": "calculix",
     "GreenwoodWilliamson": "asperities",
 }
+#: Options of the kinds that a file describes; the first one is its path.
+_FILE_OPTIONS: Final[dict[type, tuple[str, ...]]] = {
+    Sampled: ("profile_file", "profile_columns", "convex_hull"),
+    Table: ("layer_table", "layer_columns"),
+}
+#: What the options of the parameters of a law begin with.
+_LAW_PREFIX: Final = "layer_"
 
 
-def _named(kinds: Iterable[type], of_file: type) -> dict[str, Any]:
+def _named(kinds: Iterable[type]) -> dict[str, Any]:
     """Return the classes that numbers or a file describe, by the name on the command line."""
     return {
         _NAMES.get(one.__name__, re.sub("(?<=[a-z])(?=[A-Z])", "-", one.__name__).lower()): one
         for one in kinds
-        if parameters_of(one) or one is of_file
+        if parameters_of(one) or one in _FILE_OPTIONS
     }
-
-
-PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values(), Sampled)
-LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values(), Table)
 
 
 def _merged(kinds: Mapping[str, type], prefix: str = "") -> dict[str, dict[Parameter, list[str]]]:
@@ -50,16 +53,23 @@ def _merged(kinds: Mapping[str, type], prefix: str = "") -> dict[str, dict[Param
     return found
 
 
-_LAW: Final = "layer_"
+PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
+LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
-_OF_LAWS: Final = _merged(LAWS, _LAW)
+_OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
 #: Numbers without a unit that have one in SI units have an option for these.
 _COMPLIANCES: Final = tuple(name for name in SI if name in SCENE and not SCENE[name].unit)
-_SI: Final = {f"{name}_si" if name in _COMPLIANCES else name: SI[name] for name in SI}
+_SI_OPTIONS: Final = {f"{name}_si" if name in _COMPLIANCES else name: SI[name] for name in SI}
+#: What the options of numbers and names declare; kinds that share an option share its unit.
+_DECLARED: Final[Mapping[str, Parameter]] = {
+    **{name: next(iter(declared)) for name, declared in (SHAPES | _OF_LAWS).items()},
+    **_SI_OPTIONS,
+    **SCENE,
+}
 #: Options of which a sweep takes several values.
-NUMBERS: Final = frozenset((*SCENE, *_SI, *SHAPES, *_OF_LAWS)) - {"coupling", "branch"}
-_FLAT: Final = tuple(name for name in SCENE if not SCENE[name].unit and name != "branch")
-_PRESSED: Final = (*ALL_CONTROLS, "work_of_adhesion", "branch")
+NUMBERS: Final = frozenset(name for name, one in _DECLARED.items() if one.kind is float)
+#: Parameters of scenes with a profile alone: how far it is pressed, and adhesion.
+_PRESSED: Final = tuple(name for name in SCENE if SCENE[name].unit or name == "branch")
 #: Dimensionless scene of a bare ``spectral-contact solve``.
 _DEFAULTS: Final[Mapping[str, Any]] = {
     "poisson_ratio": 0.1,
@@ -73,9 +83,9 @@ class _PhysicalOptions:
     """Scene in SI units.
 
     Any of these replaces the dimensionless compliances: modulus, --radius, either --load or
-    --approach, --poisson-ratio and --friction are then required; a compliance that is not given is
-    0, and the output says so. A number may have a unit, as in '210 GPa' or '50 nm/MPa' (needs the
-    extra: units).
+    --approach, and --poisson-ratio are then required; friction and compliances that are not given
+    are left out, and the output says so. A number may have a unit, as in '210 GPa' or '50 nm/MPa'
+    (needs the extra: units).
     """
 
 
@@ -142,8 +152,9 @@ class _LayerOptions:
     layer_columns: str | None = None
 
 
-_KINDS: Final = (_ProfileOptions, _PunchOptions, _LayerOptions)
-_WORDS: Final = tuple(one.name for kind in _KINDS for one in fields(kind))
+_WORDS: Final = tuple(
+    one.name for kind in (_ProfileOptions, _PunchOptions, _LayerOptions) for one in fields(kind)
+)
 
 
 class GivenScene(NamedTuple):
@@ -164,30 +175,30 @@ class FlatOptions:
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> Self:
         """Return what is given."""
-        words = {name: given[name] for name in _WORDS if given.get(name)}
-        return cls({name: one for name, one in given.items() if name not in _WORDS} | words)
+        return cls({name: one for name, one in given.items() if one or name not in _WORDS})
 
     @classmethod
     def add_options(cls, parser: Parser) -> None:
         """Add the options; what is not given is no attribute."""
         group = parser.add_argument_group("scene")
-        for name in _FLAT:
-            default = f" (default: {_DEFAULTS[name]})" if name in _DEFAULTS else ""
-            cls._add(group, name, f"{SCENE[name]}{default}")
+        for name, parameter in SCENE.items():
+            if name not in _PRESSED:
+                default = f" (default: {_DEFAULTS[name]})" if name in _DEFAULTS else ""
+                cls._add(group, name, f"{parameter}{default}")
 
     @classmethod
-    def _add(cls, group: Any, name: str, told: str, choices: tuple[str, ...] = ()) -> None:
+    def _add(cls, group: Any, name: str, told: str) -> None:
         """Add the option of a parameter."""
         read: Any = options.si_values if cls.several else options.measured
         if name == "friction":
             read = options.frictions if cls.several else options.friction
-        kind: dict[str, Any] = {"type": read, "metavar": "VALUES" if cls.several else "X"}
-        if choices:
-            kind = {"choices": choices}
-        elif name == "coupling":
-            kind = {"action": "store_true"}
-        elif name == "branch":
-            kind = {"type": options.whole, "metavar": "N"}
+        kinds: dict[type, dict[str, Any]] = {
+            str: {"choices": _DECLARED[name].choices},
+            bool: {"action": "store_true"},
+            int: {"type": options.whole, "metavar": "N"},
+            float: {"type": read, "metavar": "VALUES" if cls.several else "X"},
+        }
+        kind = kinds[_DECLARED[name].kind]
         group.add_argument(flag(name), dest=name, default=SUPPRESS, help=told, **kind)
 
     @property
@@ -199,73 +210,58 @@ class FlatOptions:
     @property
     def of_materials(self) -> bool:
         """Whether a modulus or another number is given that only scenes in SI units have."""
-        return not ({*_SI} - {"radius", "work_of_adhesion"}).isdisjoint(self.given)
+        return not ({*_SI_OPTIONS} - {"radius", "work_of_adhesion"}).isdisjoint(self.given)
 
     @property
     def si(self) -> bool:
         """Whether the scene is in SI units: with a profile lengths and loads may be any."""
-        of_flat = {"radius", "load", "approach"} if not self.shaped else set[str]()
-        return self.of_materials or not of_flat.isdisjoint(self.given)
+        of_flat = not {"radius", "load", "approach"}.isdisjoint(self.given)
+        return self.of_materials or (of_flat and not self.shaped)
 
-    def solved(self) -> GivenScene:
+    def build(self) -> GivenScene:
         """Return the scene: under a profile, in SI units, or dimensionless."""
-        given, si, shaped = self.given, self.si, self.shaped
         self._check()
+        given = _without_units(self.given, self.si)
         values = {name: given[name] for name in (*SCENE, *SI) if name in given}
         remarks: list[str] = []
-        if si:
-            values |= {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
-            remarks = [] if shaped else self._left_out()
-        else:
-            values = {**({"poisson_ratio": 0.3} if shaped else _DEFAULTS), **values}
-        make: Any = Scene.from_physical if si else Scene
-        if "kappa" in values:
-            make = Scene.from_kappa
-            values.pop("poisson_ratio")
-        if shaped:
+        if self.shaped:
             values.pop("radius", None)
-            profile, remarks = _profile(given, si)
-            values |= {"profile": profile, "layer": _law(given, si)}
-            if "punch_profile" in given:
-                punch = _punch_profile(given["punch_profile"], si)
-                values |= {"punch_profile": punch} if si else {"profile": Sum(profile, punch)}
-        return GivenScene(make(**values), remarks)
+            values["profile"], remarks = _profile(given, self.si)
+            values["layer"] = _law(given, self.si)
+        if self.si:
+            values |= {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
+            optional = [f"{name}_si" for name in _COMPLIANCES]
+            if "reduced_modulus" not in given:  # with which there is no friction
+                optional.insert(0, "friction")
+            absent = [flag(name) for name in optional if name not in given]
+            if absent and not self.shaped:
+                remarks.append(f"not given, and so left out: {', '.join(absent)}")
+            return GivenScene(Scene.from_physical(**values), remarks)
+        values = {**({"poisson_ratio": 0.3} if self.shaped else _DEFAULTS), **values}
+        if "kappa" in given:
+            del values["poisson_ratio"]
+            return GivenScene(Scene.from_kappa(**values), remarks)
+        return GivenScene(Scene(**values), remarks)
 
     def _check(self) -> None:
-        """Refuse what mixes SI with dimensionless numbers, and what has no default."""
-        given, si = self.given, self.si
+        """Refuse what mixes SI with dimensionless numbers, and options without a profile."""
+        given = self.given
         if self.shaped and "profile" not in given:
-            of = "a layer" if any(name.startswith("layer") for name in given) else "a profile"
-            raise UsageError(f"give --profile, one of {', '.join(PROFILES)}, with options of {of}")
-        if not si:
-            for name in (*SCENE, "radius"):
-                _number(name, given.get(name), "", si)
+            raise UsageError(
+                f"give --profile, one of {', '.join(PROFILES)}, with options of a profile or layer"
+            )
+        if not self.si:
             if "kappa" in given and "poisson_ratio" in given:
                 raise UsageError("--kappa is instead of --poisson-ratio")
             return
-        for name in (*_COMPLIANCES, "kappa"):
+        for name in ("kappa", *_COMPLIANCES):
             if name in given:
-                instead = f"{flag(name)}-si, in m/Pa"
-                if name == "kappa":
-                    instead = "the moduli and Poisson's ratios"
-                told = f"is dimensionless and cannot be mixed with SI input; use {instead}"
-                raise UsageError(f"{flag(name)} {told}")
-        reduced = "reduced_modulus" in given
-        needed = [] if reduced else ["youngs_modulus", "poisson_ratio"]
-        if not self.shaped:
-            needed += ["radius"] if reduced else ["radius", "friction"]
-        missing = [flag(name) for name in needed if name not in given]
-        if missing:
-            told = f"SI input needs {' and '.join(missing)}: there is no default material"
-            raise UsageError(told if self.of_materials else f"{told}; or give --profile")
-
-    def _left_out(self) -> list[str]:
-        """Return a remark on the compliances that a scene in SI units leaves out; they are 0."""
-        absent = [flag(f"{one}_si") for one in _COMPLIANCES if f"{one}_si" not in self.given]
-        if len(absent) == len(_COMPLIANCES):
-            told = "were not given: both are taken as 0, a smooth surface"
-            return [f"{' and '.join(absent)} {told}"]
-        return [f"{name} was not given: it is taken as 0" for name in absent]
+                kappa = name == "kappa"
+                instead = (
+                    "the moduli and Poisson's ratios" if kappa else f"{flag(name)}-si, in m/Pa"
+                )
+                told = "is dimensionless and cannot be mixed with SI input; use"
+                raise UsageError(f"{flag(name)} {told} {instead}")
 
     def in_options(self, error: SceneError) -> str:
         """Return a message with the parameter under the name that the command line gives it."""
@@ -287,7 +283,7 @@ class SceneOptions(FlatOptions):
         """Add the options; what is not given is no attribute."""
         super().add_options(parser)
         group = add_options(parser, _PhysicalOptions)
-        for name, parameter in _SI.items():
+        for name, parameter in _SI_OPTIONS.items():
             if name not in SHAPES and name not in SCENE:
                 cls._add(group, name, str(parameter))
         group = add_options(parser, _ProfileOptions)
@@ -304,91 +300,106 @@ class SceneOptions(FlatOptions):
         for name, declared in merged.items():
             told = [f"{', '.join(kinds)}: {one}" for one, kinds in declared.items()]
             told += [f"without a profile: {SI[name]}"] if name in SI else []
-            cls._add(group, name, "; ".join(told), next(iter(declared)).choices)
+            cls._add(group, name, "; ".join(told))
 
 
-def _number(name: str, value: Any, unit: str, si: bool) -> Any:
-    """Return the number of an option; a unit is understood in SI units alone, but for an angle."""
-    if not isinstance(value, str):
-        return value
-    if unit == "rad" or (si and unit and "exponent" not in unit):
-        return in_si(name, value, unit)
-    told = "must be a number without a unit" + ("" if si else ", without --youngs-modulus")
-    raise UsageError(f"{flag(name)} {value}: {told}")
+def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
+    """Return options with numbers in place of text with units.
+
+    Units are understood in SI units alone, but for those of an angle.
+    """
+    plain = dict(given)
+    for name, value in given.items():
+        if name not in NUMBERS or not isinstance(value, str):
+            continue
+        unit = _DECLARED[name].unit
+        if unit != "rad" and not (si and unit and "exponent" not in unit):
+            told = "must be a number without a unit" + ("" if si else ", without --youngs-modulus")
+            raise UsageError(f"{flag(name)} {value}: {told}")
+        plain[name] = in_si(name, value, unit)
+    return plain
 
 
-def _made(option: str, kind: Any, own: Mapping[str, Any], si: bool, prefix: str = "") -> Any:
-    """Return a profile or a law of the options of its parameters, which must be complete."""
-    declared = {prefix + name: one for name, one in parameters_of(kind).items()}
-    defaults = {prefix + one.name for one in fields(kind) if one.default is not MISSING}
-    _check_complete(option, own, [name for name in declared if name not in defaults], declared)
-    values = {
-        name.removeprefix(prefix): one
-        if declared[name].choices
-        else _number(name, one, declared[name].unit, si)
-        for name, one in own.items()
-    }
-    try:
-        return kind(**values)
-    except SceneError as error:
-        raise SceneError(prefix + error.parameter, error.value, error.allowed) from error
+def _options_of(kind: Any, prefix: str) -> dict[str, bool]:
+    """Return the options that describe an object of a kind, and whether each is needed."""
+    if kind in _FILE_OPTIONS:
+        path, *others = _FILE_OPTIONS[kind]
+        return {path: True, **dict.fromkeys(others, False)}
+    defaults = {one.name: one.default for one in fields(kind)}
+    return {prefix + name: defaults[name] is MISSING for name in parameters_of(kind)}
 
 
-def _check_complete(
-    option: str, own: Iterable[str], needed: Iterable[str], possible: Iterable[str]
-) -> None:
-    """Refuse what is missing, or of another kind."""
-    missing = [flag(name) for name in needed if name not in own]
-    if missing:
-        raise UsageError(f"{option} needs {' and '.join(missing)}")
-    alien = [flag(name) for name in own if name not in possible]
-    if alien:
-        raise UsageError(f"{option} does not take {alien[0]}")
+def _given_for(
+    option: str, kinds: Mapping[str, type], given: Mapping[str, Any], prefix: str = ""
+) -> dict[str, Any]:
+    """Return the options that describe an object: all that its kind needs, and no other.
+
+    Parameters
+    ----------
+    option : str
+        That which names the kind, as ``profile``.
+    kinds : mapping of str to type
+        By the names that it may have.
+    given : mapping of str to object
+        All options that are given.
+    prefix : str
+        What the options of the parameters of these kinds begin with.
+
+    Raises
+    ------
+    UsageError
+        If one is missing, or belongs to another kind.
+    """
+    name = given[option]
+    takes = _options_of(kinds[name], prefix)
+    known = {one for kind in kinds.values() for one in _options_of(kind, prefix)}
+    own = {one: given[one] for one in given if one in known}
+    needed = {one for one, is_needed in takes.items() if is_needed}
+    if not needed <= own.keys() <= takes.keys():
+        usage = " ".join(flag(one) if one in needed else f"[{flag(one)}]" for one in takes)
+        raise UsageError(f"{flag(option)} {name} takes {usage} and no other")
+    return own
 
 
-def _profile(given: Mapping[str, Any], si: bool) -> tuple[Profile, list[str]]:
+def _profile(given: Mapping[str, Any], si: bool) -> tuple[Any, list[str]]:
     """Return the profile of the options, and what is to be said of its file."""
-    option, of_file = f"--profile {given['profile']}", _WORDS[1:4]
-    own = {name: given[name] for name in (*SHAPES, *of_file) if name in given}
-    if PROFILES[given["profile"]] is not Sampled:
-        return _made(option, PROFILES[given["profile"]], own, si), []
-    _check_complete(f"{option} FILE", own, of_file[:1], of_file)
-    columns = own.get("profile_columns")
-    hull = "convex_hull" in own
-    profile, remark = profile_of_points(own["profile_file"], columns, convex_hull=hull, si=si)
-    return profile, [remark]
+    kind, own = PROFILES[given["profile"]], _given_for("profile", PROFILES, given)
+    profile: Profile
+    remarks: list[str] = []
+    if kind is Sampled:
+        profile, *remarks = profile_of_points(**own, si=si)
+    else:
+        profile = kind(**own)
+    if "punch_profile" in given:
+        profile = Sum(profile, _punch_profile(given["punch_profile"], si))
+    return profile, remarks
 
 
 def _punch_profile(words: list[str], si: bool) -> Profile:
     """Return the profile of a shape and its numbers."""
-    option, shape, numbers = f"--punch-profile {words[0]}", words[0], words[1:]
     shapes = {name: one for name, one in PROFILES.items() if one not in (Flat, Sampled)}
-    if shape not in shapes:
-        raise UsageError(f"{option}: must be one of {', '.join(shapes)}")
-    names = list(parameters_of(shapes[shape]))
-    if len(numbers) != len(names):
-        told = f"needs {' and '.join(names)}; it has {len(numbers)} numbers"
-        raise UsageError(f"{option} {told}")
+    kind = shapes[one_of("punch_profile", words[0], shapes)]
+    names = list(parameters_of(kind))
+    if len(words) != 1 + len(names):
+        raise UsageError(f"--punch-profile {words[0]} takes {' '.join(names)}")
     try:
-        given = dict(zip(names, map(options.measured, numbers), strict=True))
+        numbers = dict(zip(names, map(options.measured, words[1:]), strict=True))
     except ValueError as error:
-        raise UsageError(f"{option}: {error}") from None
-    profile: Profile = _made(option, shapes[shape], given, si)
-    return profile
+        raise UsageError(f"--punch-profile {words[0]}: {error}") from None
+    return kind(**_without_units(numbers, si))
 
 
 def _law(given: Mapping[str, Any], si: bool) -> Layer | None:
-    """Return the law of the options, None without; its parameters are called as the options are."""
-    own = {name: one for name, one in given.items() if name.startswith(_LAW)}
-    if not own and "layer" not in given:
-        return None
+    """Return the law of the options, None without."""
     if "layer" not in given:
-        raise UsageError(f"give --layer, one of {', '.join(LAWS)}, with options of a layer")
-    option, kind = f"--layer {given['layer']}", LAWS[given["layer"]]
-    law: Layer
-    if kind is not Table:
-        law = _made(option, kind, own, si, _LAW)
-        return law
-    _check_complete(option, own, ["layer_table"], ["layer_table", "layer_columns"])
-    columns = own.get("layer_columns")
-    return Table.from_file(own["layer_table"], columns, si_units=si, option="--layer-columns")
+        if any(name.startswith(_LAW_PREFIX) for name in given):
+            raise UsageError(f"give --layer, one of {', '.join(LAWS)}, with options of a layer")
+        return None
+    kind, own = LAWS[given["layer"]], _given_for("layer", LAWS, given, _LAW_PREFIX)
+    if kind is Table:
+        columns = own.get("layer_columns")
+        return Table.from_file(own["layer_table"], columns, si_units=si, option="--layer-columns")
+    try:
+        return kind(**{name.removeprefix(_LAW_PREFIX): one for name, one in own.items()})
+    except SceneError as error:
+        raise SceneError(_LAW_PREFIX + error.parameter, error.value, error.allowed) from error

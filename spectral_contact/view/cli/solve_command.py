@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from spectral_contact.errors import NotComputedError
+from spectral_contact import NotComputedError, plan, plotting, solve
 from spectral_contact.quantities import FIELDS, QUANTITIES
-from spectral_contact.solution import GROWTH, StepState
-from spectral_contact.solving.planning import plan
-from spectral_contact.solving.solver import solve
-from spectral_contact.view import plotting
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Whole, written
 from spectral_contact.view.cli.scene_options import SceneOptions
-from spectral_contact.view.report import report, write_csv
+from spectral_contact.view.report import report
 
 
 def _names(text: str) -> tuple[str, ...]:
@@ -61,26 +57,25 @@ def run(
         --normal-compliance-si 5e-14 --friction 0.05 --plot punch.png
     spectral-contact solve --profile sphere --radius 1 --load 0.1 --normal-compliance 0.01
     """
-    contact, remarks = scene.solved()
-    physical = contact.physical
-    if quantities is not None and contact.profile is None and physical is not None:
+    contact, remarks = scene.build()
+    if quantities is not None and contact.profile is None:
+        given = getattr(contact.physical, "approach", None)
         # SI values hang on the load, and this on the approach where that is given
-        quantities = quantities if physical.approach is None else ("approach", *quantities)
+        quantities = quantities if given is None else ("approach", *quantities)
     todo = plan(contact, quantities)
     is_table = output is not None and output.lower().endswith(".csv")
     if is_table and not set(FIELDS).intersection(todo.quantities):
         raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
     if plot is not None:
         plotting.check(todo)
-    grows = any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps)
-    if history is not None and not grows:
+    if history is not None and not (contact.profile and contact.friction):
         raise NotComputedError("history", "it needs a profile and friction")
     solution = solve(contact, rtol, quantities, max_unknowns=max_unknowns, strict=not no_strict)
     try:
         if output is not None:
-            write_csv(solution, output) if is_table else solution.save(output)
+            solution.to_csv(output) if is_table else solution.save(output)
         if plot is not None:
-            plotting.save(plotting.plot_solution(solution), plot)
+            plotting.save(solution.plot(), plot)
         if history is not None:
             solution.history.to_csv(history)
     finally:  # a full disk must not cost the user the result

@@ -14,9 +14,18 @@ from spectral_contact.view.cli.options import NotSolved, Option, Picture, resolu
 from spectral_contact.view.cli.scene_options import FlatOptions
 
 _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
-_ACCURACIES: Final = tuple(10.0**-k for k in range(2, 13, 2))
 
-Numbers = Annotated[list[float], Option(read=resolution, nargs="+")]
+
+def _solver_and_resolutions(text: str) -> tuple[str, list[float] | None]:
+    """Return the two sides of ``MODULE:FUNCTION=N,N,...``; None without the second."""
+    name, equals, numbers = text.partition("=")
+    return name, [resolution(one) for one in numbers.split(",")] if equals else None
+
+
+Numbers = Annotated[tuple[float, ...], Option(read=resolution, nargs="+")]
+Solvers = Annotated[
+    list[tuple[str, list[float] | None]], Option(read=_solver_and_resolutions, action="append")
+]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,11 +49,8 @@ class Results:
     plot: Picture | None = None
 
     def own_solver(self) -> OwnSolver:
-        """Return this library's solver, asked for what has the quantities of the study."""
-        if self.quantities is None or not set(QUANTITIES).issuperset(self.quantities):
-            return OwnSolver()
-        asked = ("pressure" if name == "edge_pressure" else name for name in self.quantities)
-        return OwnSolver(tuple(dict.fromkeys(asked)))
+        """Return this library's solver, asked for the quantities of the study."""
+        return OwnSolver(None if self.quantities is None else tuple(self.quantities))
 
     def write(self, study: Study) -> None:
         """Write the files, print the study, and raise `NotSolved` if no solve of it was done."""
@@ -83,14 +89,13 @@ def run_convergence(
     no_times : flag
         Measure errors only.
     """
-    _find_modules_here()
     if resolutions is None and solver is not None:
         raise SceneError("resolutions", None, "given for a --solver")
     times: dict[str, Any] = {"repeats": 0} if no_times else {}
     study = convergence(
-        results.own_solver() if solver is None else named_solver(solver),
-        scene.solved().scene,
-        _TOLERANCES if resolutions is None else resolutions,
+        results.own_solver() if solver is None else _imported(solver),
+        scene.build().scene,
+        resolutions or _TOLERANCES,
         name=solver,
         quantities=results.quantities,
         **times,
@@ -102,8 +107,8 @@ def run_work_precision(
     scene: FlatOptions,
     results: Results,
     *,
-    solver: Annotated[list[str] | None, Option(action="append")] = None,
-    accuracies: Numbers = _ACCURACIES,  # type: ignore[assignment]
+    solver: Solvers | None = None,
+    accuracies: Numbers = _TOLERANCES[::2],
 ) -> None:
     """Time to reach an accuracy, of this library and of other solvers.
 
@@ -117,23 +122,15 @@ def run_work_precision(
     accuracies : E
         Relative errors to be reached; by default 1e-2, 1e-4, ... 1e-12.
     """
-    _find_modules_here()
-    own = results.own_solver()
-    solvers: dict[str, Any] = {own.name: own}
-    for text in solver or ():
-        name, listed, numbers = text.partition("=")
-        solvers[name] = named_solver(name)
-        if listed:
-            try:
-                at = [resolution(part) for part in numbers.split(",")]
-            except ValueError:
-                told = "followed by numbers: =10,20,40"
-                raise SceneError("solver", f"...={numbers}", told) from None
-            solvers[name] = (solvers[name], at)
-    study = work_precision(solvers, scene.solved().scene, accuracies, quantities=results.quantities)
+    solvers: dict[str, Any] = {OwnSolver.name: results.own_solver()}
+    for name, at in solver or ():
+        solvers[name] = _imported(name) if at is None else (_imported(name), at)
+    study = work_precision(solvers, scene.build().scene, accuracies, quantities=results.quantities)
     results.write(study)
 
 
-def _find_modules_here() -> None:
+def _imported(solver: str) -> Any:
+    """Return a solver by its name; its module may be in the current folder."""
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
+    return named_solver(solver)

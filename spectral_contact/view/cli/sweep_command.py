@@ -5,28 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from spectral_contact.io.checks import whole as checked_whole
+from spectral_contact import QUANTITIES, plotting, sweep
+from spectral_contact.io.checks import whole
 from spectral_contact.processes import workers as worker_processes
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.solution import QUANTITIES
 from spectral_contact.sweeps.dataset import summary, unsolved, write
 from spectral_contact.sweeps.physical_scenes import columns_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
-from spectral_contact.sweeps.sweep_run import sweep
-from spectral_contact.view import plotting
-from spectral_contact.view.cli.options import (
-    NamedNumbers,
-    NotSolved,
-    Number,
-    Option,
-    Picture,
-    UsageError,
-    Values,
-    Whole,
-    flag,
-    written,
-)
-from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, FlatOptions, SceneOptions
+from spectral_contact.view.cli import options
+from spectral_contact.view.cli.options import NotSolved, Option, UsageError, flag
+from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, SceneOptions
 
 
 class SweptOptions(SceneOptions):
@@ -34,21 +22,32 @@ class SweptOptions(SceneOptions):
 
     several = True
 
+    def first_and_varying(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the options with the first of their values, and the lists of more, by axis."""
+        numbers = {name: one for name, one in self.given.items() if name in NUMBERS}
+        lists = {name: one for name, one in numbers.items() if isinstance(one, list)}
+        varying = {name: one for name, one in lists.items() if len(one) > 1}
+        for name in varying:
+            if name in SHAPES and name != "radius":
+                raise UsageError(f"{flag(name)}: one number: of a profile the radius alone varies")
+        first = {**self.given, **{name: one[0] for name, one in lists.items()}}
+        return first, {name.removesuffix("_si"): one for name, one in varying.items()}
+
 
 def run(
     scenes: SweptOptions,
     *,
     table: str | None = None,
-    rtol: Number = 1e-8,
+    rtol: options.Number = 1e-8,
     quantities: Annotated[list[str] | None, Option(*QUANTITIES, nargs="+")] = None,
-    s: Values | None = None,
-    from_edge: Values | None = None,
-    workers: Whole = 1,
+    s: options.Values | None = None,
+    from_edge: options.Values | None = None,
+    workers: options.Whole = 1,
     store: str | None = None,
-    output: Annotated[str | None, written(".nc", ".csv")] = None,
-    plot: Picture | None = None,
+    output: Annotated[str | None, options.written(".nc", ".csv")] = None,
+    plot: options.Picture | None = None,
     plot_quantity: str | None = None,
-    at: NamedNumbers | None = None,
+    at: options.NamedNumbers | None = None,
 ) -> None:
     r"""Solve a grid of scenes.
 
@@ -90,27 +89,13 @@ def run(
     spectral-contact sweep --youngs-modulus '70 GPa' --poisson-ratio 0.2 --profile parabola \
         --radius '10 um' --load '0.1:10:50:log mN' --output curve.csv
     """
-    given = dict(scenes.given)
-    axes: dict[str, Any] = {}
-    for name, several in scenes.given.items():
-        if isinstance(several, list) and name in NUMBERS:
-            given[name] = several[0]
-            if len(several) > 1:
-                axes[name.removesuffix("_si")] = several
+    given, axes = scenes.first_and_varying()
     if table is not None:
         given |= _first_of_table(table, given, scenes)
-    varying_shape = [name for name in axes if name in SHAPES and name != "radius"]
-    if "radius" in axes and scenes.shaped and not scenes.of_materials:
-        varying_shape.append("radius")
-    if varying_shape:
-        told = "one number: of a profile the radius alone varies, in SI units"
-        raise UsageError(f"{flag(varying_shape[0])}: {told}")
-    if FlatOptions(given).of_materials and not scenes.shaped:
-        given.setdefault("friction", None)
     law = {name.removeprefix("layer_"): axes.pop(name) for name in list(axes) if "layer_" in name}
-    with worker_processes(checked_whole("workers", workers, 1)) as executor:
+    with worker_processes(whole("workers", workers, 1)) as executor:
         found = sweep(
-            SceneOptions(given).solved().scene,
+            SceneOptions(given).build().scene,
             **axes,
             layer=law or None,
             table=table,

@@ -11,7 +11,7 @@ from spectral_contact.io.columns import Expected, read_columns
 POINTS = (Expected("r", at_least=0.0), Expected("z", at_least=0.0))
 IN_METRES = (Expected("r", "m"), Expected("z", "m"))
 FORCE_CURVE = (
-    Expected("displacement", "m"),
+    Expected("depth", "m"),
     Expected("load", "N"),
     Expected("sigma", required=False),
 )
@@ -143,18 +143,16 @@ def test_a_force_curve_of_an_instrument(read):
         "Instrument: AFM\nDate: today\n\n"
         "Time (s)\tIndentation (nm)\tForce (nN)\n0,1\t-3,5\t0\n0,2\tNaN\t1\n0,3\t12,25\t2,5e1\n"
     )
-    with pytest.raises(
-        SolutionFileError, match=r"line 6, column 2 \(displacement\): NaN is no value"
-    ):
+    with pytest.raises(SolutionFileError, match=r"line 6, column 2 \(depth\): NaN is no value"):
         read(content, FORCE_CURVE)
     found = read(content, FORCE_CURVE, invalid="skip")
-    assert values(found, "displacement", "load") == [[-3.5e-9, 12.25e-9], [0.0, 25e-9]]
+    assert values(found, "depth", "load") == [[-3.5e-9, 12.25e-9], [0.0, 25e-9]]
     assert found.lines.tolist() == [5, 7]
-    assert found.unread == ("line 6, column 2 (displacement): NaN is no value",)
+    assert found.unread == ("line 6, column 2 (depth): NaN is no value",)
     assert "sigma" not in found.values
     assert str(found).endswith(
-        "2 rows, displacement from column 2 (Indentation (nm)) in nm, load from column 3 "
-        "(Force (nN)) in nN; 1 rows left out: line 6, column 2 (displacement): NaN is no value"
+        "2 rows, depth from column 2 (Indentation (nm)) in nm, load from column 3 "
+        "(Force (nN)) in nN; 1 rows left out: line 6, column 2 (depth): NaN is no value"
     )
 
 

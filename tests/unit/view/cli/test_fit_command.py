@@ -68,10 +68,10 @@ def test_a_retraction_with_adhesion(run):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ((*CONE, "--load", "1"), "--load: the depths"),
+        ((*CONE, "--load", "1"), "--load is no option of a fit: depths and loads"),
         ((*CONE, "--friction", "0.1"), "--friction"),
         ((*CONE, "--free", "modulus"), "free"),
-        (("--profile", "cone"), "--profile cone needs --half-angle"),
+        (("--profile", "cone"), "--profile cone takes --half-angle"),
         (
             ("--profile", "cone", "--half-angle", "1.2", "--columns", "load=9"),
             "--columns 9: there are 3",

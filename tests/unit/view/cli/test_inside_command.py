@@ -144,7 +144,7 @@ def test_a_grid_as_a_dataset_and_a_plot(capsys, tmp_path):
     ("options", "said"),
     [
         (("--points", "p.csv", "--r", "1"), "--points is instead of"),
-        (("--points", "p.csv", "--output", "x.nc"), "holds a grid"),
+        (("--points", "p.csv", "--output", "x.nc"), "not for a .nc file"),
         (("--columns", "r,z"), "--columns goes with --points"),
         (("--skip-invalid",), "--skip-invalid goes with --points"),
         (("--points", "absent.csv"), "cannot be read"),
@@ -173,8 +173,8 @@ def test_a_file_that_is_no_table_is_refused(capsys, tmp_path):
     ("options", "said"),
     [
         (("--punch", "--youngs-modulus", "7e10", "--poisson-ratio", "0.3"), "--punch goes with"),
-        (("--reduced-modulus", "7e10"), "--reduced-modulus does not tell the bodies apart"),
-        (("--kappa", "0.1"), "--kappa does not say which bodies"),
+        (("--reduced-modulus", "7e10"), "do not tell the bodies apart"),
+        (("--kappa", "0.1"), "do not tell the bodies apart"),
     ],
 )
 def test_bodies_that_are_not_told_apart_are_refused_before_anything_is_solved(

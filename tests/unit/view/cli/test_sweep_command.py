@@ -197,17 +197,17 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
         (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=X"),
-        (("--load", "1,2"), "SI input needs --youngs-modulus"),
+        (("--load", "1,2"), "--youngs-modulus, --poisson-ratio, --radius = None: must"),
         (
             ("--profile", "parabola", "--radius", "1 mm", "--load", "1"),
             "without a unit, without --youngs",
         ),
-        (("--youngs-modulus", "1e9", "--radius", "1 mm"), "needs --poisson-ratio"),
+        (("--youngs-modulus", "1e9", "--radius", "1 mm"), "--poisson-ratio = None: must be given"),
         (
             ("--youngs-modulus", "1e9 mm", "--poisson-ratio", "0.3", "--radius", "1"),
             "--youngs-modulus = '1000000000.0 mm': must be a number in Pa",
         ),
-        (("--profile", "cone", "--load", "1,2"), "--profile cone needs --half-angle"),
+        (("--profile", "cone", "--load", "1,2"), "--profile cone takes --half-angle"),
         (("--profile", "cone", "--half-angle", "1", "--load", "1,0"), "--load = 0.0: must be"),
         (
             ("--profile", "cone", "--half-angle", "1"),
@@ -339,7 +339,10 @@ def test_the_radius_of_a_profile_may_be_several(capsys):
     assert main(["sweep", *body, *options]) == 0
     assert "4 scenes: 4 converged" in capsys.readouterr().out
     assert main(["sweep", *options[:2], "--radius", "1,2", "--load", "1"]) == 2
-    assert "--radius: one number: of a profile the radius alone varies" in capsys.readouterr().err
+    assert "must be None but for a scene in SI units" in capsys.readouterr().err
+    assert main(["sweep", "--profile", "cone", "--half-angle", "1,1.2", "--load", "1"]) == 2
+    err = capsys.readouterr().err
+    assert "--half-angle: one number: of a profile the radius alone varies" in err
 
 
 def test_a_table_without_a_load_is_refused(capsys, tmp_path):
