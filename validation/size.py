@@ -51,6 +51,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[1]
@@ -533,43 +534,22 @@ def late_imports() -> Counter[str]:
     return found
 
 
-def circles() -> list[tuple[str, ...]]:
-    """Return the sets of modules that reach each other by imports (Tarjan's components)."""
-    number: dict[str, int] = {}
-    low: dict[str, int] = {}
-    stack: list[str] = []
-    found: list[tuple[str, ...]] = []
-
-    def visit(name: str) -> None:
-        number[name] = low[name] = len(number)
-        stack.append(name)
-        for other in imported(name):
-            if other not in number:
-                visit(other)
-                low[name] = min(low[name], low[other])
-            elif other in stack:
-                low[name] = min(low[name], number[other])
-        if low[name] == number[name]:
-            start = stack.index(name)
-            found.append(tuple(sorted(stack[start:])))
-            del stack[start:]
-
-    for name in modules():
-        if name not in number:
-            visit(name)
-    return found
+def circle_of_imports() -> list[str]:
+    """Return the modules of a circle of imports, if there is one."""
+    try:
+        TopologicalSorter({name: imported(name) for name in modules()}).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
 
 
-def longest_chain() -> list[str]:
-    """Return the longest chain of imports; a circle counts with all its modules."""
-    circle_of = {name: circle for circle in circles() for name in circle}
-
-    @cache
-    def below(circle: tuple[str, ...]) -> tuple[str, ...]:
-        others = {circle_of[other] for name in circle for other in imported(name)} - {circle}
-        return circle + max(map(below, sorted(others)), key=len, default=())
-
-    return list(max(map(below, set(circle_of.values())), key=len))
+def longest_chain() -> tuple[str, ...]:
+    """Return the longest chain of imports; there is none if imports go in a circle."""
+    chains: dict[str, tuple[str, ...]] = {}
+    for name in TopologicalSorter({name: imported(name) for name in modules()}).static_order():
+        below = (chains[other] for other in imported(name))
+        chains[name] = (name, *max(below, key=len, default=()))
+    return max(chains.values(), key=len)
 
 
 def contract_lines() -> int:
@@ -590,8 +570,8 @@ def figures() -> dict[str, tuple[int, str]]:
     worst = complexities()
     homonyms_of_classes = homonyms()
     tuples = long_tuples()
-    chain = longest_chain()
-    rounds = [circle for circle in circles() if len(circle) > 1]
+    circle = circle_of_imports()
+    chain = () if circle else longest_chain()
     top = [name for name in modules() if name.count(".") == 1]
     by_package: Counter[str] = Counter()
     for module in modules_of(CORE_AND_SOLVING):
@@ -631,7 +611,7 @@ def figures() -> dict[str, tuple[int, str]]:
         "results of anonymous tuples of more than two": (len(tuples), ", ".join(tuples[:NAMED])),
         "modules at the root": (sum(name not in packages() for name in top) + 1, "with `__init__`"),
         "packages at the root": (sum(name in packages() for name in top), ""),
-        "circles of imports": (len(rounds), "; ".join(" ".join(circle) for circle in rounds)),
+        "circles of imports": (int(bool(circle)), " ".join(circle)),
         "longest chain of imports": (
             len(chain),
             " ".join(name.removeprefix(f"{NAME}.") for name in chain),
