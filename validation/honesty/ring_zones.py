@@ -1,4 +1,4 @@
-"""Zones on graded rings against those of `solve`: their number, kind and boundaries.
+"""Zones on graded rings against those of `solve`: their number, kind and boundaries, and the time.
 
 Run as ``python validation/honesty/ring_zones.py [--scenes N]``, N of each group; prints a table.
 Random scenes are compared where `solve` converges.
@@ -12,13 +12,14 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 from statistics import median
+from time import process_time
 from typing import Any
 from unittest.mock import patch
 
 sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import options, table
+from reporting import options, table, unit
 
 from spectral_contact import Scene, Solution, SpectralContactError, solve
 from spectral_contact.contact.active_set import RingLayout, RingSystem, ring_layout
@@ -62,9 +63,11 @@ def layout(scene: Scene, rings: int, splits: int = 2) -> RingLayout:
 
 
 def compare(scene: Scene, solution: Solution, rings: int, splits: int = 2) -> Row:
-    """Return what a number of rings makes of a scene: zones, boundaries, and systems solved."""
-    with patch.object(RingSystem, "solve", autospec=True, side_effect=RingSystem.solve) as solve_:
+    """Return what a number of rings makes of a scene: zones, boundaries, systems solved, time."""
+    with patch.object(RingSystem, "solve", autospec=True, side_effect=RingSystem.solve) as systems:
+        begin = process_time()
         found = layout(scene, rings, splits)
+        spent = process_time() - begin
     kinds = [zone.kind for zone in solution.zones]
     right = kinds == ["slip" if state else "stick" for state in found.states]
     ends = [Radius(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]]
@@ -74,7 +77,8 @@ def compare(scene: Scene, solution: Solution, rings: int, splits: int = 2) -> Ro
         "used": len(found.ring_state.states),
         "right": right,
         "settled": found.converged,
-        "systems": solve_.call_count,
+        "systems": systems.call_count,
+        "time": spent / unit(),
         "errors": [
             abs(one.logit - true.logit) for one, true in zip(found.boundaries, ends, strict=True)
         ]
@@ -112,10 +116,13 @@ def main(count: int) -> None:
                     f"{sum(row['right'] for row in rows)} of {len(rows)}",
                     sum(row["settled"] for row in rows),
                     max(row["systems"] for row in rows),
+                    f"{median(row['time'] for row in rows):.2f}",
                     *(f"{size:.1e}" for size in sizes),
                 )
             )
-    heading = "group | coupled | rings | splits | rings used | right | settled | most systems | "
+    heading = (
+        "group | coupled | rings | splits | rings used | right | settled | most systems | U | "
+    )
     heading += "median error | 90 % | largest"
     print(
         "Random scenes that `solve` solves at rtol 1e-6. Right: number and kind of zones. Errors "
