@@ -175,8 +175,8 @@ def test_a_measurement_is_of_the_library_that_is_asked_for():
 
 @pytest.mark.parametrize("place", [0.0, 8.5])
 def test_the_added_case_of_slip_inside_has_it(place):
-    [case] = [case for case in net_speed.ADDED if case[0] == "slip inside"]
-    kinds = [zone.kind for zone in solve(bench_solve.scene_of(case, place), 1e-6).zones]
+    [case] = [case for case in bench_solve.SOLVES["slip"] if case.problem == "slip inside"]
+    kinds = [zone.kind for zone in solve(case.scene(place), 1e-6).zones]
     assert kinds == ["stick", "slip", "stick"]
 
 

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "cost"))
@@ -29,12 +28,7 @@ from net_baseline import REPOSITORY, checked_out
 from reporting import seconds, unit
 
 HERE = Path(__file__).parent
-#: Two kinds of slip that bench.py lacks: without tangential compliance, and inside.
-ADDED = (
-    ("partial slip", (0.5, 0.0), 0.3, 1e-12, None, None, None),
-    ("slip inside", (0.05, 1.0), 0.215, 1e-12, None, None, None),
-)
-SOLVES = (*bench_solve.CASES, *ADDED, *bench_solve.COUPLED)
+SOLVES = [case for cases in bench_solve.SOLVES.values() for case in cases]
 SWEEPS = bench_sweep.CASES
 SWEEP_RTOL = bench_sweep.TOLERANCES[0]
 
@@ -93,14 +87,13 @@ class Row:
         return self.ratio <= self.limit
 
 
-def kind_of_solve(case: tuple[Any, ...]) -> str:
+def kind_of_solve(case: bench_solve.Solve) -> str:
     """Return the kind of a case of `SOLVES`."""
-    name = case[0]
-    if "coupled" in name:
+    if "coupled" in case.problem:
         return "coupled"
-    if name == "partial slip":
-        return "one disk, β = 0" if bench_solve.compliances(case)[1] == 0.0 else "one disk"
-    return name if name in LIMITS else "normal"
+    if case.problem == "partial slip":
+        return "one disk, β = 0" if case.compliances[1] == 0.0 else "one disk"
+    return case.problem if case.problem in LIMITS else "normal"
 
 
 def kind_of_sweep(case: bench_sweep.Case) -> str:
@@ -110,22 +103,14 @@ def kind_of_sweep(case: bench_sweep.Case) -> str:
 
 def cases() -> list[tuple[str, str]]:
     """Return names and kinds of all cases: solves, then sweeps."""
-    found = []
-    for case in SOLVES:
-        values = dict.fromkeys(bench_solve.compliances(case))
-        name = ", ".join([case[0], *(f"{one:g}" for one in values), f"rtol {case[3]:g}"])
-        found.append((name, kind_of_solve(case)))
-    return found + [(case.name, kind_of_sweep(case)) for case in SWEEPS]
+    solves = [(f"{case.name}, rtol {case.rtol:g}", kind_of_solve(case)) for case in SOLVES]
+    return solves + [(case.name, kind_of_sweep(case)) for case in SWEEPS]
 
 
 def work_of(number: int, place: float) -> Callable[[], object]:
     """Return the work of a case; `place` varies the scene of a solve."""
-    from spectral_contact import solve
-
     if number < len(SOLVES):
-        case = SOLVES[number]
-        scene = bench_solve.scene_of(case, place)
-        return partial(solve, scene, case[3], case[4])
+        return SOLVES[number].work(place)
     try:
         from spectral_contact.sweeps import sweep
     except ImportError:  # a baseline of version 0.1
