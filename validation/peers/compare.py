@@ -208,9 +208,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Measure this library beside its peers.")
     parser.add_argument("--problem", choices=PROBLEMS, action="append", help="default: all")
     parser.add_argument("--small", action="store_true", help="coarse and timed once: minutes")
-    parser.add_argument(
-        "--results", type=Path, default=reporting.RESULTS, help="folder to write to"
-    )
+    parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
     options = parser.parse_args()
     chosen = options.problem or list(PROBLEMS)
     packages = {name: _versions(PROBLEMS[name].peers) for name in chosen}
