@@ -24,7 +24,7 @@ import fft
 import linear
 import nystrom
 import rings
-from reporting import table
+from reporting import RESULTS, table
 
 from spectral_contact import MissingDependencyError, Scene
 from spectral_contact.studies import OwnSolver, WorkPrecision, work_precision
