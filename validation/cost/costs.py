@@ -11,7 +11,6 @@ unknowns that fall are looked for in fewer gold scenes.
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import tempfile
@@ -30,7 +29,7 @@ import numpy as np
 from costs_report import all_unknowns, draw_errors, draw_growth, growth_argument, tables
 from flat_punches import sources
 from honesty_scenes import true_solution
-from reporting import RESULTS, options, stored, unit, write
+from reporting import RESULTS, options, resumed, stored, unit, write
 from scipy.stats import linregress, t
 
 from spectral_contact import Scene, Solution, clear_caches, gold, solve
@@ -68,17 +67,6 @@ MANY_DIGITS = "partial slip, α* = β* = 0.5, f = 0.1"
 RADII = np.linspace(0.0, 1.0, 1000)
 
 Record = dict[str, Any]
-
-
-def kept(path: Path, make: Callable[[], Any]) -> Any:
-    """Return what a file of JSON holds; it is made if it is not there."""
-    if not path.exists():
-        print(path.stem, file=sys.stderr, flush=True)
-        text = json.dumps(make(), allow_nan=False)
-        part = path.with_suffix(".part")
-        part.write_text(text + "\n", encoding="utf-8")
-        part.replace(path)
-    return json.loads(path.read_text(encoding="utf-8"))
 
 
 # --- digits and roughness -------------------------------------------------------------------------
@@ -232,23 +220,29 @@ def fits(points: list[Record], problem: str) -> Record:
 
 def record(store: Path, repeats: int) -> Record:
     """Measure what the store does not hold yet, and return the record of the study."""
-    points = []
-    for case in product(PROBLEMS, COMPLIANCES):
-        name = "{} {:g}.json".format(*case).replace(" ", "_")
-        points += kept(store / name, partial(points_of, *case, repeats))
     scenes = [solution.scene for table in gold.tables() for solution in table.solutions]
     scenes = scenes[: FEWER_SCENES if repeats < REPEATS else None]
-    looked = [kept(store / f"falls_{i}.json", partial(falls, s)) for i, s in enumerate(scenes)]
-    listed = [
-        kept(store / f"price_{i}.json", partial(priced, *price, repeats))
-        for i, price in enumerate(prices())
-    ]
+    tasks = {
+        "points": {
+            "{} at {:g}".format(*case): partial(points_of, *case, repeats)
+            for case in product(PROBLEMS, COMPLIANCES)
+        },
+        "falls": {f"scene {i}": partial(falls, scene) for i, scene in enumerate(scenes)},
+        "prices": {price[0]: partial(priced, *price, repeats) for price in prices()},
+        "rest": {"steps": partial(step_seconds, repeats), "dense solve": unit},
+    }
+    done = {
+        group: resumed(store.with_name(f"{store.name}-{group}.jsonl"), some)
+        for group, some in tasks.items()
+    }
+    points = [point for rows in done["points"].values() for point in rows]
+    looked = done["falls"].values()
     return {
         "sources": sources(),
         "count": len(points),
         "repeats": repeats,
         "machine": this_machine(),
-        "dense_solve_seconds": kept(store / "dense_solve.json", unit),
+        "dense_solve_seconds": done["rest"]["dense solve"],
         "truths": sorted({point["truth"] for point in points}),
         "exceeded": [point | {"quantity": q} for point in points for q in point["exceeded"]],
         "fits": {problem: fits(points, problem) for problem in PROBLEMS},
@@ -257,9 +251,9 @@ def record(store: Path, repeats: int) -> Record:
             "tolerances": list(MANY_TOLERANCES),
             "findings": [found for found in looked if found["falls"] or found["unmet"]],
         },
-        "prices": [*listed, *digits_priced()],
+        "prices": [*done["prices"].values(), *digits_priced()],
         "price_rtol": RTOL,
-        "steps": kept(store / "steps.json", partial(step_seconds, repeats)),
+        "steps": done["rest"]["steps"],
         "points": points,
     }
 
@@ -268,7 +262,6 @@ def main() -> None:
     """Run, or go on, and write the results."""
     asked = options(__doc__, quick=False, store=str(STORE))
     store = Path(asked.store) / f"{sources()}-{'quick' if asked.quick else 'full'}"
-    store.mkdir(parents=True, exist_ok=True)
     found = record(store, 1 if asked.quick else REPEATS)
     write("costs", tables(found), found)
     draw_errors(found, RESULTS / "costs.png")

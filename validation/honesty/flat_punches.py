@@ -30,7 +30,7 @@ from pathlib import Path
 import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
-from reporting import RESULTS, options, table, write
+from reporting import RESULTS, json_lines, options, table, write
 
 import spectral_contact
 from spectral_contact.view.progress import ProgressLine
@@ -45,20 +45,6 @@ def sources() -> str:
     for path in sorted(Path(spectral_contact.__file__).parent.rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
-
-
-def stored(store: Path, seed: int) -> dict[int, dict]:
-    """Return what the store holds of a seed, by number; a line cut short is not counted."""
-    rows = {}
-    if store.exists():
-        for line in store.read_text(encoding="utf-8").splitlines():
-            try:
-                row = json.loads(line)
-            except ValueError:
-                continue
-            if row["seed"] == seed:
-                rows[row["number"]] = row
-    return rows
 
 
 def run_chunk(seed: int, numbers: list[int], exact: set[int], coupled: bool) -> list[dict]:
@@ -109,11 +95,11 @@ def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) ->
     current = sources()
     exact = set([n for n in range(count) if by_reference(seed, n)][:REFERENCES])
     rows = {
-        number: row
-        for number, row in stored(store, seed).items()
-        if number < count
-        and row["sources"] == current
-        and row.get("by_reference", False) == (number in exact)
+        row["number"]: row
+        for row in json_lines(store)
+        if (row["seed"], row["sources"]) == (seed, current)
+        and row["number"] < count
+        and row.get("by_reference", False) == (row["number"] in exact)
     }
     missing = [number for number in range(count) if number not in rows]
     violations = sum(len(violations_of(row)) for row in rows.values())
