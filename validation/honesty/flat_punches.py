@@ -22,8 +22,9 @@ import signal
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Sequence, Set
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -47,28 +48,24 @@ def sources() -> str:
     return digest.hexdigest()[:12]
 
 
-def run_chunk(seed: int, numbers: list[int], exact: set[int], coupled: bool) -> list[dict]:
-    """Return the outcomes of some scenes; the truth of those in `exact` has many digits."""
-    return [outcome(seed, number, number in exact, coupled) for number in numbers]
+def solved(seed: int, exact: Set[int], coupled: bool, number: int) -> dict:
+    """Return the outcome of a scene; the truth of those in `exact` has many digits."""
+    return outcome(seed, number, number in exact, coupled)
 
 
 def outcomes(
-    seed: int, numbers: list[int], exact: set[int], coupled: bool, workers: int
-) -> Iterator[list[dict]]:
-    """Yield the outcomes of all scenes, chunk by chunk as they are done."""
-    chunks = [numbers[i : i + CHUNK] for i in range(0, len(numbers), CHUNK)]
+    seed: int, numbers: Sequence[int], exact: Set[int], coupled: bool, workers: int
+) -> Iterator[dict]:
+    """Yield the outcomes of all scenes, in order."""
+    work = partial(solved, seed, exact, coupled)
     if workers == 1:
-        yield from (run_chunk(seed, chunk, exact, coupled) for chunk in chunks)
+        yield from map(work, numbers)
         return
     # ended from outside, the processes end, too
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped; the same command goes on"))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        futures = [pool.submit(run_chunk, seed, chunk, exact, coupled) for chunk in chunks]
-        try:
-            yield from (future.result() for future in as_completed(futures))
-        finally:
-            pool.shutdown(cancel_futures=True)
+        yield from pool.map(work, numbers, chunksize=CHUNK)
 
 
 def violations_of(row: dict) -> list[dict]:
@@ -105,13 +102,12 @@ def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) ->
     violations = sum(len(violations_of(row)) for row in rows.values())
     store.parent.mkdir(parents=True, exist_ok=True)
     with store.open("a", encoding="utf-8") as file, ProgressLine(None) as tell:
-        for chunk in outcomes(seed, missing, exact, coupled, workers):
-            for row in chunk:
-                row |= {"seed": seed, "sources": current}
-                file.write(json.dumps(row) + "\n")
-                rows[row["number"]] = row
-                violations += len(violations_of(row))
+        for row in outcomes(seed, missing, exact, coupled, workers):
+            row |= {"seed": seed, "sources": current}
+            file.write(json.dumps(row) + "\n")
             file.flush()
+            rows[row["number"]] = row
+            violations += len(violations_of(row))
             tell(f"{len(rows)} of {count} scenes, {violations} violations", len(rows) / count)
     return [rows[number] for number in sorted(rows)]
 
