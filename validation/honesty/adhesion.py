@@ -16,13 +16,7 @@ from profiles import LEAST, MOST, ROUNDING, Better, compared, drawn
 
 from spectral_contact import Scene, closed_forms, pull_off
 from spectral_contact import profiles as shapes
-from spectral_contact.contact.adhesion import (
-    BY_APPROACH,
-    BY_LOAD,
-    AdhesiveCurve,
-    Control,
-    NoState,
-)
+from spectral_contact.contact.adhesion import BY_APPROACH, BY_LOAD, AdhesiveCurve, Control, NoState
 from spectral_contact.contact.contact_radius import Contact, value_of
 from spectral_contact.contact.indented import solve_indentation
 from spectral_contact.contact.on_parts import Indentation

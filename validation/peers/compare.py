@@ -72,9 +72,7 @@ class Problem:
 
 PROBLEMS = {
     "normal": Problem(
-        (Scene(0.1, 0.5), Scene(0.2, 1e-4)),
-        ("approach", "edge_pressure"),
-        tuple(PEERS),
+        (Scene(0.1, 0.5), Scene(0.2, 1e-4)), ("approach", "edge_pressure"), tuple(PEERS)
     ),
     "full_stick": Problem(
         (Scene(0.1, 0.5, 0.5, math.inf), Scene(0.1, 1e-3, 1e-3, math.inf)),

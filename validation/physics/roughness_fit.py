@@ -31,11 +31,7 @@ from spectral_contact.calibration import (
 FITS = 40
 TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
 MATERIAL = {"youngs_modulus": 200e9, "poisson_ratio": 0.3}
-LABELS = {
-    "normal_compliance": "α [m/Pa]",
-    "tangential_compliance": "β [m/Pa]",
-    "friction": "f",
-}
+LABELS = {"normal_compliance": "α [m/Pa]", "tangential_compliance": "β [m/Pa]", "friction": "f"}
 RADIUS, LOAD = 1e-3, 500.0
 RADII = np.geomspace(0.25e-3, 4e-3, 8)
 PLACES = np.linspace(0.0, 0.95e-3, 8)
