@@ -44,6 +44,7 @@ from __future__ import annotations
 
 import ast
 import io
+import keyword
 import re
 import sys
 import tokenize
@@ -340,24 +341,11 @@ def packed_assignments(module: Module) -> int:
     )
 
 
-def identifiers(tree: ast.Module) -> Iterator[str]:
+def identifiers(text: str) -> Iterator[str]:
     """Yield every use of an identifier: names, attributes, arguments, definitions, imports."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name):
-            yield node.id
-        elif isinstance(node, ast.Attribute):
-            yield node.attr
-        elif isinstance(node, (ast.arg, ast.keyword)):
-            if node.arg is not None:
-                yield node.arg
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-            yield node.name
-        elif isinstance(node, ast.ImportFrom):
-            yield from (node.module or "").split(".")
-        elif isinstance(node, ast.alias):
-            yield from node.name.split(".")
-            if node.asname is not None:
-                yield node.asname
+    for token in code_tokens(text):
+        if token.type == tokenize.NAME and not keyword.iskeyword(token.string):
+            yield token.string
 
 
 def words_of(identifier: str) -> list[str]:
@@ -375,7 +363,7 @@ def private_uses(module: Module) -> Counter[str]:
     """Return the private words of a module with how often its identifiers use them."""
     lists = private_words()
     uses: Counter[str] = Counter()
-    for identifier in identifiers(module.tree):
+    for identifier in identifiers(module.text):
         name = identifier.lstrip("_")
         parts = [word for word in words_of(identifier) if word in lists["parts"]]
         uses.update(parts)
