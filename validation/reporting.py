@@ -1,4 +1,4 @@
-"""What studies share: one BLAS thread, options, tables, results, and the unit of time.
+"""What studies share: one BLAS thread, options, tables, results, stores, and the unit of time.
 
 A study puts the folder of this module on `sys.path`. As soon as it is imported, BLAS has one thread
 in this process, and in those that it starts.
@@ -9,7 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -63,6 +64,35 @@ def stored(name: str) -> dict[str, Any]:
     """Return the record in results/NAME.json; it is empty where there is none."""
     path = RESULTS / f"{name}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def json_lines(path: Path) -> list[Any]:
+    """Return what the lines of a file hold, each of them JSON; one that was cut short is lost."""
+    found = []
+    for line in path.read_text(encoding="utf-8").splitlines() if path.exists() else ():
+        with suppress(ValueError):
+            found.append(json.loads(line))
+    return found
+
+
+def resumed(path: Path, tasks: Mapping[str, Callable[[], Any]]) -> dict[str, Any]:
+    """Return the outcomes of tasks, of which a file keeps those that are done: a line for each.
+
+    A run that was stopped goes on where it was. A line of progress says what is worked at.
+    """
+    from spectral_contact.view.progress import ProgressLine  # here, as in `write`
+
+    done = dict(json_lines(path))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", encoding="utf-8") as file, ProgressLine(None) as tell:
+        file.write("\n")  # after a line that is not whole
+        for number, (key, task) in enumerate(tasks.items()):
+            tell(key, number / len(tasks))
+            if key not in done:
+                done[key] = task()
+                file.write(json.dumps([key, done[key]]) + "\n")
+                file.flush()
+    return {key: done[key] for key in tasks}
 
 
 def seconds(work: Callable[[], object]) -> float:

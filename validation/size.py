@@ -2,13 +2,14 @@
 
 Prints one table: each figure, what it was at commit c22aa78, what it is today, what it may be at
 most (the gate), and the goal. Exits with 1 where a figure is above its gate; one without a gate is
-reported. When a figure falls, lower its gate with it. Needs radon, which the extra `dev` has.
+reported. When a figure falls, lower its gate with it, in size.toml. Needs radon, which the extra
+`dev` has.
 
 What is counted, of the flat core unless a figure says more:
 
 flat core
     All modules of contact/ and spectral/ but those that came with profiles, nonlinear layers,
-    sensitivities, adhesion and unloading (`CAME_WITH`).
+    sensitivities, adhesion and unloading (size.toml).
 tokens
     Tokens of Python's `tokenize`: names, keywords, operators, brackets, numbers and strings. Not
     counted are comments, docstrings, ends of lines and indentation. An f-string is one token
@@ -33,7 +34,7 @@ private words
 complexity
     Cyclomatic complexity of the functions of the whole library, by radon.
 code lines of a room
-    Code lines of what is around the core (`ROOMS`): parts of the library, validation and tests.
+    Code lines of what is around the core (size.toml): parts of the library, validation and tests.
 late imports upwards
     Modules that those in `LATE` import in functions: what makes the output of a solution or of a
     study. They are no links of circles and chains. At c22aa78 their names were strings.
@@ -43,6 +44,7 @@ from __future__ import annotations
 
 import ast
 import io
+import keyword
 import re
 import sys
 import tokenize
@@ -51,6 +53,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 REPOSITORY = Path(__file__).parents[1]
@@ -67,50 +70,12 @@ MOST_COMPLEX = 25
 #: of a study. What they import in functions is no link of a chain, and is counted by itself.
 LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
-#: What is around the core, by its paths, and those below them that are none of it.
-ROOMS = {
-    "the library outside the core": (
-        (NAME,),
-        tuple(f"{NAME}/{package}" for package in CORE_AND_SOLVING),
-    ),
-    "the command line": ((f"{NAME}/__main__.py", f"{NAME}/view/cli"), ()),
-    "the harness of studies": (
-        (f"{NAME}/studies",),
-        (f"{NAME}/studies/comparison.py", f"{NAME}/studies/derivatives.py"),
-    ),
-    "threads, processes and caches": (
-        (f"{NAME}/threads.py", f"{NAME}/processes.py", f"{NAME}/spectral/cache.py"),
-        (),
-    ),
-    "validation": (("validation",), ()),
-    "tests": (("tests",), ()),
-}
 #: How many of the worst are named.
 NAMED = 5
-#: Modules of the core that came with profiles, nonlinear layers, sensitivities, adhesion and
-#: unloading. The goals are those of flat punches under growing load, without them. A module that is
-#: not listed is part of the flat core.
-CAME_WITH = {
-    "profiles": (
-        "contact.contact_radius",
-        "contact.indented",
-        "contact.on_parts",
-        "contact.smooth_indented",
-    ),
-    "layers": (
-        "contact.layered",
-        "contact.layered_bends",
-        "contact.layered_contact",
-        "contact.layered_newton",
-        "contact.layered_setting",
-        "contact.layered_spaces",
-        "spectral.cells",
-        "spectral.pointwise",
-    ),
-    "sensitivities": ("contact.zone_derivatives",),
-    "adhesion": ("contact.adhesion", "contact.pinned"),
-    "unloading": ("contact.unloading",),
-}
+#: Gates, rooms around the core, and what is no part of the flat core.
+TABLE = tomllib.loads((Path(__file__).parent / "size.toml").read_text(encoding="utf-8"))
+CAME_WITH: dict[str, list[str]] = TABLE["came_with"]
+ROOMS = {room["name"]: room for room in TABLE["room"]}
 
 
 @dataclass(frozen=True)
@@ -122,41 +87,17 @@ class Gate:
 
     figure: str
     before: int
-    limit: int | None
-    goal: int | None
+    limit: int | None = None
+    goal: int | None = None
 
 
-GATES = (
-    Gate("tokens of the flat core", 60_671, 55_551, 42_000),
-    Gate("tokens of contact, spectral and solving", 108_742, 122_653, 108_742),
-    Gate("code lines of the flat core", 5_200, None, 3_800),
-    Gate("named numeric constants", 167, 70, 95),
-    Gate("tuned constants", 122, 50, 50),
-    Gate("tuned literals in functions", 40, 0, 0),
-    Gate("packed assignments", 265, 4, 4),
-    Gate("private words", 2_276, 0, 0),
-    Gate("functions above complexity 25", 0, 0, 0),
-    Gate("functions above complexity 15", 0, None, None),
-    Gate("names that several classes bear", 2, 2, 0),
-    Gate("results of anonymous tuples of more than two", 0, 0, 0),
-    Gate("modules at the root", 9, 10, 10),
-    Gate("packages at the root", 16, 16, 15),
-    Gate("circles of imports", 0, 0, 0),
-    Gate("longest chain of imports", 12, 19, 12),
-    Gate("late imports upwards", 14, 11, 11),
-    Gate("lines of import contracts", 90, 88, 90),
+GATES = [
+    *(Gate(**gate) for gate in TABLE["gate"]),
     *(
-        Gate(f"code lines of {room}", before, None, goal)
-        for room, before, goal in (
-            ("the library outside the core", 18_575, None),
-            ("the command line", 1_136, 700),
-            ("the harness of studies", 1_380, 500),
-            ("threads, processes and caches", 381, 200),
-            ("validation", 9_969, 6_000),
-            ("tests", 20_162, None),
-        )
+        Gate(f"code lines of {name}", room["before"], None, room.get("goal"))
+        for name, room in ROOMS.items()
     ),
-)
+]
 
 
 @dataclass(frozen=True)
@@ -265,10 +206,10 @@ def _code_lines(text: str) -> int:
 
 def room_lines(room: str, root: Path = REPOSITORY) -> int:
     """Count the code lines of what is around the core, in a working tree."""
-    inside, outside = ROOMS[room]
+    outside = ROOMS[room].get("without", ())
     paths = {
         path
-        for one in inside
+        for one in ROOMS[room]["paths"]
         for path in ([root / one] if one.endswith(".py") else (root / one).rglob("*.py"))
         if not any(path.is_relative_to(root / other) for other in outside)
     }
@@ -400,24 +341,11 @@ def packed_assignments(module: Module) -> int:
     )
 
 
-def identifiers(tree: ast.Module) -> Iterator[str]:
+def identifiers(text: str) -> Iterator[str]:
     """Yield every use of an identifier: names, attributes, arguments, definitions, imports."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name):
-            yield node.id
-        elif isinstance(node, ast.Attribute):
-            yield node.attr
-        elif isinstance(node, (ast.arg, ast.keyword)):
-            if node.arg is not None:
-                yield node.arg
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-            yield node.name
-        elif isinstance(node, ast.ImportFrom):
-            yield from (node.module or "").split(".")
-        elif isinstance(node, ast.alias):
-            yield from node.name.split(".")
-            if node.asname is not None:
-                yield node.asname
+    for token in code_tokens(text):
+        if token.type == tokenize.NAME and not keyword.iskeyword(token.string):
+            yield token.string
 
 
 def words_of(identifier: str) -> list[str]:
@@ -435,7 +363,7 @@ def private_uses(module: Module) -> Counter[str]:
     """Return the private words of a module with how often its identifiers use them."""
     lists = private_words()
     uses: Counter[str] = Counter()
-    for identifier in identifiers(module.tree):
+    for identifier in identifiers(module.text):
         name = identifier.lstrip("_")
         parts = [word for word in words_of(identifier) if word in lists["parts"]]
         uses.update(parts)
@@ -533,43 +461,22 @@ def late_imports() -> Counter[str]:
     return found
 
 
-def circles() -> list[tuple[str, ...]]:
-    """Return the sets of modules that reach each other by imports (Tarjan's components)."""
-    number: dict[str, int] = {}
-    low: dict[str, int] = {}
-    stack: list[str] = []
-    found: list[tuple[str, ...]] = []
-
-    def visit(name: str) -> None:
-        number[name] = low[name] = len(number)
-        stack.append(name)
-        for other in imported(name):
-            if other not in number:
-                visit(other)
-                low[name] = min(low[name], low[other])
-            elif other in stack:
-                low[name] = min(low[name], number[other])
-        if low[name] == number[name]:
-            start = stack.index(name)
-            found.append(tuple(sorted(stack[start:])))
-            del stack[start:]
-
-    for name in modules():
-        if name not in number:
-            visit(name)
-    return found
+def circle_of_imports() -> list[str]:
+    """Return the modules of a circle of imports, if there is one."""
+    try:
+        TopologicalSorter({name: imported(name) for name in modules()}).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
 
 
-def longest_chain() -> list[str]:
-    """Return the longest chain of imports; a circle counts with all its modules."""
-    circle_of = {name: circle for circle in circles() for name in circle}
-
-    @cache
-    def below(circle: tuple[str, ...]) -> tuple[str, ...]:
-        others = {circle_of[other] for name in circle for other in imported(name)} - {circle}
-        return circle + max(map(below, sorted(others)), key=len, default=())
-
-    return list(max(map(below, set(circle_of.values())), key=len))
+def longest_chain() -> tuple[str, ...]:
+    """Return the longest chain of imports; there is none if imports go in a circle."""
+    chains: dict[str, tuple[str, ...]] = {}
+    for name in TopologicalSorter({name: imported(name) for name in modules()}).static_order():
+        below = (chains[other] for other in imported(name))
+        chains[name] = (name, *max(below, key=len, default=()))
+    return max(chains.values(), key=len)
 
 
 def contract_lines() -> int:
@@ -590,8 +497,8 @@ def figures() -> dict[str, tuple[int, str]]:
     worst = complexities()
     homonyms_of_classes = homonyms()
     tuples = long_tuples()
-    chain = longest_chain()
-    rounds = [circle for circle in circles() if len(circle) > 1]
+    circle = circle_of_imports()
+    chain = () if circle else longest_chain()
     top = [name for name in modules() if name.count(".") == 1]
     by_package: Counter[str] = Counter()
     for module in modules_of(CORE_AND_SOLVING):
@@ -631,7 +538,7 @@ def figures() -> dict[str, tuple[int, str]]:
         "results of anonymous tuples of more than two": (len(tuples), ", ".join(tuples[:NAMED])),
         "modules at the root": (sum(name not in packages() for name in top) + 1, "with `__init__`"),
         "packages at the root": (sum(name in packages() for name in top), ""),
-        "circles of imports": (len(rounds), "; ".join(" ".join(circle) for circle in rounds)),
+        "circles of imports": (int(bool(circle)), " ".join(circle)),
         "longest chain of imports": (
             len(chain),
             " ".join(name.removeprefix(f"{NAME}.") for name in chain),

@@ -3,6 +3,7 @@
 import itertools
 import math
 import sys
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spectral_contact import Scene, solve
+from spectral_contact import solve
 
 sys.path += [
     str(folder)
@@ -21,22 +22,28 @@ sys.path += [
 import bench_solve
 import flat_punches
 import net
-import net_cases
+import net_baseline
 import net_checks
-import net_commit
-import net_coupled
+import net_kept
 import net_speed
 from honesty_errors import compare, unexplained, violates
 from honesty_scenes import outcome
 from net import Section
-from net_kept import Kept, kept_row, row_of, scene_of
+from net_kept import Kept, scene_of
 
-SLIPPING = Scene(0.3, 0.5, 0.5, 0.05)
+KEPT = net_kept.load()
+#: A scene that slips next to the edge of a thick layer.
+ROW = next(
+    row
+    for row in KEPT["honesty"]
+    if row["kind"] == "uncoupled" and min(row["scene"][1:3]) > 0.1 and "slip" in row["truth"]
+)
+SLIPPING = scene_of(ROW["scene"])
 
 
 @pytest.fixture(scope="module")
 def truth():
-    return Kept(kept_row(solve(SLIPPING, 1e-12)))
+    return Kept(ROW["truth"])
 
 
 def seen(solution, **changed):
@@ -112,11 +119,6 @@ def test_a_kept_traction_goes_on_by_its_slope(truth):
         )
 
 
-def test_scenes_are_kept_exactly():
-    for scene in (SLIPPING, Scene(0.1, 0.0, 1e-14, math.inf, coupling=True), Scene(0.2, 3.0)):
-        assert scene_of(row_of(scene)) == scene
-
-
 def test_the_law_is_kept_by_a_solution_and_missed_where_a_zone_is_missing():
     assert net_checks.off_the_law(solve(SLIPPING, 1e-6)) == []
     stuck = solve(replace(SLIPPING, friction=math.inf), 1e-6)
@@ -129,53 +131,58 @@ def test_the_law_is_kept_by_a_solution_and_missed_where_a_zone_is_missing():
 
 def times(*values):
     cycle = itertools.cycle(values)
-    return lambda: next(cycle)
+    return lambda: {"warm": next(cycle)}
 
 
 def row_of_kind(kind):
-    return net_speed.Row("", "", kind, "", 0.0)
+    return net_speed.Row("", kind, "warm")
 
 
 def test_a_slow_row_is_run_again_before_it_is_named():
-    row = net_speed.paired(row_of_kind("normal"), times(1.0), times(1.2), 0.5, 3)
-    assert (row.passed, row.runs, row.old) == (False, net_speed.RUNS, 2.0)
-    assert row.pairs == 3 * net_speed.RUNS
+    [row] = net_speed.compared([row_of_kind("normal")], times(1.0), times(1.2))
+    assert (row.passed, row.runs, row.old) == (False, net_speed.RUNS, 1.0)
     assert row.ratio == pytest.approx(1.2)
-    slow_once = times(*[1.2] * 3, *[1.0] * 3)
-    row = net_speed.paired(row_of_kind("normal"), times(1.0), slow_once, 1.0, 3)
+    slow_once = times(*[1.2] * net_speed.PAIRS, *[1.0] * net_speed.PAIRS)
+    [row] = net_speed.compared([row_of_kind("normal")], times(1.0), slow_once)
     assert (row.passed, row.runs, row.ratio) == (True, 2, 1.0)
 
 
 def test_times_are_compared_by_the_shortest():
     noisy_old = times(1.0, 5.0, 5.0)
     noisy_new = times(9.0, 9.0, 2.0)
-    row = net_speed.paired(row_of_kind("full stick"), noisy_old, noisy_new, 1.0, 3)
+    [row] = net_speed.compared([row_of_kind("full stick")], noisy_old, noisy_new)
     assert (row.ratio, row.passed, row.runs) == (2.0, True, 1)
 
 
 def test_every_row_has_a_limit_by_its_kind():
-    rows = [row for row, _ in net_speed.requests(quick=False)]
-    assert {row.kind for row in rows} == set(net_cases.LIMITS)
-    limits = {(row.case, row.benchmark): row.limit for row in rows}
-    assert limits["normal, 0.5", "solve"] == limits["approach alone, 0.5", "solve"] == 1.1
-    assert limits["full stick, 0.5", "solve"] == 2.0
-    assert limits["partial slip, 0.5", "solve"] == 3.0
-    assert limits["partial slip, 0.5, 0", "solve"] == 6.0
-    assert limits["full stick, coupled, 0", "coupled"] == 2.5
-    assert limits["critical friction", "sweep"] == 1.1
-    assert limits["c*, Q*, one slip annulus", "sweep"] == 4.0
+    kinds = dict(net_speed.cases())
+    assert set(kinds.values()) == set(net_speed.LIMITS)
+    assert kinds["normal, 0.5, rtol 1e-12"] == "normal"
+    assert kinds["approach alone, 0.5, rtol 1e-10"] == "normal"
+    assert kinds["full stick, 0.5, rtol 1e-12"] == "full stick"
+    assert kinds["partial slip, 0.5, rtol 1e-12"] == "one disk"
+    assert kinds["partial slip, 0.5, 0, rtol 1e-12"] == "one disk, β = 0"
+    assert kinds["full stick, coupled, 0, rtol 1e-12"] == "coupled"
+    assert kinds["critical friction"] == "sweep by spectra"
+    assert kinds["c*, Q*, one slip annulus"] == "map of c*, Q*"
+
+
+def test_a_measurement_is_of_the_library_that_is_asked_for():
+    found = net_speed.timed(net_baseline.REPOSITORY, 0)
+    assert set(found) == {"import", "first", "cold", "warm"}
+    assert 0.0 < found["warm"] <= found["first"]
 
 
 @pytest.mark.parametrize("place", [0.0, 8.5])
 def test_the_added_case_of_slip_inside_has_it(place):
-    [case] = [case for case in net_cases.ADDED if case[0] == "slip inside"]
-    kinds = [zone.kind for zone in solve(bench_solve.scene_of(case, place), 1e-6).zones]
+    [case] = [case for case in bench_solve.SOLVES["slip"] if case.problem == "slip inside"]
+    kinds = [zone.kind for zone in solve(case.scene(place), 1e-6).zones]
     assert kinds == ["stick", "slip", "stick"]
 
 
 def test_speed_alone_does_not_fail(monkeypatch, capsys):
-    slow = replace(row_of_kind("normal"), case="slow", old=1.0, new=3.0, ratio=3.0)
-    monkeypatch.setattr(net, "speed", lambda quick: [slow])
+    slow = net_speed.Row("slow", "normal", "warm", old=1.0, new=3.0)
+    monkeypatch.setattr(net, "speed", lambda commit, quick: [slow])
     finding = net_checks.Finding("a", True, [], {}, "right")
     monkeypatch.setattr(net, "sections", lambda kept, every: [("coupled thresholds", [finding])])
     monkeypatch.setattr(sys, "argv", ["net.py", "--quick"])
@@ -183,14 +190,14 @@ def test_speed_alone_does_not_fail(monkeypatch, capsys):
     printed = capsys.readouterr()
     assert "**3.00**" in printed.out
     assert "All gates hold. **1 rows are slower than their limits.**" in printed.out
-    assert "slower than its limit: : slow, : 3.00, the limit is 1.1" in printed.err
+    assert "slow, warm: 3.00, SLOWER than its limit 1.1" in printed.err
     finding.verdict = "refused"
     assert net.main() == 1
 
 
 def test_all_coupled_thresholds_are_listed():
-    rows = net_coupled.load()
-    assert len(rows) == 2 * net_coupled.COUNT == 20
+    rows = KEPT["coupled thresholds"]
+    assert len(rows) == 20
     assert all(row["scene"][-1] is True and row["zones"] for row in rows)
     assert len({row["name"] for row in rows}) == len(rows)
 
@@ -200,7 +207,7 @@ def test_coupled_thresholds_have_all_their_zones(monkeypatch, zones, verdict):
     solution = solve(SLIPPING, 1e-9)
     solution = replace(solution, error=replace(solution.error, zones=zones))
     monkeypatch.setattr(net_checks, "solve", lambda *args, **kwargs: solution)
-    row = {"name": "a", "scene": row_of(SLIPPING), "rtol": 1e-9, "zones": [], "slow": False}
+    row = {"name": "a", "scene": ROW["scene"], "rtol": 1e-9, "zones": [], "slow": False}
     [finding] = net_checks.threshold_scenes([row], 1, zones_known=True)
     assert (finding.converged, finding.verdict) == (True, verdict)
     [finding] = net_checks.threshold_scenes([row], 1)
@@ -208,31 +215,33 @@ def test_coupled_thresholds_have_all_their_zones(monkeypatch, zones, verdict):
 
 
 def test_records_of_the_commit_are_stored_as_they_are_loaded(monkeypatch, tmp_path):
-    before = net_commit.load()
+    commit, before = net_baseline.load()
     assert set(before) >= {"gold", "hard", "honesty", "thresholds"}
-    kept = net_commit.FILE.read_text(encoding="utf-8")
-    monkeypatch.setattr(net_commit, "FILE", tmp_path / "before.json")
-    net_commit.save(net_commit.COMMIT, before)
-    assert net_commit.FILE.read_text(encoding="utf-8") == kept
+    kept = net_baseline.FILE.read_text(encoding="utf-8")
+    monkeypatch.setattr(net_baseline, "FILE", tmp_path / "before.json")
+    net_baseline.save(commit, before)
+    assert net_baseline.FILE.read_text(encoding="utf-8") == kept
 
 
 def test_the_net_is_rebased_by_one_command(monkeypatch, tmp_path):
-    monkeypatch.setattr(net_commit, "FILE", tmp_path / "before.json")
+    monkeypatch.setattr(net_baseline, "FILE", tmp_path / "before.json")
     findings = {"gold": [net_checks.Finding("a", True)], "hard": [net_checks.Finding("b", False)]}
-    monkeypatch.setattr(net_checks, "sections", lambda kept, every: findings.items())
-    net_commit.keep_before("1234567")
-    assert net_commit.load() == {
+    monkeypatch.setattr(net, "sections", lambda kept, every: findings.items())
+    net.record("1234567")
+    before = {
         section: {finding.name: finding.to_row() for finding in some}
         for section, some in findings.items()
     }
+    assert net_baseline.load() == ("1234567", before)
     called = []
-    monkeypatch.setattr(net_commit, "run_with_library_of", lambda *args: called.append(args))
-    monkeypatch.setattr(net_commit, "full_hash", lambda commit: f"{commit} in full")
+    monkeypatch.setattr(net_baseline, "checked_out", lambda _: nullcontext(tmp_path))
+    monkeypatch.setattr(net_baseline, "git", lambda *words: f"{words[-1]} in full\n".encode())
+    monkeypatch.setattr(net.subprocess, "run", lambda *words, **more: called.append((words, more)))
     monkeypatch.setattr(sys, "argv", ["net.py", "--rebase", "1234567"])
     assert net.main() == 0
-    [(commit, _, code)] = called
-    assert commit == "1234567 in full"
-    assert code == "import net_commit; net_commit.keep_before('1234567 in full')"
+    [([command], more)] = called
+    assert command[-1].endswith("net.record('1234567^{commit} in full')")
+    assert more["env"]["PYTHONPATH"].startswith(str(tmp_path))
 
 
 def test_what_converged_has_to_converge():

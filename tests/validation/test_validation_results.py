@@ -3,6 +3,7 @@
 import functools
 import json
 import math
+import re
 from collections import defaultdict
 from dataclasses import asdict
 from pathlib import Path
@@ -35,8 +36,6 @@ def record(study):
     [
         ("bad_inputs", "cases", 10_000),
         ("costs", "count", 198),
-        ("coupled_annuli_honesty", "scenes", 60),
-        ("coupled_slip_honesty", "scenes", 120),
         ("coupled_uniqueness", "scenes", 600),
         ("hard_cases", "count", 19),
         ("honesty_thresholds", "scenes", 2_000),
@@ -58,10 +57,26 @@ def test_results_are_fresh_and_of_full_size(study, counted, least):
     assert (RESULTS / f"{study}.md").read_text(encoding="utf-8").startswith(str(found[counted]))
 
 
-@pytest.mark.parametrize("study", ["coupled_annuli_honesty", "coupled_slip_honesty"])
-def test_no_estimate_of_coupled_slip_was_too_small(study):
-    rows = record(study)["rows"]
-    assert max(ratio for row in rows for ratio in row.get("ratios", {}).values()) <= 1.0
+@pytest.mark.parametrize(
+    "path",
+    [
+        path
+        for path in RESULTS.glob("honesty_*.md")
+        if "| median | violations |" in path.read_text("utf-8")
+    ],
+    ids=lambda path: path.stem,
+)
+def test_no_estimate_of_a_stratum_was_too_small(path):
+    text = path.read_text(encoding="utf-8")
+    rows = re.findall(r"^\| [^|]+ \| ([0-9.e-]+) \| [0-9.e-]+ \| (\d+) \|$", text, re.MULTILINE)
+    assert rows
+    assert all(violations == "0" and float(largest) <= 1.0 for largest, violations in rows)
+
+
+def test_strata_of_coupled_slip_are_of_full_size():
+    for name, least in (("coupled_slip", 120), ("coupled_annuli", 60)):
+        text = (RESULTS / f"honesty_{name}.md").read_text(encoding="utf-8")
+        assert int(re.search(r"^(\d+) random scenes", text, re.MULTILINE)[1]) >= least
 
 
 def test_no_estimate_inside_the_body_was_too_small():

@@ -10,91 +10,75 @@ from __future__ import annotations
 import platform
 import subprocess
 import sys
+from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from statistics import median
 
 import numpy as np
 import scipy
-from timed import Case, fresh, goal, seconds, table, unit, warm, write
+from timed import TABLE, Case, fresh, goal, seconds, table, unit, warm, write
 
-KAPPA = 0.8 / 3.6  # at nu = 0.1
+NU = 0.1
+KAPPA = 0.8 / 3.6
 ROUNDS, PROCESSES = 27, 5
 
-#: name, compliances (one for both, or a pair), f/kappa (None: frictionless, inf: full stick), rtol,
-#: quantities, goals in U
-CASES: list[
-    tuple[str, float, float | None, float, tuple[str, ...] | None, float | None, float | None]
-] = [
-    ("normal", 0.5, None, 1e-12, None, 0.75, 0.02),
-    ("normal", 1e-6, None, 1e-12, None, 0.75, 0.02),
-    ("normal", 0.5, None, 1e-4, None, None, 0.005),
-    ("approach alone", 0.5, None, 1e-10, ("approach",), None, 0.01),
-    ("approach alone", 1e-6, None, 1e-10, ("approach",), None, 0.01),
-    ("full stick", 0.5, float("inf"), 1e-12, None, 1.5, None),
-    ("full stick", 1e-6, float("inf"), 1e-12, None, 1.5, None),
-    ("partial slip", 0.5, 0.3, 1e-12, None, 4.0, 0.25),
-    ("partial slip", 1e-6, 2.0, 1e-12, None, 4.0, 0.25),
-    ("partial slip", 0.5, 0.3, 1e-2, None, None, None),
-]
 
-#: Elastic coupling, likewise.
-COUPLED = [
-    ("full stick, coupled", 0.5, float("inf"), 1e-12, None, 3.0, 0.5),
-    ("full stick, coupled", 1e-6, float("inf"), 1e-12, None, 3.0, 0.5),
-    ("full stick, coupled", 0.0, float("inf"), 1e-12, None, None, None),
-    ("partial slip, coupled", 0.5, 0.3, 1e-12, None, None, 5.0),
-    ("partial slip, coupled", 0.5, 0.3, 1e-6, None, None, None),
-    ("partial slip, coupled", 1e-6, 2.0, 1e-12, None, None, 5.0),
-    ("partial slip, coupled", 0.0, 2.0, 1e-12, None, None, None),
-    ("slip inside, coupled", (0.05, 1.0), 0.23, 1e-12, None, None, None),
-    ("slip inside, coupled", (0.05, 1.0), 0.23, 1e-6, None, None, None),
-]
+@dataclass(frozen=True)
+class Solve:
+    """A case of bench.toml."""
 
+    problem: str
+    compliances: tuple[float, float]
+    rtol: float
+    ratio: float | None = None
+    quantities: tuple[str, ...] | None = None
+    cold_goal: float | None = None
+    warm_goal: float | None = None
 
-def scene_of(case: tuple, i: float):
-    """Return the scene of a case, varied by `i` hundredths."""
-    from spectral_contact import Scene
+    @property
+    def name(self) -> str:
+        """The problem with its compliances; one if both are the same."""
+        return ", ".join([self.problem, *(f"{one:g}" for one in dict.fromkeys(self.compliances))])
 
-    _, _, ratio, *_ = case
-    c, b = compliances(case)
-    shift = 1.0 + 0.01 * i
-    nu = 0.1
-    if ratio is None:
-        return Scene(nu, c * shift)
-    friction = ratio if ratio == float("inf") else ratio * KAPPA * shift
-    # a smooth surface has nothing else to vary
-    return Scene(nu * (shift if c == 0.0 else 1.0), c * shift, b * shift, friction, **_more(case))
+    def scene(self, place: float):
+        """Return its scene, varied by so many hundredths."""
+        from spectral_contact import Scene
+
+        alpha, beta = self.compliances
+        shift = 1.0 + 0.01 * place
+        if self.ratio is None:
+            return Scene(NU, alpha * shift)
+        friction = self.ratio * KAPPA * shift
+        # a smooth surface has nothing else to vary
+        nu = NU * shift if alpha == 0.0 else NU
+        more = {"coupling": True} if "coupled" in self.problem else {}
+        return Scene(nu, alpha * shift, beta * shift, friction, **more)
+
+    def work(self, place: float) -> partial:
+        """Return its solve at a place."""
+        from spectral_contact import solve
+
+        return partial(solve, self.scene(place), self.rtol, self.quantities)
 
 
-def compliances(case: tuple) -> tuple[float, float]:
-    """Return the normal and the tangential compliance of a case."""
-    first, second = case[1] if isinstance(case[1], tuple) else (case[1], case[1])
-    return first, second
+#: By group: without coupling, with it, and what the net times beside.
+SOLVES = {
+    group: [Solve(**row | {"compliances": tuple(row["compliances"])}) for row in TABLE[group]]
+    for group in ("solve", "coupled", "slip")
+}
 
 
-def _more(case: tuple) -> dict[str, bool]:
-    """Return what the scenes of a case have beside numbers."""
-    return {"coupling": True} if "coupled" in case[0] else {}
-
-
-def work(case: tuple, place: float) -> partial:
-    """Return the solve of a case at a place."""
-    from spectral_contact import solve
-
-    return partial(solve, scene_of(case, place), case[3], case[4])
-
-
-def cold(case: tuple) -> tuple[float, float]:
+def cold(case: Solve) -> tuple[float, float]:
     """Return the first solve and the one with emptied caches, in U, of this fresh process."""
     from spectral_contact import clear_caches
 
     for module in ("scipy.linalg", "scipy.special"):  # no part of a solve
         import_module(module)
 
-    first = seconds(work(case, 0.0))
+    first = seconds(case.work(0.0))
     clear_caches()
-    anew = seconds(work(case, 0.0))
+    anew = seconds(case.work(0.0))
     return first / unit(), anew / unit()
 
 
@@ -114,15 +98,15 @@ def main(name: str) -> None:
     """Measure and write."""
     numpy_import, own_import = import_time()
     rows = []
-    for case in COUPLED if name == "bench_coupled" else CASES:
-        what, _, _, rtol, _, cold_goal, warm_goal = case
-        both = ", ".join(f"{c:g}" for c in dict.fromkeys(compliances(case)))
-        time, ratio = warm(Case((), partial(work, case), 0.0, ROUNDS))
-        unknowns = work(case, 0.5)().work.unknowns
+    for case in SOLVES[name.removeprefix("bench_")]:
+        time, ratio = warm(Case((), case.work, 0.0, ROUNDS))
+        unknowns = case.work(0.5)().work.unknowns
         runs = [fresh(cold, case) for _ in range(PROCESSES)]
         first, anew = (f"{median(column):.2f}" for column in zip(*runs, strict=True))
-        times = f"{1e3 * time:.2f}", f"{ratio:.3f}", goal(warm_goal), first, goal(cold_goal), anew
-        rows.append((what, both, f"{rtol:g}", unknowns, *times))
+        both = ", ".join(f"{c:g}" for c in dict.fromkeys(case.compliances))
+        begin = case.problem, both, f"{case.rtol:g}", unknowns
+        times = f"{1e3 * time:.2f}", f"{ratio:.3f}", goal(case.warm_goal)
+        rows.append((*begin, *times, first, goal(case.cold_goal), anew))
         print(*rows[-1], flush=True)
     about = (
         f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}, "

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -19,7 +20,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from timed import fresh, seconds, table, unit, write
+from timed import TABLE, fresh, seconds, table, unit, write
 
 TOLERANCES = (1e-8, 1e-12)
 CHECKED, LATER, PAIRS = 8, 2, 5
@@ -27,14 +28,14 @@ CHECKED, LATER, PAIRS = 8, 2, 5
 
 @dataclass(frozen=True)
 class Case:
-    """A sweep, and how fast it should be at ``rtol=1e-8``."""
+    """A sweep of bench.toml, and how fast it should be at ``rtol=1e-8``."""
 
     name: str
-    quantities: tuple[str, ...]
+    quantities: Sequence[str]
     goal: float
-    axes: dict[str, tuple[float, float, int]]
+    axes: dict[str, Sequence[float]]
     friction: float | None = None
-    fixed: tuple[float, float] = (0.5, 0.5)
+    fixed: Sequence[float] = (0.5, 0.5)
 
     def scene(self):
         """Return the scene whose parameters vary."""
@@ -45,60 +46,14 @@ class Case:
     def arguments(self, rtol: float) -> dict[str, Any]:
         """Return what `sweep` is called with."""
         axes = {
-            name: (np.linspace if name == "friction" else np.geomspace)(*range_)
-            for name, range_ in self.axes.items()
+            name: (np.linspace if name == "friction" else np.geomspace)(*ends)
+            for name, ends in self.axes.items()
         }
         places = {"from_edge": [0.0]} if "pressure" in self.quantities else {}
-        return {**axes, "quantities": list(self.quantities), "rtol": rtol, **places}
+        return {**axes, "quantities": self.quantities, "rtol": rtol, **places}
 
 
-def _plane(count: int) -> dict[str, tuple[float, float, int]]:
-    return {
-        "normal_compliance": (1e-2, 1e2, count),
-        "tangential_compliance": (1e-2, 1e2, count),
-    }
-
-
-#: Friction below the edge ratio of full stick, so that there is slip in every scene.
-_SLIPPING = {"friction": (0.005, 0.09, 100), "normal_compliance": (0.5, 5.0, 3)}
-CASES = (
-    Case(
-        "δ*, p*(1)", ("approach", "pressure"), 5e5, {"normal_compliance": (1e-10, 1e10, 1_000_000)}
-    ),
-    Case("Q*, full stick", ("total_shear",), 1e5, _plane(500), math.inf),
-    Case("edge ratio", ("edge_ratio",), 1e3, _plane(500), math.inf),
-    Case("critical friction", ("critical_friction",), 1e3, _plane(100), math.inf),
-    Case("c*, Q*, one slip annulus", ("stick_radius", "total_shear"), 1000, _SLIPPING),
-    *(
-        Case(
-            f"c*, Q*, slip inside, {steps} steps",
-            ("stick_radius", "total_shear"),
-            100,
-            {"friction": (0.0294, 0.0370, count)},
-            fixed=(0.05, 1.0),
-        )
-        for steps, count in (("small", 100), ("large", 8))
-    ),
-    Case(
-        "c*, Q*, one slip annulus, f and β",
-        ("stick_radius", "total_shear"),
-        1000,
-        {"friction": (0.005, 0.045, 100), "tangential_compliance": (0.05, 0.5, 10)},
-    ),
-    Case(
-        "c*, Q*, one slip annulus, f and ν",
-        ("stick_radius", "total_shear"),
-        1000,
-        {"friction": (0.005, 0.035, 100), "poisson_ratio": (0.1, 0.3, 10)},
-    ),
-    Case(
-        "c*, Q*, one slip annulus, α and β",
-        ("stick_radius", "total_shear"),
-        1000,
-        {"normal_compliance": (0.5, 5.0, 20), "tangential_compliance": (0.05, 0.5, 20)},
-        0.03,
-    ),
-)
+CASES = [Case(**row) for row in TABLE["sweep"]]
 
 
 def measured(number: int, rtol: float) -> dict[str, Any]:

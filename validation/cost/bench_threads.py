@@ -128,24 +128,15 @@ def main(name: str) -> None:
     for busy in (0, BUSY):
         with load(busy):
             rows += [row(*case, busy) for case in CASES]
-    blas = [
-        {key: one[key] for key in ("prefix", "version", "threading_layer", "num_threads")}
-        for one in threadpool_info()
-        if one["user_api"] == "blas"
-    ]
-    versions = {"python": platform.python_version(), "numpy": np.__version__}
-    versions["scipy"] = scipy.__version__
     about = (
-        f"{', '.join(f'{key} {one}' for key, one in versions.items()).capitalize()}, "
+        f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}, "
         f"{os.cpu_count()} processors, load average {before:.1f} before. The hold costs "
         f"{cost['first_us']:.1f} µs a solve, {cost['inside_us']:.1f} µs inside another."
     )
-    count = max(one["num_threads"] for one in blas)
+    count = max(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
     heading = f"problem | busy processes | one thread [ms] | {count} threads [ms] | ratio"
     cells = (
         (r["case"], r["busy"], f"{r['held_ms']:.1f}", f"{r['free_ms']:.1f}", f"{r['ratio']:.2f}")
         for r in rows
     )
-    record = {**versions, "processors": os.cpu_count(), "blas": blas, "load_before": before}
-    record |= {"price": cost, "rows": rows}
-    write(name, f"{about}\n\n{table(heading, cells)}", record)
+    write(name, f"{about}\n\n{table(heading, cells)}", {"price": cost, "rows": rows})

@@ -3,55 +3,48 @@
 Run as ``python validation/cost/costs.py [--quick] [--store FOLDER]``; writes costs.json and .md,
 and by matplotlib costs.png and costs_growth.png, into validation/results.
 Whatever is done is kept in the store, and the same command goes on where a run was stopped; what
-other sources of the library gave is not taken. The truths, to 20 digits, are kept in
-costs_truths.json beside the results, and made once, in some ten minutes. The price of many digits
-is that of bench.py reference. With --quick times are rough, of one repeat, truths that are not
-there yet are solves to 1e-12 on other panels, and unknowns that fall are looked for in fewer gold
-scenes.
+other sources of the library gave is not taken. The truths have 20 digits, of gold tables or of
+`reference`, which takes some ten minutes. The price of many digits is that of bench.py reference.
+With --quick times are rough, of one repeat, truths are solves to 1e-12 on other panels, and
+unknowns that fall are looked for in fewer gold scenes.
 """
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from dataclasses import asdict
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
-from costs_prices import MANY_DIGITS, RTOL, Price, prices, step_seconds
-from costs_report import (
-    all_unknowns,
-    draw_errors,
-    draw_growth,
-    growth_argument,
-    tables,
-)
+from costs_report import all_unknowns, draw_errors, draw_growth, growth_argument, tables
 from flat_punches import sources
 from honesty_scenes import true_solution
-from reporting import RESULTS, options, stored, unit, write
+from reporting import RESULTS, options, resumed, stored, unit, write
 from scipy.stats import linregress, t
 
-from spectral_contact import Scene, Solution, gold, solve
+from spectral_contact import Scene, Solution, clear_caches, gold, solve
 from spectral_contact.studies import (
     OwnSolver,
     Point,
+    Timing,
     Truth,
     convergence,
     this_machine,
     truth_of,
 )
 from spectral_contact.studies.timing import times_of
-from spectral_contact.view.progress import ProgressLine
 
 STORE = Path(tempfile.gettempdir()) / "spectral_contact_costs"
-TRUTHS = RESULTS / "costs_truths.json"
 EPS = 2.0**-52
 
 NU, FRICTION = 0.1, 0.1
@@ -65,107 +58,47 @@ MANY_TOLERANCES = tuple(float(f"{10.0 ** (-k / 4):.3g}") for k in range(8, 49))
 REPEATS = 5
 FEWER_SCENES = 25
 
-Task = tuple[str, Callable[[], Any]]
+#: The price list: its tolerance, and two scenes, one with slip between two zones of stick.
+RTOL = 1e-10
+ONE_DISK = Scene(0.1, 0.5, 0.5, 0.1)
+ANNULUS = Scene(0.3, 0.05, 1.0, 0.23 / 7.0)
+#: What bench.py reference calls the first scene.
+MANY_DIGITS = "partial slip, α* = β* = 0.5, f = 0.1"
+RADII = np.linspace(0.0, 1.0, 1000)
+
+Record = dict[str, Any]
 
 
-def scene_of(problem: str, compliance: float) -> Scene:
-    """Return the scene of a problem at a compliance."""
+# --- digits and roughness -------------------------------------------------------------------------
+
+
+def points_of(problem: str, compliance: float, repeats: int) -> list[Record]:
+    """Return the points of a problem at a compliance, one for each tolerance."""
     friction = PROBLEMS[problem]
-    return Scene(NU, compliance, 0.0 if friction is None else compliance, friction)
-
-
-CASES = {(p, c): scene_of(p, c) for p in PROBLEMS for c in COMPLIANCES}
-
-
-def run(tasks: list[Task]) -> Iterator[Any]:
-    """Yield the outcomes of tasks, with a line of progress."""
-    with ProgressLine(None) as tell:
-        for i, (name, task) in enumerate(tasks):
-            tell(name, i / len(tasks))
-            yield task()
-        tell("", 1.0)
-
-
-def kept(path: Path, make: Callable[[], Any]) -> Any:
-    """Return what a file of JSON holds; it is made if it is not there."""
-    if not path.exists():
-        text = json.dumps(make(), allow_nan=False)
-        part = path.with_suffix(".part")
-        part.write_text(text + "\n", encoding="utf-8")
-        part.replace(path)
-    return json.loads(path.read_text(encoding="utf-8"))
-
-
-# --- truths ---------------------------------------------------------------------------------------
-
-
-def truth_row(truth: Truth) -> dict[str, Any]:
-    """Return a truth as an object of JSON; infinite values are null."""
-    row = asdict(truth) | {"scene": truth.scene.to_dict(), "from_edge": truth.from_edge.tolist()}
-    row["fields"] = {
-        name: [value if math.isfinite(value) else None for value in values.tolist()]
-        for name, values in truth.fields.items()
-    }
-    return row
-
-
-def truth_from_row(row: dict[str, Any]) -> Truth:
-    """Return the truth that `truth_row` wrote."""
-    fields = {
-        name: np.array([math.inf if value is None else value for value in values])
-        for name, values in row["fields"].items()
-    }
-    known = {"scene": Scene.from_dict(row["scene"]), "from_edge": np.array(row["from_edge"])}
-    return Truth(**(row | known | {"fields": fields}))
-
-
-def truths(quick: bool) -> dict[Scene, Truth]:
-    """Return the truths of all cases; those that are missing are made, and kept unless quick."""
-    rows = json.loads(TRUTHS.read_text(encoding="utf-8")) if TRUTHS.exists() else []
-    found = {truth.scene: truth for truth in map(truth_from_row, rows)}
-    missing = [scene for scene in CASES.values() if scene not in found]
-    if quick:
-        return found | {scene: truth_of(scene, true_solution(scene)) for scene in missing}
-    tasks = [(f"truth at α* = {s.normal_compliance:g}", lambda s=s: truth_of(s)) for s in missing]
-    for truth in run(tasks):
-        found[truth.scene] = truth
-        text = json.dumps([truth_row(one) for one in found.values()], indent=1, allow_nan=False)
-        TRUTHS.write_text(text + "\n", encoding="utf-8")
-    return found
-
-
-# --- measurements ---------------------------------------------------------------------------------
-
-
-def points_of(scene: Scene, truth: Truth, repeats: int) -> list[dict]:
-    """Return the points of one scene at all tolerances."""
+    scene = Scene(NU, compliance, 0.0 if friction is None else compliance, friction)
+    truth = truth_of(scene, true_solution(scene) if repeats < REPEATS else None)
     study = convergence(OwnSolver(), scene, TOLERANCES, truth, repeats=repeats)
-    return [row_of(point) for point in study.points]
+    named = {"problem": problem, "compliance": compliance, "truth": truth.source}
+    return [named | row_of(point, truth) for point in study.points]
 
 
-def row_of(point: Point) -> dict[str, Any]:
-    """Return a point with the unknowns of every step of its solve."""
+def row_of(point: Point, truth: Truth) -> Record:
+    """Return a point with the unknowns of every step, and the errors above their estimates."""
     work = OwnSolver()(point.scene, point.resolution).work
     assert work.unknowns == point.unknowns
-    steps = {step.name: step.unknowns for step in work.steps if step.unknowns}
-    row = asdict(point) | {"scene": point.scene.to_dict()}
-    return row | {"systems": steps, "refinements": work.refinements}
+    return asdict(point) | {
+        "scene": point.scene.to_dict(),
+        "systems": {step.name: step.unknowns for step in work.steps if step.unknowns},
+        "refinements": work.refinements,
+        "exceeded": [
+            name
+            for name, estimate in point.estimates.items()
+            if point.errors[name] > estimate + truth.error[name] + EPS
+        ],
+    }
 
 
-def exceeded(points: list[dict], known: dict[Scene, Truth]) -> list[dict]:
-    """Return where a true error is above its estimate, that of the truth and rounding aside."""
-    found = []
-    for point in points:
-        truth = known[CASES[point["problem"], point["compliance"]]]
-        for name, estimate in point["estimates"].items():
-            error = float(point["errors"][name])
-            if error > float(estimate) + truth.error[name] + EPS:
-                place = {key: point[key] for key in ("problem", "compliance", "resolution")}
-                found.append({**place, "quantity": name, "error": error, "estimate": estimate})
-    return found
-
-
-def falls(scene: Scene) -> dict[str, Any]:
+def falls(scene: Scene) -> Record:
     """Return where fewer unknowns meet a tighter tolerance, and what tolerances are not met.
 
     The falls are [system, tolerance, unknowns before, unknowns at it]; the system is a step, or
@@ -185,17 +118,51 @@ def falls(scene: Scene) -> dict[str, Any]:
     return {"scene": scene.to_dict(), "falls": found, "unmet": unmet}
 
 
-def priced(price: Price, repeats: int) -> dict[str, Any]:
+# --- prices ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class OfSolution:
+    """Something that is asked of a solution which is there already; timed like a solver."""
+
+    asked: Callable[[], Any]
+    clear_caches: ClassVar[Callable[[], None]] = staticmethod(clear_caches)
+
+    def __call__(self, _scene: Scene, _rtol: float) -> Any:
+        """Return what is asked."""
+        return self.asked()
+
+
+def prices() -> list[tuple[str, Scene, Callable[[Scene, float], Any]]]:
+    """Return the items, from the cheapest solve to what is asked of its solution."""
+    solution = solve(ONE_DISK, RTOL)
+    fields = [
+        (f"{name} at {len(RADII)} radii", OfSolution(partial(getattr(solution, name), RADII)))
+        for name in ("pressure", "traction", "slip")
+    ]
+    bounds = OfSolution(lambda: solution.approach_bounds)
+    return [
+        ("approach alone", ONE_DISK, OwnSolver(("approach",))),
+        ("pressure", ONE_DISK, OwnSolver(("pressure",))),
+        ("does it slip? (full stick)", ONE_DISK, OwnSolver(("critical_friction",))),
+        ("everything, one stick disk", ONE_DISK, OwnSolver()),
+        ("everything, slip in an annulus", ANNULUS, OwnSolver()),
+        *((name, ONE_DISK, task) for name, task in fields),
+        ("rigorous bounds of the approach", ONE_DISK, bounds),
+    ]
+
+
+def priced(item: str, scene: Scene, task: Callable[[Scene, float], Any], repeats: int) -> Record:
     """Return what an item of the price list costs."""
-    outcome = price.task(price.scene, RTOL)
-    times = times_of(price.task, price.scene, RTOL, repeats)
+    outcome = task(scene, RTOL)
+    times = times_of(task, scene, RTOL, repeats)
     unknowns = None
     if isinstance(outcome, Solution):
         unknowns = sum(step.unknowns for step in outcome.work.steps)
-    return {"item": price.item, "unknowns": unknowns, "times": asdict(times)}
+    return {"item": item, "unknowns": unknowns, "times": asdict(times)}
 
 
-def digits_priced() -> list[dict[str, Any]]:
+def digits_priced() -> list[Record]:
     """Return the price of many digits, as bench.py reference measured it."""
     return [
         {"item": f"{row['digits']} digits", "unknowns": row["unknowns"], "seconds": row["seconds"]}
@@ -204,10 +171,24 @@ def digits_priced() -> list[dict[str, Any]]:
     ]
 
 
+def step_seconds(repeats: int) -> list[Record]:
+    """Return what the steps of the two complete solves take, warm."""
+    rows = []
+    for name, scene in (("one stick disk", ONE_DISK), ("slip in an annulus", ANNULUS)):
+        solve(scene, RTOL)
+        taken: dict[str, list[float]] = defaultdict(list)
+        for _ in range(4 * repeats):
+            for step in solve(scene, RTOL).work.steps:
+                taken[step.name].append(step.seconds)
+        for step, seconds in taken.items():
+            rows.append({"solve": name, "step": step} | asdict(Timing.of(seconds)))
+    return rows
+
+
 # --- growth ---------------------------------------------------------------------------------------
 
 
-def line(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
+def line(x: np.ndarray, y: np.ndarray) -> Record:
     """Return the line of least squares, with the interval of 95 per cent of its slope."""
     fit = linregress(x, y)
     half = fit.stderr * t.ppf(0.975, len(x) - 2)
@@ -220,7 +201,7 @@ def line(x: np.ndarray, y: np.ndarray) -> dict[str, Any]:
     }
 
 
-def fits(points: list[dict], problem: str) -> dict[str, Any]:
+def fits(points: list[Record], problem: str) -> Record:
     """Return the growth of unknowns and of warm times, on rough surfaces."""
     rough = [p for p in points if p["problem"] == problem and p["compliance"] > 0.0]
     x, tapered = (
@@ -237,53 +218,42 @@ def fits(points: list[dict], problem: str) -> dict[str, Any]:
     }
 
 
-def record(store: Path, repeats: int) -> dict[str, Any]:
+def record(store: Path, repeats: int) -> Record:
     """Measure what the store does not hold yet, and return the record of the study."""
-    store.mkdir(parents=True, exist_ok=True)
-    quick = repeats < REPEATS
-    known = truths(quick)
-    grid: list[Task] = [
-        (
-            f"{problem} at {compliance:g}",
-            lambda scene=scene, name=f"{problem}_{compliance:g}.json": kept(
-                store / name.replace(" ", "_"), lambda: points_of(scene, known[scene], repeats)
-            ),
-        )
-        for (problem, compliance), scene in CASES.items()
-    ]
-    points = [
-        {"problem": problem, "compliance": compliance} | row
-        for (problem, compliance), rows in zip(CASES, run(grid), strict=True)
-        for row in rows
-    ]
     scenes = [solution.scene for table in gold.tables() for solution in table.solutions]
-    scenes = scenes[: FEWER_SCENES if quick else None]
-    looked: list[Task] = [
-        (f"scene {i}", lambda i=i, s=s: kept(store / f"falls_{i}.json", lambda: falls(s)))
-        for i, s in enumerate(scenes)
-    ]
-    findings = [found for found in run(looked) if found["falls"] or found["unmet"]]
-    listed: list[Task] = [
-        (p.item, lambda i=i, p=p: kept(store / f"price_{i}.json", lambda: priced(p, repeats)))
-        for i, p in enumerate(prices())
-    ]
+    scenes = scenes[: FEWER_SCENES if repeats < REPEATS else None]
+    tasks = {
+        "points": {
+            "{} at {:g}".format(*case): partial(points_of, *case, repeats)
+            for case in product(PROBLEMS, COMPLIANCES)
+        },
+        "falls": {f"scene {i}": partial(falls, scene) for i, scene in enumerate(scenes)},
+        "prices": {price[0]: partial(priced, *price, repeats) for price in prices()},
+        "rest": {"steps": partial(step_seconds, repeats), "dense solve": unit},
+    }
+    done = {
+        group: resumed(store.with_name(f"{store.name}-{group}.jsonl"), some)
+        for group, some in tasks.items()
+    }
+    points = [point for rows in done["points"].values() for point in rows]
+    looked = done["falls"].values()
     return {
         "sources": sources(),
         "count": len(points),
         "repeats": repeats,
         "machine": this_machine(),
-        "dense_solve_seconds": kept(store / "dense_solve.json", unit),
-        "truths": sorted({truth.source for truth in known.values()}),
-        "exceeded": exceeded(points, known),
+        "dense_solve_seconds": done["rest"]["dense solve"],
+        "truths": sorted({point["truth"] for point in points}),
+        "exceeded": [point | {"quantity": q} for point in points for q in point["exceeded"]],
         "fits": {problem: fits(points, problem) for problem in PROBLEMS},
         "monotony": {
             "scenes": len(scenes),
             "tolerances": list(MANY_TOLERANCES),
-            "findings": findings,
+            "findings": [found for found in looked if found["falls"] or found["unmet"]],
         },
-        "prices": [*run(listed), *digits_priced()],
+        "prices": [*done["prices"].values(), *digits_priced()],
         "price_rtol": RTOL,
-        "steps": kept(store / "steps.json", lambda: step_seconds(repeats)),
+        "steps": done["rest"]["steps"],
         "points": points,
     }
 
@@ -291,9 +261,8 @@ def record(store: Path, repeats: int) -> dict[str, Any]:
 def main() -> None:
     """Run, or go on, and write the results."""
     asked = options(__doc__, quick=False, store=str(STORE))
-    repeats = 1 if asked.quick else REPEATS
     store = Path(asked.store) / f"{sources()}-{'quick' if asked.quick else 'full'}"
-    found = record(store, repeats)
+    found = record(store, 1 if asked.quick else REPEATS)
     write("costs", tables(found), found)
     draw_errors(found, RESULTS / "costs.png")
     draw_growth(found, RESULTS / "costs_growth.png")

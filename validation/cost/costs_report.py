@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from reporting import table
 
 from spectral_contact.view.plotting import save, style
@@ -75,41 +75,41 @@ def _number(value: float, digits: int = 2) -> str:
 
 def tables(record: Record) -> str:
     """Return the Markdown tables, each after a comment by which a page can quote it."""
-    parts = [
-        ("about", _about(record)),
-        ("digits", _digits(record)),
-        ("roughness", _roughness(record)),
-        ("growth", _growth(record)),
-        ("monotony", _monotony(record)),
-        ("prices", _prices(record)),
-        ("steps", _steps(record)),
-        ("points", _points(record)),
-    ]
+    parts = {
+        "about": _about,
+        "digits": _digits,
+        "roughness": _roughness,
+        "growth": _growth,
+        "monotony": _monotony,
+        "prices": _prices,
+        "steps": _steps,
+        "points": _points,
+    }
     text = f"{record['count']} solves.\n\n"
-    return text + "\n".join(f"<!-- {name} -->\n\n{part}\n" for name, part in parts)
+    return text + "\n".join(f"<!-- {name} -->\n\n{make(record)}\n" for name, make in parts.items())
 
 
 def _about(record: Record) -> str:
     machine = record["machine"]
     problems, compliances = _cases(record)
     over = record["exceeded"]
-    rough = "**Times are rough**: one repeat on a busy machine."
-    taken = (
-        f"Warm: the median of {record['repeats']} repeats or more of the same solve; cold: that "
-        "of solves with empty caches."
-    )
-    lines = [
+    taken = "**Times are rough**: one repeat on a busy machine."
+    if record["repeats"] > 1:
+        taken = (
+            f"Warm: the median of {record['repeats']} repeats or more of the same solve; cold: "
+            "that of solves with empty caches."
+        )
+    about = (
         f"{len(problems)} problems at {len(compliances)} compliances, {record['count']} solves. "
-        f"{taken if record['repeats'] > 1 else rough} One BLAS thread. {machine['processor']}, "
+        f"{taken} One BLAS thread. {machine['processor']}, "
         f"Python {machine['python']}, numpy {machine['numpy']}; U, one `numpy.linalg.solve` of "
         f"1000 dense equations there, takes {1e3 * record['dense_solve_seconds']:.0f} ms. Truth: "
-        f"{'; '.join(record['truths'])}.",
-        "",
-        f"True errors above their estimates: {len(over) or 'none'}.",
-    ]
+        f"{'; '.join(record['truths'])}."
+    )
+    lines = [about, "", f"True errors above their estimates: {len(over) or 'none'}."]
     lines += [
         f"{p['problem']} at {p['compliance']:g}, `rtol={p['resolution']:g}`: {p['quantity']}, "
-        f"error {p['error']:.1e}, estimate {p['estimate']:.1e}."
+        f"error {p['errors'][p['quantity']]:.1e}, estimate {p['estimates'][p['quantity']]:.1e}."
         for p in over
     ]
     return "\n".join(lines)
@@ -150,21 +150,22 @@ def _roughness(record: Record) -> str:
 
 def _growth(record: Record) -> str:
     """Return the fitted growth with intervals of 95 per cent."""
-
-    def span(line: Record) -> str:
-        low, high = line["interval"]
-        return f"{line['slope']:.3g} [{low:.3g}, {high:.3g}]"
-
-    def law(line: Record) -> str:
-        return f"{line['intercept']:.0f} + {span(line)}, ± {line['residual']:.0f}"
-
     heading = ["problem", "points", "N = a + b L", "N = a + b L′", "N ~ L^k: k", "time ~ N^m: m"]
     rows = []
     for problem, fit in record["fits"].items():
-        laws = [law(fit[name]) for name in ("unknowns", "unknowns_tapered")]
-        powers = [span(fit[name]) for name in ("unknowns_power", "time_power")]
+        laws = [
+            f"{line['intercept']:.0f} + {_span(line)}, ± {line['residual']:.0f}"
+            for line in (fit["unknowns"], fit["unknowns_tapered"])
+        ]
+        powers = [_span(fit[name]) for name in ("unknowns_power", "time_power")]
         rows.append([problem, str(fit["unknowns"]["count"]), *laws, *powers])
     return table(" | ".join(heading), rows)
+
+
+def _span(line: Record) -> str:
+    """Return a slope with its interval."""
+    low, high = line["interval"]
+    return f"{line['slope']:.3g} [{low:.3g}, {high:.3g}]"
 
 
 def _monotony(record: Record) -> str:
@@ -261,23 +262,22 @@ def _points(record: Record) -> str:
 
 
 def _power(number: float) -> str:
-    exponent = math.log10(number) if number > 0.0 else math.nan
-    return rf"$10^{{{exponent:.0f}}}$" if number < 0.1 and number > 0.0 else f"{number:g}"
+    if number == 0.0 or number >= 0.1:
+        return f"{number:g}"
+    return rf"$10^{{{math.log10(number):.0f}}}$"
 
 
 def draw_errors(record: Record, path: Path) -> None:
     """Draw true errors and estimates over the tolerance: a row a problem, a column a compliance."""
     problems, compliances = _cases(record)
     with style():
-        from matplotlib.figure import Figure
-
         figure = Figure(figsize=(11.0, 5.8), layout="constrained")
         rows = figure.subplots(len(problems), len(compliances), sharex=True, sharey=True)
         for row, problem in zip(rows, problems, strict=True):
             for axes, compliance in zip(row, compliances, strict=True):
                 points = series(record, problem, compliance)
                 rtol = [p["resolution"] for p in points]
-                axes.plot(rtol, rtol, color="0.6", lw=0.8, label="tolerance")
+                axes.plot(rtol, rtol, color="0.6", lw=0.8)
                 estimates = [max(worst(p, "estimates"), LEAST) for p in points]
                 axes.plot(rtol, estimates, "s--", color="0.35", mfc="white", ms=4.0, lw=0.8)
                 errors = [max(worst(p, "errors"), LEAST) for p in points]
@@ -291,13 +291,9 @@ def draw_errors(record: Record, path: Path) -> None:
             axes.set_title(rf"$\alpha^* = \beta^* =$ {_power(compliance)}")
         for axes in rows[-1]:
             axes.set_xlabel("rtol")
-        handles = rows[0][0].get_lines()
-        names = [
-            "tolerance asked",
-            "estimate",
-            "true relative error, at the worst place (0 at $10^{-16}$)",
-        ]
-        figure.legend(handles, names, loc="outside lower center", ncols=3)
+        names = ["tolerance asked", "estimate"]
+        names.append("true relative error, at the worst place (0 at $10^{-16}$)")
+        figure.legend(rows[0][0].get_lines(), names, loc="outside lower center", ncols=3)
         figure.supylabel("the worst of $\\delta^*$, $p^*$, $q^*$, $Q^*$", fontsize=9.0)
     save(figure, str(path))
 
@@ -307,8 +303,6 @@ def draw_growth(record: Record, path: Path) -> None:
     problems, compliances = _cases(record)
     rough = [c for c in compliances if c > 0.0]
     with style():
-        from matplotlib.figure import Figure
-
         figure = Figure(figsize=(9.4, 6.4), layout="constrained")
         top, bottom = figure.subplots(2, len(problems), sharey="row")
         for axes, below, problem in zip(top, bottom, problems, strict=True):
@@ -317,23 +311,14 @@ def draw_growth(record: Record, path: Path) -> None:
                 x = [growth_argument(p["resolution"], compliance) for p in points]
                 unknowns = list(map(all_unknowns, points))
                 mark = {"marker": marker, "ls": "", "ms": 4.0, "color": "black"}
-                label = rf"$\alpha^* =$ {_power(compliance)}"
-                axes.plot(x, unknowns, **mark, label=label)
+                axes.plot(x, unknowns, **mark, label=rf"$\alpha^* =$ {_power(compliance)}")
                 below.plot(unknowns, list(map(_warm, points)), **mark)
                 below.plot(unknowns, list(map(_cold, points)), **mark | {"mfc": "white"}, mew=0.6)
-            _draw_line(axes, record["fits"][problem]["unknowns"], lambda x: x, 0.0, _reach(axes))
-            fit = record["fits"][problem]["time_power"]
-            span = [all_unknowns(p) for c in rough for p in series(record, problem, c)]
-            low, high = float(min(span)), float(max(span))
-            _draw_line(below, fit, np.log, low, high, scale=1e3)
-            axes.set(
-                title=problem,
-                xlabel=r"$L = \ln(1/\mathrm{rtol})\;\ln(1/(\alpha^*\,\mathrm{rtol}))$",
-            )
+            axes.set(title=problem, xlabel=PRODUCT)
             below.set(xscale="log", yscale="log", xlabel="unknowns $N$")
             below.set_xticks([30, 100, 300, 1000], ["30", "100", "300", "1000"])
-            below.set_xlim(0.8 * low, 1.25 * high)
             below.minorticks_off()
+            _draw_laws(axes, below, record["fits"][problem])
         top[0].set_ylabel("unknowns $N$, all systems together")
         bottom[0].set_ylabel("time [ms]: full warm, open cold")
         bottom[0].set_ylim(top=5.0 * max(axes.dataLim.y1 for axes in bottom))  # room for the laws
@@ -342,28 +327,22 @@ def draw_growth(record: Record, path: Path) -> None:
     save(figure, str(path))
 
 
-def _reach(axes: Any) -> float:
-    return float(axes.dataLim.x1)
-
-
-def _draw_line(
-    axes: Any,
-    line: Record,
-    scale_of: Callable[[Any], Any],
-    low: float,
-    high: float,
-    scale: float = 1.0,
-) -> None:
-    """Draw a fitted line with its law; over logarithms it is a power."""
-    logarithmic = scale_of is np.log
-    x = np.geomspace(low, high, 50) if logarithmic else np.linspace(low, high, 2)
-    y = line["intercept"] + line["slope"] * scale_of(x)
-    axes.plot(x, scale * np.exp(y) if logarithmic else y, color="0.45", lw=1.0)
-    ends = "[{:.3g}, {:.3g}]".format(*line["interval"])
-    law = rf"$t \sim N^m$, $m$ = {line['slope']:.3g} {ends}"
-    if not logarithmic:
-        law = rf"$N = {line['intercept']:.0f} + b\,L$, $b$ = {line['slope']:.3g} {ends}"
-    axes.text(0.03, 0.95, law, transform=axes.transAxes, va="top", fontsize=8.0)
+def _draw_laws(axes: Any, below: Any, fits: Record) -> None:
+    """Draw the fitted line of unknowns, and the fitted power of times."""
+    line, power = fits["unknowns"], fits["time_power"]
+    place = {"va": "top", "fontsize": 8.0}
+    x = np.array([0.0, axes.dataLim.x1])
+    axes.plot(x, line["intercept"] + line["slope"] * x, color="0.45", lw=1.0)
+    law = rf"$N = {line['intercept']:.0f} + b\,L$, $b$ = {_span(line)}"
+    axes.text(0.03, 0.95, law, transform=axes.transAxes, **place)
+    low, high = below.dataLim.x0, below.dataLim.x1
+    n = np.geomspace(low, high, 50)
+    times = 1e3 * np.exp(power["intercept"] + power["slope"] * np.log(n))
+    below.plot(n, times, color="0.45", lw=1.0)
+    below.text(
+        0.03, 0.95, rf"$t \sim N^m$, $m$ = {_span(power)}", transform=below.transAxes, **place
+    )
+    below.set_xlim(0.8 * low, 1.25 * high)
 
 
 def _seconds(seconds: float) -> str:

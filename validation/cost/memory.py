@@ -21,7 +21,6 @@ sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
-import scipy
 from honesty_scenes import random_scene
 from reporting import options, table, write
 
@@ -98,23 +97,18 @@ def main() -> None:
     rows.append(row(count, "cycles collected"))
     clear_caches()
     rows.append(row(count, "caches cleared"))
-    record = {
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "libc": " ".join(platform.libc_ver()),
-        "seed": SEED,
-        "rtol": RTOL,
-        "allowed": MAX_CACHE_BYTES / MEGA,
-        "rows": rows,
-    }
+    allowed = MAX_CACHE_BYTES / MEGA
     about = (
-        f"Python {record['python']}, numpy {record['numpy']}, {record['libc']}; "
-        f"megabytes, of which caches may hold {record['allowed']:.0f}."
+        f"Python {platform.python_version()}, numpy {np.__version__}, "
+        f"{' '.join(platform.libc_ver())}; megabytes, of which caches may hold {allowed:.0f}."
     )
     shown = [one for k, one in enumerate(rows) if k % 5 == 0 or one["what"]]
     heading = "scenes | resident | peak | alive | cached | Python's blocks [1000]"
-    write("memory", f"{about}\n\n{table(heading, map(cells, shown))}", record)
+    write(
+        "memory",
+        f"{about}\n\n{table(heading, map(cells, shown))}",
+        {"allowed": allowed, "rows": rows},
+    )
 
 
 if __name__ == "__main__":

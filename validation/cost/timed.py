@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import tomllib
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -16,6 +17,8 @@ sys.path.append(str(Path(__file__).parents[1]))
 
 from reporting import seconds, table, unit, write
 
+#: What is timed of whole solves and sweeps.
+TABLE = tomllib.loads((Path(__file__).parent / "bench.toml").read_text(encoding="utf-8"))
 #: Scenes that differ, before they are repeated.
 SCENES = 9
 

@@ -10,21 +10,13 @@ scene of ten is a power law on a smooth surface, whose pull-off is a closed form
 
 from __future__ import annotations
 
-from math import pi
-
 import numpy as np
 from honesty_table import Outcome, Stratum, decade, in_turn, largest
-from profiles import FROM_EDGE, LEAST, MOST, ROUNDING, Better, drawn
+from profiles import LEAST, MOST, ROUNDING, Better, compared, drawn
 
 from spectral_contact import Scene, closed_forms, pull_off
 from spectral_contact import profiles as shapes
-from spectral_contact.contact.adhesion import (
-    BY_APPROACH,
-    BY_LOAD,
-    AdhesiveCurve,
-    Control,
-    NoState,
-)
+from spectral_contact.contact.adhesion import BY_APPROACH, BY_LOAD, AdhesiveCurve, Control, NoState
 from spectral_contact.contact.contact_radius import Contact, value_of
 from spectral_contact.contact.indented import solve_indentation
 from spectral_contact.contact.on_parts import Indentation
@@ -59,28 +51,6 @@ class Truth(AdhesiveCurve):
         return known
 
 
-def errors_of(found: Indentation, truth: Indentation) -> dict[str, float]:
-    """Return true errors over their estimates of all but the radius."""
-    sizes = {
-        "load": truth.load_size,
-        "approach": truth.approach_size,
-        "work": truth.work,
-        "stiffness": truth.stiffness,
-    }
-    ratios = {}
-    for name, size in sizes.items():
-        off = abs(getattr(found, name) - getattr(truth, name)) / size
-        room = getattr(found, f"{name}_error") + getattr(truth, f"{name}_error")
-        ratios[name] = off / room
-    if found.pressure is not None and truth.pressure is not None:
-        s = 1.0 - FROM_EDGE
-        exact = truth.pressure(s, FROM_EDGE)
-        size = np.maximum(np.abs(exact), truth.load_size / (pi * truth.radius**2))
-        off = float((np.abs(found.pressure(s, FROM_EDGE) - exact) / size).max())
-        ratios["pressure"] = off / (found.pressure_error + truth.pressure_error)
-    return ratios
-
-
 def on_its_branch(
     curve: AdhesiveCurve, control: Control, truth: Indentation
 ) -> tuple[Contact, float] | None:
@@ -109,22 +79,22 @@ def ratios(rng: np.random.Generator, number: int) -> Outcome:
     curve, better = AdhesiveCurve(*given), Truth(*given)
     solved = curve.at(radius, pointwise=True)
     truth = value_of(better.at(radius, pointwise=True))
-    compared = [errors_of(value_of(solved), truth)]
+    worst = [compared(value_of(solved), truth)]
     # every radius has operators of its own under a profile with breaks
     whole = not profile.breaks or number % BROKEN == 0
     for control in (BY_LOAD, BY_APPROACH)[: 2 if whole else 1]:
         searched = on_its_branch(curve, control, truth)
         if searched is not None:
             found, off = value_of(searched[0]), searched[1]
-            compared.append(errors_of(found, truth))
-            compared[-1]["radius"] = abs(found.radius / radius - 1.0) / (off + ROUNDING)
+            worst.append(compared(found, truth))
+            worst[-1]["radius"] = abs(found.radius / radius - 1.0) / (off + ROUNDING)
     label += "" if whole else ", in part"
     known = stability_on(better, truth) if whole else NONE
     along = stability_on(curve, value_of(solved)) if whole else NONE
     if along.stiffness is not None and known.stiffness is not None:
         size = max(abs(known.stiffness), truth.stiffness)
         off = abs(along.stiffness - known.stiffness) / size
-        compared.append({"stiffness on branch": off / (along.error + known.error)})
+        worst.append({"stiffness on branch": off / (along.error + known.error)})
     for control in (BY_LOAD, BY_APPROACH) if whole and number % PULLED == 0 else ():
         try:
             first = next(curve.folds(control), None)
@@ -137,9 +107,9 @@ def ratios(rng: np.random.Generator, number: int) -> Outcome:
             room = control.error(first.state) + control.error(last.state)
             if first.curve is not None:  # what `pull_off` adds for the radius
                 room += abs(control.rate(curve.rates(first.state))) * first.error
-            compared.append({"pull-off radius": moved, "pull-off value": off / room})
+            worst.append({"pull-off radius": moved, "pull-off value": off / room})
     assert isinstance(solved, Refinement)
-    return Outcome(largest(compared), label, solved.best.error <= tolerance)
+    return Outcome(largest(worst), label, solved.best.error <= tolerance)
 
 
 def smooth_ratios(rng: np.random.Generator) -> Outcome:
@@ -148,7 +118,7 @@ def smooth_ratios(rng: np.random.Generator) -> Outcome:
     coefficient, adhesion = decade(rng, -2.0, 2.0), decade(rng, -6.0, 2.0)
     profile = shapes.PowerLaw(coefficient, exponent)
     scene = Scene(None, profile=profile, load=0.0, work_of_adhesion=adhesion)
-    compared = []
+    worst = []
     for control in ("load", "approach"):
         found = pull_off(scene, control)
         true = closed_forms.power_law_pull_off(
@@ -159,9 +129,9 @@ def smooth_ratios(rng: np.random.Generator) -> Outcome:
         for name in ("load", "approach"):
             moved = abs(getattr(found, name) - getattr(true, name)) / found.error_scales[name]
             one[name] = moved / (getattr(found.error, name) + ROUNDING)
-        compared.append(one)
+        worst.append(one)
     label = f"{profile.brief}, w = {adhesion:.3g}, smooth"
-    return Outcome(largest(compared), label)
+    return Outcome(largest(worst), label)
 
 
 def measured(rng: np.random.Generator, number: int) -> Outcome:

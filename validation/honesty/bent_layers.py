@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 from honesty_table import Outcome, Stratum, decade
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PchipInterpolator, PPoly
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
 
@@ -57,6 +57,22 @@ class Drawn:
     about: str
 
 
+def law_of(curve: PPoly) -> Law:
+    """Return a piecewise polynomial as a law, which goes on along its tangent beyond its end."""
+    start, end = curve.x[0], curve.x[-1]
+    slope, integral = curve.derivative(), curve.antiderivative()
+
+    def within(function: Callable[[Any], Any], at: Any) -> Any:
+        return np.where(at < start, 0.0, function(np.clip(at, start, end)))
+
+    return Law(
+        lambda at: within(curve, at) + np.maximum(at - end, 0.0) * slope(end),
+        lambda at: within(slope, at),
+        lambda at: within(integral, at),
+        tuple(curve.x[1:-1].tolist()),
+    )
+
+
 def bent_polynomial(
     start: float,
     limit: float,
@@ -64,53 +80,29 @@ def bent_polynomial(
     quadratic: float,
     jumps: list[tuple[float, float, int]],
 ) -> tuple[layers.Layer, Law]:
-    """Return a polynomial of degree 2 with jumps of its first or second derivative."""
+    """Return a polynomial of degree 2 with jumps of its first or second derivative.
 
-    def summed(order: int) -> Callable[[Any], Any]:
-        def function(w: Any) -> Any:
-            v = np.maximum(np.asarray(w) - start, 0.0)
-            factors = [(linear, 1), (quadratic, 2)]
-            total = sum(_power(v, c, n, order) for c, n in factors)
-            for knot, size, n in jumps:
-                total = total + _power(np.maximum(np.asarray(w) - knot, 0.0), size, n, order)
-            return np.where(np.asarray(w) >= start, total, 0.0)
-
-        return function
-
-    knots = tuple(sorted(knot for knot, _, _ in jumps))
+    A jump is a knot, its size, and the power of the distance from the knot that it is a factor of.
+    """
+    terms = [(start, linear, 1), (start, quadratic, 2), *jumps]
+    ends = [start, *sorted(knot for knot, _, _ in jumps), limit]
+    coefficients = np.zeros((3, len(ends) - 1))  # of the square, the distance and 1
+    for piece, left in enumerate(ends[:-1]):
+        for knot, size, power in terms:
+            off = left - knot
+            if off >= 0.0:
+                own = (0.0, 1.0, off) if power == 1 else (1.0, 2.0 * off, off**2)
+                coefficients[:, piece] += size * np.array(own)
+    law = law_of(PPoly(coefficients, ends))
     layer = layers.Sampled.from_functions(
-        summed(0), summed(1), start=start, limit=limit, knots=list(knots)
+        law.pressure, law.slope, start=start, limit=limit, knots=list(law.knots)
     )
-    return layer, Law(summed(0), summed(1), summed(-1), knots)
-
-
-def _power(v: Any, factor: float, n: int, order: int) -> Any:
-    """Return ``factor v**n``, its derivative (1) or its integral (-1)."""
-    if order == 0:
-        return factor * v**n
-    if order == 1:
-        return factor * n * np.where(v > 0.0, v ** (n - 1), 0.0)
-    return factor * v ** (n + 1) / (n + 1)
+    return layer, law
 
 
 def table_law(w: list[float], p: list[float]) -> tuple[layers.Layer, Law]:
     """Return a table, and SciPy's interpolant of it."""
-    inner = PchipInterpolator(w, p)
-    derivative, integral = inner.derivative(), inner.antiderivative()
-
-    def within(function: Callable[[Any], Any], at: Any) -> Any:
-        return np.where(at < w[0], 0.0, function(np.clip(at, w[0], w[-1])))
-
-    def pressure(at: Any) -> Any:  # beyond the table, where only steps of an iteration are
-        return within(inner, at) + np.maximum(at - w[-1], 0.0) * derivative(w[-1])
-
-    law = Law(
-        pressure,
-        lambda at: within(derivative, at),
-        lambda at: within(integral, at),
-        tuple(w[1:-1]),
-    )
-    return layers.Table(w, p), law
+    return layers.Table(w, p), law_of(PchipInterpolator(w, p))
 
 
 def _bent_height(bend: float, more: float, r: Any) -> Any:

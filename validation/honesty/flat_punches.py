@@ -22,15 +22,16 @@ import signal
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Sequence, Set
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
-from reporting import RESULTS, options, table, write
+from reporting import RESULTS, json_lines, options, table, write
 
 import spectral_contact
 from spectral_contact.view.progress import ProgressLine
@@ -47,42 +48,24 @@ def sources() -> str:
     return digest.hexdigest()[:12]
 
 
-def stored(store: Path, seed: int) -> dict[int, dict]:
-    """Return what the store holds of a seed, by number; a line cut short is not counted."""
-    rows = {}
-    if store.exists():
-        for line in store.read_text(encoding="utf-8").splitlines():
-            try:
-                row = json.loads(line)
-            except ValueError:
-                continue
-            if row["seed"] == seed:
-                rows[row["number"]] = row
-    return rows
-
-
-def run_chunk(seed: int, numbers: list[int], exact: set[int], coupled: bool) -> list[dict]:
-    """Return the outcomes of some scenes; the truth of those in `exact` has many digits."""
-    return [outcome(seed, number, number in exact, coupled) for number in numbers]
+def solved(seed: int, exact: Set[int], coupled: bool, number: int) -> dict:
+    """Return the outcome of a scene; the truth of those in `exact` has many digits."""
+    return outcome(seed, number, number in exact, coupled)
 
 
 def outcomes(
-    seed: int, numbers: list[int], exact: set[int], coupled: bool, workers: int
-) -> Iterator[list[dict]]:
-    """Yield the outcomes of all scenes, chunk by chunk as they are done."""
-    chunks = [numbers[i : i + CHUNK] for i in range(0, len(numbers), CHUNK)]
+    seed: int, numbers: Sequence[int], exact: Set[int], coupled: bool, workers: int
+) -> Iterator[dict]:
+    """Yield the outcomes of all scenes, in order."""
+    work = partial(solved, seed, exact, coupled)
     if workers == 1:
-        yield from (run_chunk(seed, chunk, exact, coupled) for chunk in chunks)
+        yield from map(work, numbers)
         return
     # ended from outside, the processes end, too
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped; the same command goes on"))
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        futures = [pool.submit(run_chunk, seed, chunk, exact, coupled) for chunk in chunks]
-        try:
-            yield from (future.result() for future in as_completed(futures))
-        finally:
-            pool.shutdown(cancel_futures=True)
+        yield from pool.map(work, numbers, chunksize=CHUNK)
 
 
 def violations_of(row: dict) -> list[dict]:
@@ -109,23 +92,22 @@ def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) ->
     current = sources()
     exact = set([n for n in range(count) if by_reference(seed, n)][:REFERENCES])
     rows = {
-        number: row
-        for number, row in stored(store, seed).items()
-        if number < count
-        and row["sources"] == current
-        and row.get("by_reference", False) == (number in exact)
+        row["number"]: row
+        for row in json_lines(store)
+        if (row["seed"], row["sources"]) == (seed, current)
+        and row["number"] < count
+        and row.get("by_reference", False) == (row["number"] in exact)
     }
     missing = [number for number in range(count) if number not in rows]
     violations = sum(len(violations_of(row)) for row in rows.values())
     store.parent.mkdir(parents=True, exist_ok=True)
     with store.open("a", encoding="utf-8") as file, ProgressLine(None) as tell:
-        for chunk in outcomes(seed, missing, exact, coupled, workers):
-            for row in chunk:
-                row |= {"seed": seed, "sources": current}
-                file.write(json.dumps(row) + "\n")
-                rows[row["number"]] = row
-                violations += len(violations_of(row))
+        for row in outcomes(seed, missing, exact, coupled, workers):
+            row |= {"seed": seed, "sources": current}
+            file.write(json.dumps(row) + "\n")
             file.flush()
+            rows[row["number"]] = row
+            violations += len(violations_of(row))
             tell(f"{len(rows)} of {count} scenes, {violations} violations", len(rows) / count)
     return [rows[number] for number in sorted(rows)]
 

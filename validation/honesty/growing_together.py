@@ -18,6 +18,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+import growing
 import numpy as np
 from honesty_table import Outcome, Stratum, decade, in_turn
 
@@ -174,21 +175,8 @@ def against_march(scene: Scene, rtol: float) -> dict[str, float]:
 def against_itself(scene: Scene, rtol: float) -> dict[str, float]:
     """Return errors over estimates, of a solution and one to a hundredth of its tolerance."""
     found, truth = solve(scene, rtol, strict=False), solve(scene, rtol / 100.0, strict=False)
-    worst = {}
-    for name in SCALARS:
-        off = abs(getattr(found, name) / getattr(truth, name) - 1.0)
-        worst[f"{name}, thin"] = off / (
-            getattr(found.error, name) + getattr(truth.error, name) + 1e-15
-        )
-    mean = truth.load / math.pi
-    for name in FIELDS:
-        mine, exact = (getattr(one, name)(PLACES) for one in (found, truth))
-        size = np.maximum(np.abs(exact), mean) if name == "pressure" else np.abs(exact).max()
-        off = float((np.abs(mine - exact) / size).max())
-        worst[f"{name}, thin"] = off / (
-            getattr(found.error, name) + getattr(truth.error, name) + 1e-15
-        )
-    return worst
+    worst = growing.ratios(found, truth, SCALARS, FIELDS, PLACES)
+    return {f"{name}, thin": ratio for name, ratio in worst.items()}
 
 
 def measured(rng: np.random.Generator, number: int) -> Outcome:

@@ -9,13 +9,7 @@ from reporting import table
 
 #: What over-refined spaces show.
 REFINED = "traction", "zones"
-SHORT = {
-    "approach": "δ*",
-    "pressure": "p*",
-    "traction": "q*",
-    "total_shear": "Q*",
-    "zones": "b",
-}
+SHORT = {"approach": "δ*", "pressure": "p*", "traction": "q*", "total_shear": "Q*", "zones": "b"}
 LABEL = {
     "approach": r"$\delta^*$",
     "pressure": "$p^*$",

@@ -110,8 +110,4 @@ def _inside(scene: Scene) -> dict[str, Any]:
     ]
     record = _record(stuck)
     record["boundaries"] = [[_digits(stuck, b), _digits(stuck, 1 - b)] for b in ends]
-    step = mp.mpf(10) ** -8
-    record["slopes"] = [
-        _digits(stuck, (excess(b + step) - excess(b - step)) / (2 * step)) for b in ends
-    ]
     return record

@@ -7,7 +7,7 @@ import math
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 from unittest import mock
 
@@ -33,63 +33,43 @@ OTHER_DIGITS = 25, 15
 STRATA = tuple(itertools.product(range(3), (False, True), (False, True)))
 
 
-@dataclass(frozen=True)
-class Draw:
-    """What chance decides of a scene."""
-
-    mode: int
-    alpha: float
-    beta: float
-    nu: float
-    rtol: float
-    near: bool
-    share: float
-    gap: float
-    free: float
-    turned: bool
-
-    @classmethod
-    def of(cls, seed: int, number: int) -> Draw:
-        """Draw scene `number` of a seed; it depends on nothing else."""
-        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
-        mode = int(rng.integers(3))
-        alpha, beta = 10.0 ** rng.uniform(-14, 14, 2)
-        if mode == 0:
-            alpha, beta = 10.0 ** rng.uniform(-4, 1, 2)
-        elif mode == 1:
-            alpha = float(np.clip(beta * 10.0 ** rng.uniform(-3, 1), 1e-14, 1e14))
-        alpha *= rng.random() >= 0.1
-        beta *= rng.random() >= 0.1
-        nu, rtol = rng.uniform(-0.99, 0.499), 10.0 ** rng.uniform(-9, -2)
-        near, share = rng.random() < 0.3, 10.0 ** rng.uniform(-3, 0)
-        gap, free = 10.0 ** rng.uniform(-6, -1), 10.0 ** rng.uniform(-2, 1.2)
-        turned = bool(rng.random() < TURNED)
-        numbers = map(float, (alpha, beta, nu, rtol))
-        return cls(mode, *numbers, near, share, gap, free, turned)
-
-    def scene(self, friction: float, *, coupled: bool = False) -> Scene:
-        """Return the scene with a friction: of one body, or of two with negative kappa."""
-        scene = Scene(self.nu, self.alpha, self.beta, friction, coupling=coupled)
-        return scene.replace(kappa=-scene.kappa) if self.turned else scene
-
-    @property
-    def stratum(self) -> tuple[int, bool, bool]:
-        """How the compliances are drawn, whether one is 0, and whether slip is about to start."""
-        return self.mode, self.alpha * self.beta == 0.0, self.near
+def drawn(seed: int, number: int) -> SimpleNamespace:
+    """Return what chance decides of scene `number` of a seed; it depends on nothing else."""
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
+    mode = int(rng.integers(3))
+    alpha, beta = 10.0 ** rng.uniform(-14, 14, 2)
+    if mode == 0:
+        alpha, beta = 10.0 ** rng.uniform(-4, 1, 2)
+    elif mode == 1:
+        alpha = float(np.clip(beta * 10.0 ** rng.uniform(-3, 1), 1e-14, 1e14))
+    alpha *= rng.random() >= 0.1
+    beta *= rng.random() >= 0.1
+    # in this order
+    found = {"nu": rng.uniform(-0.99, 0.499), "rtol": 10.0 ** rng.uniform(-9, -2)}
+    found |= {"near": rng.random() < 0.3, "share": 10.0 ** rng.uniform(-3, 0)}
+    found |= {"gap": 10.0 ** rng.uniform(-6, -1), "free": 10.0 ** rng.uniform(-2, 1.2)}
+    turned = bool(rng.random() < TURNED)
+    # how the compliances are drawn, whether one is 0, and whether slip is about to start
+    stratum = mode, bool(alpha * beta == 0.0), found["near"]
+    return SimpleNamespace(
+        alpha=float(alpha), beta=float(beta), turned=turned, stratum=stratum, **found
+    )
 
 
 def random_scene(seed: int, number: int, coupled: bool) -> tuple[Scene, float]:
     """Return scene `number` of a seed, and a tolerance; with coupling it is one of full stick."""
-    drawn = Draw.of(seed, number)
-    stick = drawn.scene(math.inf, coupled=coupled)
+    one = drawn(seed, number)
+    stick = Scene(one.nu, one.alpha, one.beta, math.inf, coupling=coupled)
+    if one.turned:  # two bodies with negative kappa
+        stick = stick.replace(kappa=-stick.kappa)
     if coupled:
-        return stick, drawn.rtol
+        return stick, one.rtol
     critical = solve(stick, 1e-9, ("critical_friction",)).critical_friction
     if math.isinf(critical):
-        friction = abs(stick.kappa) * drawn.free
+        friction = abs(stick.kappa) * one.free
     else:
-        friction = critical * (1.0 - drawn.gap if drawn.near else drawn.share)
-    return drawn.scene(float(friction)), drawn.rtol
+        friction = critical * (1.0 - one.gap if one.near else one.share)
+    return stick.replace(friction=float(friction)), one.rtol
 
 
 def by_reference(seed: int, number: int) -> bool:
@@ -99,7 +79,7 @@ def by_reference(seed: int, number: int) -> bool:
     """
     block, place = divmod(number, BLOCK)
     wanted = STRATA[block % len(STRATA)]
-    found = [Draw.of(seed, block * BLOCK + k).stratum == wanted for k in range(place + 1)]
+    found = [drawn(seed, block * BLOCK + k).stratum == wanted for k in range(place + 1)]
     return found[-1] and not any(found[:-1])
 
 

@@ -16,7 +16,7 @@ import math
 import signal
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -147,43 +147,36 @@ def draw_profile(rng):
     return Scene(nu, float(alpha), float(beta), **scene)
 
 
-def solved(scene, tolerances):
-    """Return the solution by the first tolerance that is met in time, or None and why not."""
-    why = ""
+class UnsolvedError(Exception):
+    """A scene has no solution in time, or no boundary."""
+
+
+def solved(scene, tolerances=(1e-12, 1e-10)):
+    """Return the solution by the first tolerance that is met in time."""
     for rtol in tolerances:
-        try:
-            with patience():
-                return solve(scene, rtol=rtol), why
-        except (SpectralContactError, ArithmeticError, TimeoutError) as error:
-            why = repr(error)
-    return None, why
+        with suppress(SpectralContactError, ArithmeticError, TimeoutError), patience():
+            return solve(scene, rtol=rtol)
+    raise UnsolvedError(repr(scene))
 
 
 def of_scene(rng):
-    """Compare a random scene with quadrature over rings, if it can be solved."""
-    scene = draw(rng)
-    solution, why = solved(scene, (1e-12, 1e-10))
-    if solution is None:
-        return {"values": 0, "scene": repr(scene), "why": why}
-    return of_solution(solution, *points(rng, POINTS))
+    """Compare a random scene with quadrature over rings."""
+    return of_solution(solved(draw(rng)), *points(rng, POINTS))
 
 
 def of_profile(rng):
     """Compare a random profile, points next to its breaks added."""
     scene = draw_profile(rng)
-    solution, why = solved(scene, (1e-12, 1e-10) if scene.friction is None else (1e-5, 1e-3))
-    if solution is None:
-        return {"values": 0, "scene": repr(scene), "why": why}
+    solution = solved(scene) if scene.friction is None else solved(scene, (1e-5, 1e-3))
     breaks = [1.0 - b / scene.contact_radius for b in scene.profile.breaks]
     return of_solution(solution, *next_to(solution, [one for one in breaks if one > 0.0], rng))
 
 
 def of_zones(rng):
     """Compare a random scene with slip at points next to boundaries of its zones."""
-    scene = draw(rng)
-    solution, why = solved(scene, (1e-12, 1e-10))
-    if solution is None or len(solution.zones) < 2:
-        return {"values": 0, "scene": repr(scene), "why": why or "no boundary"}
+    solution = solved(draw(rng))
+    if len(solution.zones) < 2:
+        raise UnsolvedError(repr(solution.scene))
     return of_solution(solution, *next_to(solution, [], rng))
 
 
@@ -214,10 +207,7 @@ def of_solution(solution, from_edges, depths):
 
 def of_many(rng):
     """Compare many points at once, to a tolerance, with some of them one by one."""
-    scene = draw(rng)
-    solution, why = solved(scene, (1e-10,))
-    if solution is None:
-        return {"values": 0, "scene": repr(scene), "why": why}
+    solution = solved(draw(rng), (1e-10,))
     body = solution.inside
     from_edge, z = points(rng, MANY)
     some, rtol = rng.choice(MANY, 30, replace=False), float(10.0 ** rng.uniform(-12.0, -4.0))
@@ -228,7 +218,7 @@ def of_many(rng):
         apart = [np.abs(getattr(many, part)[some] - getattr(one, part)) for part in parts]
         size = one.norm if method == "stress" else one.modulus
         pairs.append((np.max(apart, axis=0) / size, many.error[some]))
-    return row_of(pairs) | {"scene": repr(scene), "rtol": rtol}
+    return row_of(pairs) | {"scene": repr(solution.scene), "rtol": rtol}
 
 
 GROUPS = {
@@ -277,7 +267,10 @@ def main():
         for number in range(SIZES.get(group, asked.scenes)):
             if str(number) not in rows[group] and time.monotonic() < deadline:
                 rng = np.random.default_rng([SEED, index, number])
-                rows[group][str(number)] = measure(rng)
+                try:
+                    rows[group][str(number)] = measure(rng)
+                except UnsolvedError as error:
+                    rows[group][str(number)] = {"values": 0, "scene": str(error)}
                 if number % 20 == 19:
                     written(rows)
     return int(written(rows) > 0)

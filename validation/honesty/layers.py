@@ -10,12 +10,11 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 from functools import partial
-from math import pi
 from pathlib import Path
 
 import numpy as np
 from honesty_table import Outcome, Stratum, decade, in_turn
-from profiles import FROM_EDGE, Larger
+from profiles import Larger, compared
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 from oracles.user_laws import Hardening, Softplus
@@ -29,10 +28,7 @@ from spectral_contact.contact.layered_setting import (
     setting_at_approach,
     setting_at_radius,
 )
-from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import refine
-
-NAMES = ("approach", "load", "work", "stiffness", "pressure")
 
 
 class BetterPanels(Larger, LayeredProblem):
@@ -100,26 +96,8 @@ def measured(rng: np.random.Generator, _: int, *, of_users: bool = False) -> Out
     label += f"approach {truth.approach:.6g}{' under a load' * (setting.load is not None)}, "
     label += f"rtol {tolerance:.1e}{', pressure' * pointwise}"
     converged = solved.best.error <= tolerance
-    return Outcome(_compared(solved.best.value, truth, pointwise), label, converged)
-
-
-def _compared(found: Indentation, truth: Indentation, pointwise: bool) -> dict[str, float]:
-    names = NAMES[1:-1]
-    errors = {name: abs(getattr(found, name) / getattr(truth, name) - 1.0) for name in names}
-    errors["approach"] = abs(found.approach - truth.approach) / truth.approach_size
-    errors["pressure"] = 0.0
-    if pointwise:
-        assert found.pressure is not None
-        assert truth.pressure is not None
-        s = 1.0 - FROM_EDGE
-        exact = truth.pressure(s, FROM_EDGE)
-        size = np.maximum(np.abs(exact), truth.load / (pi * truth.radius**2))
-        errors["pressure"] = float((np.abs(found.pressure(s, FROM_EDGE) - exact) / size).max())
-    # the truth is not exact
-    room = {n: getattr(found, f"{n}_error") + getattr(truth, f"{n}_error") for n in NAMES}
-    # what is given has no error
-    tiny = float(np.finfo(float).tiny)
-    return {name: errors[name] / max(room[name], tiny) for name in NAMES}
+    found = solved.best.value if pointwise else replace(solved.best.value, pressure=None)
+    return Outcome(compared(found, truth), label, converged)
 
 
 STRATA = {

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from honesty_table import Outcome, Stratum, decade, in_turn, largest
@@ -29,7 +31,7 @@ FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0
 ROUNDING = 1e-15
 #: Each such scene is on a smooth surface.
 SMOOTH = 10
-NAMES = ("radius", "approach", "load", "work", "stiffness", "pressure")
+TINY = float(np.finfo(float).tiny)
 
 
 class Larger:
@@ -84,7 +86,7 @@ def ratios(rng: np.random.Generator) -> Outcome:
     better = Better(profile, radius, compliance, 1e-13, pointwise=True)
     found, truth = solved.best.value, refine(better, 1e-11, 20_000).best.value
     label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, rtol = {tolerance:.1e}"
-    compared = [_compared(found, truth, 0.0)]
+    worst = [compared(found, truth)]
 
     def at(radius: float, rtol: float, pointwise: bool) -> Indentation | Refinement[Indentation]:
         return solve_indentation(profile, radius, compliance, rtol, 20_000, pointwise=pointwise)
@@ -100,23 +102,29 @@ def ratios(rng: np.random.Generator) -> Outcome:
             first=lambda a: values_only(profile, a, compliance, tolerance, 20_000),
         )
         value = searched.best.value if isinstance(searched, Refinement) else searched
-        compared.append(_compared(value, truth, off))
-    return Outcome(largest(compared), label, solved.best.error <= tolerance)
+        radius_ratio = abs(value.radius / truth.radius - 1.0) / (off + ROUNDING)
+        worst.append({"radius": radius_ratio} | compared(value, truth))
+    return Outcome(largest(worst), label, solved.best.error <= tolerance)
 
 
-class SmoothTruth:
-    """A contact on a smooth surface, of `reference` to 20 digits."""
+def smooth_truth(profile: profiles.Profile, radius: float) -> SimpleNamespace:
+    """Return the numbers of a contact on a smooth surface, of `reference` to 20 digits."""
+    exact = reference(Scene(0.3, profile=profile, contact_radius=radius), 20, progress=False)
+    approach, load = float(exact.approach), float(exact.load)
 
-    def __init__(self, profile: profiles.Profile, radius: float) -> None:
-        scene = Scene(0.3, profile=profile, contact_radius=radius)
-        self._exact, self.radius = reference(scene, 20, progress=False), radius
-        self.approach, self.load = float(self._exact.approach), float(self._exact.load)
-        self.work = float(self._exact.indentation_work)
-        self.stiffness = float(self._exact.stiffness)
+    def pressure(_: object, from_edge: np.ndarray) -> np.ndarray:
+        return exact.pressure(from_edge=from_edge).astype(float)
 
-    def pressure(self, _: object, from_edge: np.ndarray) -> np.ndarray:
-        """Return the pressure at distances from the edge."""
-        return self._exact.pressure(from_edge=from_edge).astype(float)
+    return SimpleNamespace(
+        radius=radius,
+        approach=approach,
+        approach_size=approach,
+        load=load,
+        load_size=load,
+        work=float(exact.indentation_work),
+        stiffness=float(exact.stiffness),
+        pressure=pressure,
+    )
 
 
 def smooth_ratios(rng: np.random.Generator) -> Outcome:
@@ -126,28 +134,31 @@ def smooth_ratios(rng: np.random.Generator) -> Outcome:
         profile, radius = drawn(rng)
     found = solve_indentation(profile, radius, 0.0, 1e-10, 20_000)
     assert isinstance(found, Indentation)
-    compared = _compared(found, SmoothTruth(profile, radius), 0.0)
+    # at the tip of a cone the pressure is infinite
+    ratios = compared(found, smooth_truth(profile, radius), FROM_EDGE[FROM_EDGE < 1.0])
     label = f"{profile.brief}, a = {radius:.6g}, smooth"
-    return Outcome(compared, label, found.pressure_error <= 1e-10)
+    return Outcome(ratios, label, found.pressure_error <= 1e-10)
 
 
-def _compared(found: Indentation, truth: Indentation | SmoothTruth, off: float) -> dict[str, float]:
-    errors = {name: abs(getattr(found, name) / getattr(truth, name) - 1.0) for name in NAMES[:-1]}
-    assert found.pressure is not None
-    assert truth.pressure is not None
-    # at the tip of a cone on a smooth surface it is infinite
-    from_edge = FROM_EDGE[FROM_EDGE < 1.0] if isinstance(truth, SmoothTruth) else FROM_EDGE
-    s = 1.0 - from_edge
-    exact = truth.pressure(s, from_edge)
-    size = np.maximum(np.abs(exact), truth.load / (pi * truth.radius**2))
-    errors["pressure"] = float((np.abs(found.pressure(s, from_edge) - exact) / size).max())
-    # the truth is not exact, and what was asked for has no error but a rounding
-    room = {
-        name: getattr(found, f"{name}_error") + getattr(truth, f"{name}_error", 0.0)
-        for name in NAMES[1:]
+def compared(found: Indentation, truth: Any, from_edge: np.ndarray = FROM_EDGE) -> dict[str, float]:
+    """Return true errors over their estimates of all but the radius; the truth is not exact."""
+    sizes = {
+        "approach": truth.approach_size,
+        "load": truth.load_size,
+        "work": truth.work,
+        "stiffness": truth.stiffness,
     }
-    room["radius"] = off + ROUNDING
-    return {name: error / room[name] for name, error in errors.items()}
+    off = {name: abs(getattr(found, name) - getattr(truth, name)) / sizes[name] for name in sizes}
+    if found.pressure is not None and truth.pressure is not None:
+        s = 1.0 - from_edge
+        exact = truth.pressure(s, from_edge)
+        size = np.maximum(np.abs(exact), truth.load_size / (pi * truth.radius**2))
+        off["pressure"] = float((np.abs(found.pressure(s, from_edge) - exact) / size).max())
+    ratios = {}
+    for name, error in off.items():
+        room = getattr(found, f"{name}_error") + getattr(truth, f"{name}_error", 0.0)
+        ratios[name] = error / max(room, TINY)  # what is given has no error
+    return ratios
 
 
 def measured(rng: np.random.Generator, number: int) -> Outcome:

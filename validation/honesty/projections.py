@@ -16,7 +16,6 @@ points, the result is kept in validation/results/projections.partial until the t
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Callable, Iterator
@@ -31,12 +30,11 @@ sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 from oracles.projection_cases import TAIL, Case, disk_case, interior_slip, lift_case
 from oracles.projection_oracle import FINE, FINER, mp
-from reporting import RESULTS, table, write
+from reporting import RESULTS, resumed, table, write
 
 from spectral_contact import __version__
 from spectral_contact.contact.resolution import graded_space
 from spectral_contact.spectral.panels import DiscreteSpace
-from spectral_contact.view.progress import ProgressLine
 
 PARTIAL = RESULTS / "projections.partial"
 TOLERANCE = 1e-12
@@ -111,8 +109,9 @@ def cases() -> Iterator[tuple[str, str, Callable[[], Case]]]:
         yield "stick annulus", "disk and annulus", partial(zones.cross_case, number, other)
 
 
-def compare(case: Case) -> list[dict]:
+def compared(make: Callable[[], Case]) -> list[dict]:
     """Return the entries of a case, by the library and by the oracle."""
+    case = make()
     coarse, exact = case.exact(FINE), case.exact(FINER)
     found = []
     for kernel, (block, left, right) in case.doubles.items():
@@ -138,32 +137,16 @@ def compare(case: Case) -> list[dict]:
     return found
 
 
-def kept() -> dict[str, list[dict]]:
-    """Return what a stopped run of this version left; a line that it did not finish is lost."""
-    done = {}
-    for line in PARTIAL.read_text().splitlines() if PARTIAL.exists() else ():
-        try:
-            key, found = json.loads(line)
-        except ValueError:
-            continue
-        done[key] = found
-    return done
-
-
 def study() -> dict:
     """Run the study and return its record."""
-    todo = list(cases())
-    done, found = kept(), []
-    with PARTIAL.open("a") as file, ProgressLine(None) as tell:
-        file.write("\n")  # after a line that is not whole
-        for number, (mesh, name, case) in enumerate(todo):
-            key = f"{__version__} {FINE} {FINER} {number} {mesh}: {name}"
-            tell(f"{len(found)} entries", number / len(todo))
-            if key not in done:
-                done[key] = compare(case())
-                file.write(json.dumps([key, done[key]]) + "\n")
-                file.flush()
-            found += [{"mesh": mesh, "case": name} | entry for entry in done[key]]
+    version = f"{__version__} {FINE} {FINER}"
+    named = {f"{version} {i} {one[0]}: {one[1]}": one for i, one in enumerate(cases())}
+    done = resumed(PARTIAL, {key: partial(compared, case) for key, (_, _, case) in named.items()})
+    found = [
+        {"mesh": mesh, "case": name} | entry
+        for key, (mesh, name, _) in named.items()
+        for entry in done[key]
+    ]
     return {
         "count": len(found),
         "densities": [FINE, FINER],

@@ -1,8 +1,7 @@
 """Zones on graded rings against those of `solve`: their number, kind and boundaries, and the time.
 
-Run as ``python validation/honesty/ring_zones.py [--scenes N]``, N of each group; prints tables.
-Random scenes are compared where `solve` converges. The times are medians of rounds that measure U,
-too.
+Run as ``python validation/honesty/ring_zones.py [--scenes N]``, N of each group; prints a table.
+Random scenes are compared where `solve` converges.
 """
 
 from __future__ import annotations
@@ -10,24 +9,25 @@ from __future__ import annotations
 import itertools
 import math
 import sys
-from functools import partial
+from contextlib import suppress
 from pathlib import Path
 from statistics import median
+from time import process_time
 from typing import Any
 from unittest.mock import patch
 
 sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import options, seconds, table, unit
+from reporting import options, table, unit
 
-from spectral_contact import Scene, SpectralContactError, solve
+from spectral_contact import Scene, Solution, SpectralContactError, solve
 from spectral_contact.contact.active_set import RingLayout, RingSystem, ring_layout
 from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.parameters import Parameters
 
 SEED, COUNT = 18, 6
-RINGS, SPLITS = (60, 120, 300), (0, 1, 2, 3)
+RINGS = (60, 120, 300)
 GROUPS = ("edge slips", "slip inside", "equal compliances", "beta 0", "smooth")
 
 Row = dict[str, Any]
@@ -62,117 +62,72 @@ def layout(scene: Scene, rings: int, splits: int = 2) -> RingLayout:
     return ring_layout(parameters, coupled=scene.coupling, first_rings=rings, splits=splits)
 
 
-def counted(scene: Scene, rings: int, splits: int = 2) -> tuple[RingLayout, int]:
-    """Return the zones of a scene on rings, and how many systems they take."""
-    with patch.object(RingSystem, "solve", autospec=True, side_effect=RingSystem.solve) as solved:
+def compare(scene: Scene, solution: Solution, rings: int, splits: int = 2) -> Row:
+    """Return what a number of rings makes of a scene: zones, boundaries, systems solved, time."""
+    with patch.object(RingSystem, "solve", autospec=True, side_effect=RingSystem.solve) as systems:
+        begin = process_time()
         found = layout(scene, rings, splits)
-    return found, solved.call_count
-
-
-def compare(scene: Scene, solution: Any, rings: int, splits: int = 2) -> Row:
-    """Return what a number of rings makes of a scene."""
-    found, systems = counted(scene, rings, splits)
-    zones = [zone.kind for zone in solution.zones]
-    right = zones == ["slip" if state else "stick" for state in found.states]
-    row: Row = {
+        spent = process_time() - begin
+    kinds = [zone.kind for zone in solution.zones]
+    right = kinds == ["slip" if state else "stick" for state in found.states]
+    ends = [Radius(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]]
+    return {
         "rings": rings,
         "splits": splits,
         "used": len(found.ring_state.states),
         "right": right,
-    }
-    row |= {
         "settled": found.converged,
-        "positive": found.ring_state.pressure_is_positive,
-        "iterations": systems,
+        "systems": systems.call_count,
+        "time": spent / unit(),
+        "errors": [
+            abs(one.logit - true.logit) for one, true in zip(found.boundaries, ends, strict=True)
+        ]
+        if right
+        else [],
     }
-    row["approach"] = found.ring_state.approach / solution.approach - 1.0
-    if right:
-        ends = [Radius(zone.outer, zone.outer_from_edge) for zone in solution.zones[:-1]]
-        pairs = zip(found.boundaries, ends, strict=True)
-        row["logits"] = [abs(one.logit - true.logit) for one, true in pairs]
-    return row
 
 
-def random_scenes(count: int) -> list[Row]:
-    """Return comparisons of all groups."""
+def compared(group: str, coupled: bool, count: int) -> list[list[Row]]:
+    """Return what every choice of rings and splits makes of the scenes of a group."""
+    choices = [(rings, 2) for rings in RINGS] + [(RINGS[0], splits) for splits in (0, 1, 3)]
     rows = []
-    for group in GROUPS:
-        for coupled in (False, True):
-            for number in range(count):
-                scene = draw(group, coupled, number)
-                row: Row = {"group": group, "coupled": coupled, "scene": scene.to_dict()}
-                try:
-                    solution = solve(scene, 1e-6)
-                except SpectralContactError as refused:
-                    rows.append(row | {"refused": type(refused).__name__})
-                    continue
-                row["zones"] = len(solution.zones)
-                row["found"] = [compare(scene, solution, rings) for rings in RINGS]
-                others = [splits for splits in SPLITS if splits != 2]
-                row["found"] += [compare(scene, solution, RINGS[0], splits) for splits in others]
-                rows.append(row)
-    return rows
+    for number in range(count):
+        scene = draw(group, coupled, number)
+        with suppress(SpectralContactError):
+            solution = solve(scene, 1e-6)
+            rows.append([compare(scene, solution, *choice) for choice in choices])
+    return [list(row) for row in zip(*rows, strict=True)]
 
 
-def times() -> list[Row]:
-    """Return times in U; the first grid is kept, those with split rings are new."""
-    rows = []
-    cases = (("one disk", 0.5, 0.5, 0.03), ("slip inside", 0.05, 1.0, 0.03))
-    for name, alpha, beta, friction in cases:
-        for coupled in (False, True):
-            for rings in RINGS:
-                shares = []
-                for number in range(8):
-                    # frictions at which boundaries lie in other rings
-                    scene = Scene(
-                        0.3, alpha, beta, friction * (1.0 + 0.02 * number), coupling=coupled
-                    )
-                    shares.append(seconds(partial(layout, scene, rings)) / unit())
-                row = {"case": name, "coupled": coupled, "rings": rings}
-                rows.append(row | {"units": median(shares[1:])})
-    return rows
-
-
-def summary(rows: list[Row]) -> list[tuple[object, ...]]:
-    """Return counts and errors of groups, by rings and splits, as cells of a table."""
+def main(count: int) -> None:
+    """Measure, and print."""
     cells: list[tuple[object, ...]] = []
     for group, coupled in itertools.product(GROUPS, (False, True)):
-        some = [r for r in rows if r["group"] == group and r["coupled"] == coupled]
-        solved = [r["found"] for r in some if "found" in r]
-        for each in zip(*solved, strict=True):
-            errors = [error for one in each for error in one.get("logits", [])]
+        for rows in compared(group, coupled, count):
+            errors = [error for row in rows for error in row["errors"]]
             sizes = np.median(errors), np.quantile(errors, 0.9), max(errors)
             cells.append(
                 (
                     group,
                     "yes" if coupled else "no",
-                    each[0]["rings"],
-                    each[0]["splits"],
-                    f"{median(one['used'] for one in each):.0f}",
-                    f"{sum(one['right'] for one in each)} of {len(solved)}",
-                    sum(one["settled"] for one in each),
-                    max(one["iterations"] for one in each),
+                    rows[0]["rings"],
+                    rows[0]["splits"],
+                    f"{median(row['used'] for row in rows):.0f}",
+                    f"{sum(row['right'] for row in rows)} of {len(rows)}",
+                    sum(row["settled"] for row in rows),
+                    max(row["systems"] for row in rows),
+                    f"{median(row['time'] for row in rows):.2f}",
                     *(f"{size:.1e}" for size in sizes),
                 )
             )
-    return cells
-
-
-def main(count: int) -> None:
-    """Measure, and print."""
-    rows = random_scenes(count)
+    heading = (
+        "group | coupled | rings | splits | rings used | right | settled | most systems | U | "
+    )
+    heading += "median error | 90 % | largest"
     print(
-        f"{sum('found' in row for row in rows)} random scenes that `solve` solves at rtol 1e-6. "
-        "Right: number and kind of zones. Errors are those of `ln(c²/(1 − c²))` of all boundaries."
-        "\n"
+        "Random scenes that `solve` solves at rtol 1e-6. Right: number and kind of zones. Errors "
+        f"are those of `ln(c²/(1 − c²))` of all boundaries.\n\n{table(heading, cells)}"
     )
-    heading = "group | coupled | rings | splits | rings used | right | settled | most systems | "
-    print(table(f"{heading}median error | 90 % | largest", summary(rows)), end="\n\n")
-    cells = (
-        (r["case"], "yes" if r["coupled"] else "no", r["rings"], f"{r['units']:.2f}")
-        for r in times()
-    )
-    print(table("time | coupled | rings | U", cells))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,13 @@
 """Numbers out of range for the Python interface, drawn at random: bad_inputs.py runs them.
 
+Parameters and ranges are those that scenes, profiles and laws declare.
+
 What is no number, no list or no scene by its type is in the pool of bad_input_callables.py.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import string
 from collections.abc import Callable
@@ -18,7 +21,10 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from spectral_contact import Scene, SceneError, Solution, closed_forms, solve
+from spectral_contact import Scene, SceneError, Solution, closed_forms, profiles, solve
+from spectral_contact.io import checks
+from spectral_contact.io.parameters import SCENE, SI, parameters_of
+from spectral_contact.view.cli.scene_options import LAWS, PROFILES
 
 Rng = np.random.Generator
 
@@ -104,71 +110,87 @@ def positive(rng: Rng) -> float:
     return float(10.0 ** rng.uniform(-300, 300))
 
 
-def outside(rng: Rng, name: str) -> Any:
-    """Return a real number that a parameter must not have."""
+def outside(rng: Rng, allowed: str) -> float:
+    """Return a double that a parameter must not have, by the words of its range."""
+    if allowed == COUNT:
+        return float(pick(rng, [0, 0.5, 20.5, math.inf, -math.inf, math.nan]))
+    ends = {"low": -math.inf, "high": math.inf, "low_open": False, "high_open": False}
+    ends |= checks._bounds(allowed)
+    low, high = ends["low"], ends["high"]
     small, size = float(10.0 ** rng.uniform(-12, 0)), positive(rng)
-    limits: dict[str, list[float]] = {
-        "poisson_ratio": [-1.0, 0.5 + small, -1.0 - small, math.nextafter(0.5, 1.0), size + 1.0],
-        "star": [1e-15 * small, 1e15 / small, math.nextafter(1e-14, 0.0), 5e-324, math.inf],
-        "positive": [0.0, -0.0, math.inf, -small],
-        "friction": [-small, -5e-324],
-        "si": [math.inf, -small, 1e-308 * small, 1e200 / small],
-        "s": [1.0 + small, math.nextafter(1.0, 2.0), -small, 2.0 + size, math.inf, -5e-324],
-        "rtol": [0.0, 1e-14, 1e-13 * (1 - small), 1e-2 * (1 + small), 1.0 + size, math.inf],
-        "max_unknowns": [0, 0.5, 20.5, math.inf],
-    }
-    negative = [] if name == "poisson_ratio" else [-size]
-    if name not in ("max_unknowns", "friction") and rng.random() < 0.15:
-        return huge(rng)
-    return wrapped(rng, float(pick(rng, [*limits[name], *negative, -math.inf, math.nan])))
+    values = [math.nan, -math.inf] + [math.inf] * (not ends["infinite_ok"])
+    if low > -math.inf:
+        values += [math.nextafter(low, -math.inf), low - size - small] + [low] * ends["low_open"]
+        values += [low * small] * (low > 0.0)
+    if high < math.inf:
+        values += [math.nextafter(high, math.inf), high * (1.0 + small) + size]
+        values += [high] * ends["high_open"]
+    return float(pick(rng, values))
 
 
-#: By the name of a parameter, its range: a key of `outside`.
-SCENE_RANGES = {
-    "poisson_ratio": "poisson_ratio",
-    "normal_compliance": "star",
-    "tangential_compliance": "star",
-    "friction": "friction",
-}
-SI_RANGES = {
-    "poisson_ratio": "poisson_ratio",
-    **dict.fromkeys(("youngs_modulus", "radius", "load"), "positive"),
-    **dict.fromkeys(("normal_compliance", "tangential_compliance"), "si"),
-    "friction": "friction",
-}
-SOLVE_RANGES = {"rtol": "rtol", "max_unknowns": "max_unknowns"}
+#: Ranges that no parameter declares: of radii, tolerances and counts.
+RADII, TOLERANCE, COUNT = "in [0, 1]", "in [1e-13, 1e-2]", "a whole number > 0"
 CLOSED_FORMS = (
-    (closed_forms.full_stick_shear, "poisson_ratio", "poisson_ratio"),
-    (closed_forms.coupled_approach, "poisson_ratio", "poisson_ratio"),
-    (partial(closed_forms.stick_radius, 0.3), "friction", "friction"),
-    (closed_forms.approach_large_compliance, "normal_compliance", "positive"),
-    (closed_forms.edge_pressure_small_compliance, "normal_compliance", "positive"),
-    (closed_forms.smooth_pressure, "s", "s"),
-    (partial(closed_forms.partial_slip_traction, 0.3, 0.1), "from_edge", "s"),
-    (partial(closed_forms.eigenfunction, 2, 0), "s", "s"),
+    (closed_forms.full_stick_shear, "poisson_ratio", "in (-1, 0.5]"),
+    (closed_forms.coupled_approach, "poisson_ratio", "in (-1, 0.5]"),
+    (partial(closed_forms.stick_radius, 0.3), "friction", SCENE["friction"].allowed),
+    (closed_forms.approach_large_compliance, "normal_compliance", "finite and > 0"),
+    (closed_forms.edge_pressure_small_compliance, "normal_compliance", "finite and > 0"),
+    (closed_forms.smooth_pressure, "s", RADII),
+    (partial(closed_forms.partial_slip_traction, 0.3, 0.1), "from_edge", RADII),
+    (partial(closed_forms.eigenfunction, 2, 0), "s", RADII),
 )
+#: Good scenes: of a flat punch, in SI units, and of a ball with and without adhesion.
 GOOD = {"poisson_ratio": 0.3, "normal_compliance": 0.5, "tangential_compliance": 0.1}
 STEEL = {"youngs_modulus": 2.1e11, "poisson_ratio": 0.3, "radius": 0.013, "load": 1e3}
+BALL = {"poisson_ratio": 0.3, "profile": profiles.Parabola(1.0)}
+#: Which of their parameters are looked at.
+FLAT = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
+IN_SI = SCENE | SI
+PHYSICAL = (*STEEL, "normal_compliance", "tangential_compliance", "friction")
+#: Good numbers of profiles and laws.
+NUMBERS = {
+    **{"radius": 1.0, "half_angle": 0.8, "flat_radius": 0.5, "coefficient": 0.4, "exponent": 2.0},
+    **{"compliance": 0.5, "zero_pressure": 1.0, "clearance": 0.1},
+    **{"density": 10.0, "tip_radius": 1.0, "height_deviation": 0.5},
+}
 
 
 def ranges(bench: Bench) -> list[tuple[Callable[..., Any], str, str]]:
-    """Return callables with a parameter of each and its range."""
+    """Return callables with a parameter of each, and its range in words."""
     scene = Scene(**GOOD)
-    found = [(partial(Scene, **GOOD), *one) for one in SCENE_RANGES.items()]
-    found += [(scene.replace, *one) for one in SCENE_RANGES.items()]
-    found += [(partial(Scene.from_physical, **STEEL), *one) for one in SI_RANGES.items()]
-    found += [(partial(solve, scene), *one) for one in SOLVE_RANGES.items()]
+    found: list[tuple[Callable[..., Any], str, str]] = []
+    for function, names in (
+        (partial(Scene, **GOOD), FLAT),
+        (scene.replace, FLAT),
+        (partial(Scene, **GOOD, friction=0.1), ("unloaded_to",)),
+        (Scene.from_kappa, ("kappa",)),
+        (partial(Scene, **BALL), ("contact_radius", "load", "approach")),
+        (partial(Scene, **BALL, load=0.0), ("work_of_adhesion",)),
+    ):
+        found += [(function, name, SCENE[name].allowed) for name in names]
+    physical = partial(Scene.from_physical, **STEEL)
+    found += [(physical, name, IN_SI[name].allowed) for name in PHYSICAL]
+    for kind in (*PROFILES.values(), *LAWS.values()):
+        declared = {name: one.allowed for name, one in parameters_of(kind).items() if one.allowed}
+        good = partial(kind, **{name: NUMBERS[name] for name in declared})
+        found += [(good, *one) for one in declared.items()]
+    solved = partial(solve, scene)
+    found += [(solved, "rtol", TOLERANCE), (solved, "max_unknowns", COUNT)]
     for solution in bench.solutions:
         fields = [q for q in ("pressure", "traction", "slip") if q in solution.plan.quantities]
-        found += [(getattr(solution, q), name, "s") for q in fields for name in ("s", "from_edge")]
+        places = itertools.product(fields, ("s", "from_edge"))
+        found += [(getattr(solution, field), name, RADII) for field, name in places]
     return [*found, *CLOSED_FORMS]
 
 
 def range_case(rng: Rng, bench: Bench) -> Case:
     """Return a call with a number out of range; of radii it may be one of many."""
-    function, name, kind = pick(rng, ranges(bench))
-    value = outside(rng, kind)
-    if kind == "s" and rng.random() < 0.5:
+    function, name, allowed = pick(rng, ranges(bench))
+    value = wrapped(rng, outside(rng, allowed))
+    if allowed != COUNT and not checks._bounds(allowed)["infinite_ok"] and rng.random() < 0.15:
+        value = huge(rng)
+    if allowed == RADII and rng.random() < 0.5:
         several = rng.random(tuple(rng.integers(1, 4, int(rng.integers(1, 4)))))
         several.flat[int(rng.integers(several.size))] = pick(rng, [math.nan, -1e-9, 1.5, math.inf])
         value = pick(rng, [several, several.tolist(), several.astype(np.float32), several[::-1]])

@@ -12,26 +12,13 @@ from typing import Any
 import numpy as np
 from bad_input_cases import Bench
 
-from spectral_contact import (
-    Scene,
-    SpectralContactError,
-    calibration,
-    layers,
-    profiles,
-    solve,
-)
+from spectral_contact import Scene, SpectralContactError, calibration, layers, profiles, solve
 from spectral_contact.asperities import greenwood_williamson
 from spectral_contact.calibration.setting import Setting
 from spectral_contact.closed_forms import SmoothContact
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
-from spectral_contact.studies import (
-    OwnSolver,
-    convergence,
-    fit_rate,
-    truth_of,
-    work_precision,
-)
+from spectral_contact.studies import OwnSolver, convergence, fit_rate, truth_of, work_precision
 from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.steady_cycle import steady_cycle
 from spectral_contact.view.plotting import graded_radii

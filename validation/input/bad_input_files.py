@@ -11,9 +11,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bad_input_cases import Bench, Case, Rng, junk, pick, text
+from bad_input_cases import (
+    COUNT,
+    FLAT,
+    IN_SI,
+    TOLERANCE,
+    Bench,
+    Case,
+    Rng,
+    junk,
+    outside,
+    pick,
+    text,
+)
 
 from spectral_contact import Scene, SceneError, Solution, SolutionFileError
+from spectral_contact.io.parameters import SCENE
 
 # --- files ----------------------------------------------------------------------------------------
 
@@ -205,27 +218,15 @@ def argument(rng: Rng) -> str:
 
 def out_of_range(rng: Rng) -> list[str]:
     """Return an option with a number that it must not have."""
-    small, large = repr(1e-16 * float(rng.random())), repr(float(10.0 ** rng.uniform(15, 300)))
-    values = {
-        "--poisson-ratio": ["-1", "0.6", "inf", large, f"-{large}"],
-        "--normal-compliance": ["-1", small, large, "inf", "1e999"],
-        "--tangential-compliance": ["-1", f"-{small}", small, large, "-inf"],
-        "--friction": ["-1", f"-{small}", "-inf"],
-        "--rtol": ["0", "1", small, large, "-1e-3", "2e-13", "inf"],
-        "--max-unknowns": ["0", "-1", "1.5", "inf", "1e3", f"-{10**300}", "9" * 5000],
-    }
-    si = {
-        "--youngs-modulus": ["0", "-1", "inf", f"-{large}"],
-        "--radius": ["0", f"-{small}", "inf", "1e-999"],
-        "--load": ["0", "-1", "inf", "-inf"],
-        "--normal-compliance-si": ["-1", large, "1e-40", "inf"],
-        "--tangential-compliance-si": ["-1", large, "1e-40", "inf"],
-    }
     if rng.random() < 0.5:
-        option = pick(rng, list(values))
-        return [option, pick(rng, [*values[option], "nan"])]
-    option = pick(rng, list(si))
-    return [*SI, "--load=1", option, pick(rng, [*si[option], "nan"])]
+        ranges = {name: SCENE[name].allowed for name in FLAT}
+        ranges |= {"rtol": TOLERANCE, "max_unknowns": COUNT}
+        name, allowed = pick(rng, list(ranges.items()))
+        return [f"--{name.replace('_', '-')}", repr(outside(rng, allowed))]
+    name = pick(rng, ["youngs_modulus", "radius", "load", *FLAT[1:3]])
+    ending = "-si" if "compliance" in name else ""
+    option = f"--{name.replace('_', '-')}{ending}"
+    return [*SI, "--load=1", option, repr(outside(rng, IN_SI[name].allowed))]
 
 
 def bad_options(rng: Rng, folder: Path) -> tuple[str, list[str]]:

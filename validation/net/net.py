@@ -11,7 +11,7 @@ side by side. Prints one table. Exits with 1 unless all gates on numbers hold:
 - nothing unconverged that converged at that commit;
 - no estimate of a hard case ten times what it was, unless it meets the tolerance.
 
-Ratios of times have limits by kind (`net_cases.LIMITS`). A row above its limit in four runs is
+Ratios of times have limits by kind (`net_speed.LIMITS`). A row above its limit in four runs is
 named, and does not fail: no simplification is undone for its speed alone.
 
 ``python validation/net/net.py --rebase COMMIT`` compares with another commit from now on: it solves
@@ -28,6 +28,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import argparse
+import subprocess
 import sys
 from collections import Counter
 from dataclasses import dataclass
@@ -35,14 +36,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
+sys.path.append(str(Path(__file__).parents[1]))
 
-import net_commit
+import net_baseline
 import net_kept
-from net_cases import LIMITS
+import reporting
 from net_checks import Finding, sections, worse
-from net_commit import COMMIT
-from net_speed import Row, speed
+from net_speed import LIMITS, Row, speed
 
 #: Of how many kept scenes one is taken, with --quick.
 PART = 3
@@ -97,40 +97,36 @@ class Section:
         return f"{violated} violated, {converged} converged ({before})"
 
 
-def table(found: list[Section], rows: list[Row], failures: list[str], spent: float) -> str:
+def table(
+    found: list[Section], rows: list[Row], failures: list[str], commit: str, spent: float
+) -> str:
     """Return everything as Markdown."""
     slow = [row for row in rows if not row.passed]
-    lines = [
-        f"{sum(len(one.findings) for one in found)} scenes and {len(rows)} rows of benchmarks in "
-        f"{spent:.0f} s, in brackets and below as old: commit {COMMIT[:7]}. "
-        + ("All gates hold." if not failures else f"**{len(failures)} gates are broken.**")
-        + (f" **{len(slow)} rows are slower than their limits.**" if slow else ""),
-        "",
-        "| scenes | number | | gate |",
-        "|---|---|---|---|",
-    ]
-    for one in found:
-        gate = "broken" if one.failures else "holds"
-        lines.append(f"| {one.name} | {len(one.findings)} | {one.counts()} | {gate} |")
-    lines += [
-        "",
-        "Times of the processor in U, the shortest of all pairs of alternating processes, and "
-        "their ratios. Limits by kind: "
-        + ", ".join(f"{kind} {limit:g}" for kind, limit in LIMITS.items())
-        + ". A row above its limit, in bold, is reported and breaks no gate.",
-        "",
-        "| benchmark | problem | rtol | | old [U] | new [U] | ratio | limit | pairs | runs |",
-        "|---|---|---|---|---|---|---|---|---|---|",
-    ]
+    about = f"{sum(len(one.findings) for one in found)} scenes and {len(rows)} rows of times in "
+    about += f"{spent:.0f} s, in brackets and as old: commit {commit[:7]}. "
+    about += "All gates hold." if not failures else f"**{len(failures)} gates are broken.**"
+    about += f" **{len(slow)} rows are slower than their limits.**" * bool(slow)
+    scenes = (
+        (one.name, len(one.findings), one.counts(), "broken" if one.failures else "holds")
+        for one in found
+    )
+    times = []
     for row in rows:
         ratio = f"{row.ratio:.2f}" if row.passed else f"**{row.ratio:.2f}**"
-        lines.append(
-            f"| {row.benchmark} | {row.case} | {row.rtol:g} | {row.mode} | {row.old:.3g} | "
-            f"{row.new:.3g} | {ratio} | {row.limit:g} | {row.pairs} | {row.runs} |"
-        )
+        cells = f"{row.old:.3g}", f"{row.new:.3g}", ratio, f"{row.limit:g}", row.runs
+        times.append((row.case, row.mode, *cells))
+    limits = ", ".join(f"{kind} {limit:g}" for kind, limit in LIMITS.items())
+    parts = [
+        about,
+        reporting.table("scenes | number | | gate", scenes),
+        "Times of the processor in U, the shortest of all pairs of processes that take turns, and "
+        f"their ratios. Limits by kind: {limits}. A row above its limit, in bold, is reported and "
+        "breaks no gate.",
+        reporting.table("problem | | old [U] | new [U] | ratio | limit | runs", times),
+    ]
     if failures:
-        lines += ["", "Broken:", "", *(f"- {text}" for text in failures)]
-    return "\n".join(lines) + "\n"
+        parts += ["Broken:", "\n".join(f"- {text}" for text in failures)]
+    return "\n\n".join(parts)
 
 
 def progress(text: str) -> None:
@@ -138,36 +134,53 @@ def progress(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
+def rebase(revision: str) -> None:
+    """Run `record` with the library of a commit, and the modules of the net as they are today."""
+    commit = net_baseline.git("rev-parse", "--verify", f"{revision}^{{commit}}").decode().strip()
+    with net_baseline.checked_out(commit) as library:
+        code = (
+            "import spectral_contact, net\n"
+            f"assert spectral_contact.__file__.startswith({str(library)!r}), spectral_contact\n"
+            f"net.record({commit!r})"
+        )
+        paths = os.pathsep.join((str(library), str(Path(__file__).parent)))
+        # -P: nothing comes before the paths that are given
+        command = [sys.executable, "-P", "-c", code]
+        subprocess.run(command, check=True, env=os.environ | {"PYTHONPATH": paths})
+
+
+def record(commit: str) -> None:
+    """Store what the library that is imported makes of all scenes, under the name of a commit."""
+    before: net_baseline.Records = {}
+    for section, findings in sections(net_kept.load(), 1):
+        before[section] = {finding.name: finding.to_row() for finding in findings}
+        progress(f"{section}: {len(findings)} scenes")
+    net_baseline.save(commit, before)
+
+
 def main() -> int:
     """Run everything, print it, and return how the process ends."""
     parser = argparse.ArgumentParser(description="Does a change of the solver keep everything?")
     parser.add_argument("--quick", action="store_true", help="a part of it, in a minute")
-    parser.add_argument("--scenes-only", action="store_true", help="no benchmarks")
+    parser.add_argument("--scenes-only", action="store_true", help="no times")
     parser.add_argument("--rebase", metavar="COMMIT", help="compare with COMMIT from now on")
     options = parser.parse_args()
     if options.rebase:
-        net_commit.rebase(options.rebase)
+        rebase(options.rebase)
         return 0
     begin = perf_counter()
-    kept = net_kept.load()
-    before = net_commit.load()
+    commit, before = net_baseline.load()
     found: list[Section] = []
     rows: list[Row] = []
-    for name, findings in sections(kept, PART if options.quick else 1):
+    for name, findings in sections(net_kept.load(), PART if options.quick else 1):
         found.append(Section(name, findings, before.get(name, {})))
         progress(f"{perf_counter() - begin:4.0f} s  {name}: {found[-1].counts()}")
-    for row in [] if options.scenes_only else speed(options.quick):
+    for row in [] if options.scenes_only else speed(commit, options.quick):
         rows.append(row)
-        progress(f"{perf_counter() - begin:4.0f} s  {row.case}, {row.mode}: {row.ratio:.2f}")
+        limit = "" if row.passed else f", SLOWER than its limit {row.limit:g}"
+        progress(f"{perf_counter() - begin:4.0f} s  {row.case}, {row.mode}: {row.ratio:.2f}{limit}")
     failures = [f"{one.name}: {text}" for one in found for text in one.failures]
-    text = table(found, rows, failures, perf_counter() - begin)
-    print(text)
-    for row in rows:
-        if not row.passed:
-            progress(
-                f"slower than its limit: {row.benchmark}: {row.case}, {row.mode}: "
-                f"{row.ratio:.2f}, the limit is {row.limit:g}"
-            )
+    print(table(found, rows, failures, commit, perf_counter() - begin))
     return 1 if failures else 0
 
 

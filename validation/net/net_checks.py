@@ -20,7 +20,6 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
-import net_coupled
 from coupled_slip_errors import Sample, ratios, sample, values
 from honesty_errors import compare, violates, zones_error
 from net_kept import NEAR, Kept, KeptZone, scene_of
@@ -241,7 +240,10 @@ def sections(kept: dict[str, Any], every: int) -> Iterator[tuple[str, list[Findi
         ("hard", hard_scenes(kept["hard"], every)),
         ("honesty", honesty_scenes(kept["honesty"], every)),
         ("thresholds", threshold_scenes(kept["thresholds"], every)),
-        ("coupled thresholds", threshold_scenes(net_coupled.load(), every, zones_known=True)),
+        (
+            "coupled thresholds",
+            threshold_scenes(kept["coupled thresholds"], every, zones_known=True),
+        ),
     ):
         clear_caches()
         yield name, list(findings)

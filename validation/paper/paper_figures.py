@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from collections.abc import Callable
+from functools import partial
 from math import inf
 
 import numpy as np
 from paper_onset import slip_onset
-from paper_tables import RADII, FigureData, PaperFigure
+from paper_tables import RADII, WORDS, FigureData, PaperFigure
 
 from spectral_contact.fields import Array
 from spectral_contact.scene import Scene
@@ -23,11 +24,6 @@ def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
     return FigureData(
         figure, rtol, np.concatenate([figure.rows_of(s, rtol) for s in figure.scenes])
     )
-
-
-def paper_figure(name: str) -> PaperFigure:
-    """Return what a figure out of ``FIGURES`` shows."""
-    return _figures()[name]
 
 
 # --- what is measured of a scene ------------------------------------------------------------------
@@ -69,79 +65,42 @@ def _onset(scene: Scene, rtol: float) -> Array:
 # --- the figures ----------------------------------------------------------------------------------
 
 
-@cache
-def _figures() -> dict[str, PaperFigure]:
-    named, more = ((0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0)), ((0.2, 0.2), (0.05, 1.0))
-    frictions = 0.02, 0.04, 0.06, 0.08, 0.1, inf
-    ratios, scalars = (
-        (0.0, 0.1, 0.2, 0.3, 0.4),
-        ("stick_radius", "total_shear", "critical_friction"),
+#: Compliances of Figure 4: those that the paper names, and two more.
+_PAIRS = ((0.5, 0.2), (0.5, 0.5), (0.2, 0.5), (0.5, 1.0), (0.2, 0.2), (0.05, 1.0))
+_FRICTIONS = (0.02, 0.04, 0.06, 0.08, 0.1, inf)
+#: Both compliances of the figure of the onset.
+_ROUGH = [10.0 ** (i / 10.0 - 3.0) for i in range(41)]
+#: By figure: its scenes in order, and what is measured of each.
+_MADE: dict[str, tuple[list[Scene], Callable[[Scene, float], Array]]] = {
+    "2": ([Scene(0.3, alpha, 0.0, 0.0) for alpha in (0.0, 0.05, 0.1, 0.2, 0.5, 1.0)], _pressure),
+    "3": (
+        [Scene(0.3, 0.5, beta, inf) for beta in (0.0, 0.1, 0.2, 0.5, 1.0)],
+        lambda scene, rtol: _traction(scene, rtol)[:, :2],
+    ),
+    "4": (
+        [Scene(i / 100.0, *pair, inf) for pair in _PAIRS for i in range(51)],
+        partial(_scalars, ("edge_ratio", "critical_friction")),
+    ),
+    "5": ([Scene(nu, 0.5, 0.5, f) for nu in (0.1, 0.3) for f in _FRICTIONS], _traction),
+    "6": (
+        [Scene(i / 10.0, 0.5, 0.5, j / 400.0) for i in range(5) for j in range(81)],
+        partial(_scalars, ("stick_radius", "total_shear", "critical_friction")),
+    ),
+    "onset": ([Scene(0.3, alpha, beta, inf) for alpha in _ROUGH for beta in _ROUGH], _onset),
+}
+
+
+def paper_figure(name: str) -> PaperFigure:
+    """Return what a figure out of ``FIGURES`` shows."""
+    scenes, measure = _MADE[name]
+    words = WORDS["figure"][name]
+    return PaperFigure(
+        name,
+        words["title"],
+        words["given"],
+        words["chosen"],
+        tuple(words["values"]),
+        tuple(scenes),
+        words["radial"],
+        measure,
     )
-    rough = [10.0 ** (i / 10.0 - 3.0) for i in range(41)]
-    made = (
-        PaperFigure(
-            "2",
-            "Pressure for several α*",
-            "α* = 0",
-            "the other α*",
-            ("pressure",),
-            tuple(Scene(0.3, alpha, 0.0, 0.0) for alpha in (0.0, 0.05, 0.1, 0.2, 0.5, 1.0)),
-            True,
-            _pressure,
-        ),
-        PaperFigure(
-            "3",
-            "Traction of full stick for several β*",
-            "α* = 0.5, ν = 0.3, β* = 0",
-            "the other β*",
-            ("traction",),
-            tuple(Scene(0.3, 0.5, beta, inf) for beta in (0.0, 0.1, 0.2, 0.5, 1.0)),
-            True,
-            lambda scene, rtol: _traction(scene, rtol)[:, :2],
-        ),
-        PaperFigure(
-            "4",
-            "Edge ratio of full stick against Poisson's ratio",
-            f"(α*, β*) = {', '.join(map(str, named))}",
-            f"{' and '.join(map(str, more))}",
-            ("edge_ratio", "critical_friction"),
-            tuple(
-                Scene(i / 100.0, alpha, beta, inf)
-                for alpha, beta in named + more
-                for i in range(51)
-            ),
-            False,
-            partial(_scalars, ("edge_ratio", "critical_friction")),
-        ),
-        PaperFigure(
-            "5",
-            "Traction for several f at two ν",
-            "none",
-            "all: α* = β* = 0.5, ν, f",
-            ("traction", "stick_radius"),
-            tuple(Scene(nu, 0.5, 0.5, f) for nu in (0.1, 0.3) for f in frictions),
-            True,
-            _traction,
-        ),
-        PaperFigure(
-            "6",
-            "Stick radius and total shear against friction for several ν",
-            "none",
-            "all: α* = β* = 0.5, ν, f",
-            scalars,
-            tuple(Scene(nu, 0.5, 0.5, i / 400.0) for nu in ratios for i in range(81)),
-            False,
-            partial(_scalars, scalars),
-        ),
-        PaperFigure(
-            "onset",
-            "Where slip starts, and the true critical friction",
-            "nothing: the paper has no such figure",
-            "all. Friction scales with κ = (1 − 2ν)/(4(1 − ν)), which is 1/7 here",
-            ("critical_friction", "edge_ratio", "from_edge"),
-            tuple(Scene(0.3, alpha, beta, inf) for alpha in rough for beta in rough),
-            False,
-            _onset,
-        ),
-    )
-    return {figure.name: figure for figure in made}

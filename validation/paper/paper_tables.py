@@ -5,6 +5,7 @@ Numbers are exact, and a head says whose they are.
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -17,6 +18,8 @@ from spectral_contact.processes import VERSION
 from spectral_contact.scene import Scene
 from spectral_contact.view.radii import Radii
 
+#: Texts of statements and figures.
+WORDS = tomllib.loads((Path(__file__).parent / "paper.toml").read_text(encoding="utf-8"))
 #: The columns that every table begins with; f is 0 without friction, and infinite in full stick.
 PARAMETERS = ("nu", "alpha", "beta", "f")
 

@@ -12,11 +12,9 @@ Solver: ``chebyshev:solver``; the resolution is the degree.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from contact import Contact, Disk
-from elements import Array, Kernel, Places, gauss, normal, tangential
+from elements import Array, Kernel, Places, gauss
 from numpy.polynomial import chebyshev
 
 from spectral_contact import Scene
@@ -33,17 +31,8 @@ class Polynomial(Disk):
         self.nodes = _places(self._angles, np.pi - self._angles)
         self._series = np.linalg.inv(chebyshev.chebvander(np.cos(self._angles), degree))
 
-    @cached_property
-    def normal(self) -> Array:
-        """The matrix of N."""
-        return self._matrix(normal)
-
-    @cached_property
-    def tangential(self) -> Array:
-        """The matrix of T."""
-        return self._matrix(tangential)
-
-    def _matrix(self, kernel: Kernel) -> Array:
+    def matrix(self, kernel: Kernel) -> Array:
+        """Integrate the kernel on either side of every node."""
         degree = len(self._angles) - 1
         v, w = gauss(2 * degree + POINTS)
         w, v = w * POWER * v ** (POWER - 1), v**POWER

@@ -7,16 +7,15 @@ peers_partial_slip, each as .json (a study to be loaded), .md (the times to reac
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-
 import argparse
 import math
+import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from itertools import product
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import chebyshev
 import elements
@@ -25,12 +24,12 @@ import fft
 import linear
 import nystrom
 import rings
+from reporting import RESULTS, table
 
 from spectral_contact import MissingDependencyError, Scene
 from spectral_contact.studies import OwnSolver, WorkPrecision, work_precision
 from spectral_contact.view.report import scene_text
 
-RESULTS = Path(__file__).parents[1] / "results"
 PACKAGES = ("tamaas", "scikit-fem")
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 #: Close to each other where solves are short, so that no peer waits for its next resolution.
@@ -73,9 +72,7 @@ class Problem:
 
 PROBLEMS = {
     "normal": Problem(
-        (Scene(0.1, 0.5), Scene(0.2, 1e-4)),
-        ("approach", "edge_pressure"),
-        tuple(PEERS),
+        (Scene(0.1, 0.5), Scene(0.2, 1e-4)), ("approach", "edge_pressure"), tuple(PEERS)
     ),
     "full_stick": Problem(
         (Scene(0.1, 0.5, 0.5, math.inf), Scene(0.1, 1e-3, 1e-3, math.inf)),
@@ -126,14 +123,18 @@ def tables(study: WorkPrecision, packages: str) -> str:
         "italics, with empty caches; in parentheses the ratio to the first row. Medians of "
         f"{min(p.times.warm.repeats for p in study.points if p.times)} repeats or more."
     ]
+    goals = [f"{goal:.0e}" for goal in study.accuracies]
     for scene in study.scenes:
         for quantity in study.quantities:
-            head = [f"{SYMBOLS[quantity]} to", *(f"{goal:.0e}" for goal in study.accuracies)]
-            lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-            for solver in study.solvers:
-                cells = (_cell(study, solver, scene, quantity, goal) for goal in study.accuracies)
-                lines.append(f"| {solver} | {' | '.join(cells)} |")
-            parts += [f"{scene_text(scene)}:", "\n".join(lines)]
+            rows = (
+                (
+                    solver,
+                    *(_cell(study, solver, scene, quantity, goal) for goal in study.accuracies),
+                )
+                for solver in study.solvers
+            )
+            heading = " | ".join([f"{SYMBOLS[quantity]} to", *goals])
+            parts += [f"{scene_text(scene)}:", table(heading, rows)]
     parts += [_faster(study)]
     parts += [
         f"{p.solver} at {p.resolution:g} fails: {p.failure}" for p in study.points if p.failure
@@ -158,20 +159,18 @@ def _cell(study: WorkPrecision, solver: str, scene: Scene, quantity: str, goal: 
 def _faster(study: WorkPrecision) -> str:
     """Return the table of the fastest peers where they are faster than the first solver."""
     goals = [10.0**-k for k in range(3, 13)]
-    head = ["scene", "", "", *(f"{goal:.0e}" for goal in goals)]
-    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-    for scene in study.scenes:
-        for quantity in study.quantities:
-            for state in ("warm", "cold"):
-                cells = [
-                    _fastest(study, scene, quantity, goal, state == "cold")
-                    if goal <= AHEAD[quantity]
-                    else ""
-                    for goal in goals
-                ]
-                name = [f"α* = {scene.normal_compliance:g}", SYMBOLS[quantity], state]
-                lines.append(f"| {' | '.join(name + cells)} |")
-    return "Where a peer is faster, the fastest, and its time over ours:\n\n" + "\n".join(lines)
+    rows = []
+    for scene, quantity, state in product(study.scenes, study.quantities, ("warm", "cold")):
+        cells = [
+            _fastest(study, scene, quantity, goal, state == "cold")
+            if goal <= AHEAD[quantity]
+            else ""
+            for goal in goals
+        ]
+        rows.append((f"α* = {scene.normal_compliance:g}", SYMBOLS[quantity], state, *cells))
+    heading = " | ".join(["scene", "", "", *(f"{goal:.0e}" for goal in goals)])
+    about = "Where a peer is faster, the fastest, and its time over ours:"
+    return f"{about}\n\n{table(heading, rows)}"
 
 
 def _fastest(study: WorkPrecision, scene: Scene, quantity: str, goal: float, cold: bool) -> str:
@@ -196,14 +195,10 @@ def _rounded(number: float) -> str:
 
 def _versions(peers: tuple[str, ...]) -> str:
     """Return the versions of the packages among the peers."""
-    found = ""
-    for package in PACKAGES:
-        if package in peers:
-            try:
-                found += f", {package} {version(package)}"
-            except PackageNotFoundError as error:
-                raise MissingDependencyError(package, "peers") from error
-    return found
+    try:
+        return "".join(f", {one} {version(one)}" for one in PACKAGES if one in peers)
+    except PackageNotFoundError as error:
+        raise MissingDependencyError(str(error.name), "peers") from error
 
 
 def main() -> None:

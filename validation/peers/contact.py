@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from elements import Array, Places
+from elements import Array, Kernel, Places, normal, tangential
 from scipy.optimize import brentq
 
 from spectral_contact import Scene
@@ -29,14 +29,18 @@ class Disk(ABC):
     nodes: Places
 
     @cached_property
-    @abstractmethod
     def normal(self) -> Array:
         """The matrix of N = (1/pi) int K1, from values at nodes to values at nodes."""
+        return self.matrix(normal)
 
     @cached_property
-    @abstractmethod
     def tangential(self) -> Array:
         """The matrix of T = (1/pi) int K2."""
+        return self.matrix(tangential)
+
+    @abstractmethod
+    def matrix(self, kernel: Kernel) -> Array:
+        """Return the matrix of the integral of a kernel, over pi."""
 
     @abstractmethod
     def at(self, values: Array, y: Array) -> Array:

@@ -13,11 +13,10 @@ Solvers: ``linear:uniform`` and ``linear:graded``; the resolution is the number 
 from __future__ import annotations
 
 import math
-from functools import cached_property
 
 import numpy as np
 from contact import Contact, Disk
-from elements import Array, Kernel, Places, integrals, normal, tangential
+from elements import Array, Kernel, Places, integrals
 
 from spectral_contact import Scene
 
@@ -28,17 +27,8 @@ class Linear(Disk):
     def __init__(self, count: int, power: float) -> None:
         self.nodes = Places.at(np.linspace(1.0, 0.0, count + 1) ** power)
 
-    @cached_property
-    def normal(self) -> Array:
-        """The matrix of N."""
-        return self._matrix(normal)
-
-    @cached_property
-    def tangential(self) -> Array:
-        """The matrix of T."""
-        return self._matrix(tangential)
-
-    def _matrix(self, kernel: Kernel) -> Array:
+    def matrix(self, kernel: Kernel) -> Array:
+        """Integrate the kernel, element by element."""
         inner, outer = integrals(kernel, self.nodes, self.nodes)
         found = np.zeros((len(inner), len(inner)))
         found[:, :-1] = inner

@@ -15,7 +15,7 @@ Solver: ``nystrom:solver``; the resolution is the number of points of a panel.
 
 from __future__ import annotations
 
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -49,6 +49,10 @@ def _gap(source: Places, target: Places) -> Array:
     return np.where(source.s > 0.5, np.abs(source.y - target.y), np.abs(source.s - target.s))
 
 
+#: By kernel: the coefficient of the logarithm, and what its limit lacks of log 8s.
+LOGARITHMS = {normal: (_normal_logarithm, 0.0), tangential: (_tangential_logarithm, 2.0)}
+
+
 class Panels(Disk):
     """Values at the Gauss points of graded panels."""
 
@@ -71,18 +75,9 @@ class Panels(Disk):
             np.polynomial.legendre.legvander(2.0 * x[:, 0] - 1.0, count - 1)
         )
 
-    @cached_property
-    def normal(self) -> Array:
-        """The matrix of N."""
-        return self._matrix(normal, _normal_logarithm, 0.0)
-
-    @cached_property
-    def tangential(self) -> Array:
-        """The matrix of T."""
-        return self._matrix(tangential, _tangential_logarithm, 2.0)
-
-    def _matrix(self, kernel: Kernel, logarithm: Kernel, less: float) -> Array:
-        """Return a matrix; on the diagonal K + log|eta - s|/2 is (log 8s - less)/2."""
+    def matrix(self, kernel: Kernel) -> Array:
+        """Split off the logarithm; on the diagonal K + log|eta - s|/2 is (log 8s - less)/2."""
+        logarithm, less = LOGARITHMS[kernel]
         nodes, count, width = self.nodes, len(self._w), self._width
         found = kernel(nodes, nodes[:, None])
         np.fill_diagonal(found, 0.0)

@@ -13,11 +13,11 @@ edge, which no other beats by much on thick and thin layers; the resolution is t
 
 from __future__ import annotations
 
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 from contact import Contact, Disk
-from elements import Array, Places, integrals, tangential, uniform_pressure
+from elements import Array, Kernel, Places, integrals, normal, uniform_pressure
 
 from spectral_contact import Scene
 
@@ -29,16 +29,11 @@ class Rings(Disk):
         self.ends = Places.at(np.linspace(1.0, 0.0, count + 1) ** power)
         self.nodes = Places.at((self.ends.y[1:] + self.ends.y[:-1]) / 2.0)
 
-    @cached_property
-    def normal(self) -> Array:
-        """The matrix of N."""
-        disks = uniform_pressure(self.ends, self.nodes[:, None])
-        return np.diff(disks, axis=1) / np.pi
-
-    @cached_property
-    def tangential(self) -> Array:
-        """The matrix of T."""
-        return integrals(tangential, self.ends, self.nodes).sum(axis=0)
+    def matrix(self, kernel: Kernel) -> Array:
+        """Integrate the kernel; that of a pressure on a disk has a closed form."""
+        if kernel is normal:
+            return np.diff(uniform_pressure(self.ends, self.nodes[:, None]), axis=1) / np.pi
+        return integrals(kernel, self.ends, self.nodes).sum(axis=0)
 
     def at(self, values: Array, y: Array) -> Array:
         """Interpolate linearly, and beyond the first and the last middle extrapolate."""

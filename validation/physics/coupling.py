@@ -7,14 +7,16 @@ uncoupled. Full stick is solved to 1e-10, partial slip to 1e-8.
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from pathlib import Path
-from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.figure import Figure
 from reporting import RESULTS, table, write
 
 from spectral_contact import Scene, Solution, solve
@@ -33,7 +35,7 @@ SLIPPING = [
     for a, ratios in ((0.0, (1.0, 2.0)), (0.01, (0.5, 1.0)), (0.1, (0.2, 0.5)), (0.5, (0.2, 0.5)))
     for ratio in ratios
 ]
-INTEGRALS = ("approach", "total_shear", "stick_radius")
+INTEGRALS = ("stick_radius", "total_shear", "approach")
 QUANTITIES = ("approach", "total_shear", "edge_pressure", "critical_friction")
 TITLES = {
     "approach": r"approach $\delta^*$",
@@ -42,35 +44,37 @@ TITLES = {
     "critical_friction": "critical friction",
 }
 
-Record = dict[str, Any]
+#: Relative changes by quantity; None where one of the two is infinite or zero.
+Changes = dict[str, float | None]
 
 
-def change(nu: float, alpha: float, beta: float) -> Record:
-    """Return a scene, the relative changes that coupling makes, and where it would open."""
-    pair = [
+def change(nu: float, alpha: float, beta: float) -> Changes:
+    """Return the relative changes that coupling makes to full stick."""
+    plain, coupled = (
         solve(Scene(nu, alpha, beta, math.inf, coupling=coupling), RTOL)
         for coupling in (False, True)
-    ]
-    row: Record = {"nu": nu, "alpha": alpha, "beta": beta, "opening": pair[1].opening}
+    )
+    found: Changes = {}
     for name in QUANTITIES:
-        plain, coupled = (_value(solution, name) for solution in pair)
-        known = math.isfinite(plain) and math.isfinite(coupled) and plain != 0.0
-        row[name] = coupled / plain - 1.0 if known else None
-    return row
+        before, after = _value(plain, name), _value(coupled, name)
+        known = math.isfinite(before) and math.isfinite(after) and before != 0.0
+        found[name] = after / before - 1.0 if known else None
+    return found
 
 
-def slip_change(nu: float, compliance: float, ratio: float) -> Record:
-    """Return the relative changes that coupling makes to partial slip."""
+def slip_cells(nu: float, compliance: float, ratio: float) -> tuple[str, ...]:
+    """Return stick radii of partial slip without and with coupling, and the relative changes."""
     friction = ratio * kappa(nu)
-    row: Record = {"nu": nu, "compliance": compliance, "friction": friction, "ratio": ratio}
     plain, coupled = (
         solve(Scene(nu, compliance, compliance, friction, coupling=coupling), SLIP_RTOL, INTEGRALS)
         for coupling in (False, True)
     )
-    for name in INTEGRALS:
-        row[name] = getattr(coupled, name) / getattr(plain, name) - 1.0
-    row["plain_radius"], row["radius"] = plain.stick_radius, coupled.stick_radius
-    return row
+    changes = (getattr(coupled, name) / getattr(plain, name) - 1.0 for name in INTEGRALS)
+    return (
+        *(f"{value:g}" for value in (nu, compliance, ratio)),
+        *(f"{one.stick_radius:.6f}" for one in (plain, coupled)),
+        *map(_percent, changes),
+    )
 
 
 def _value(solution: Solution, name: str) -> float:
@@ -84,105 +88,65 @@ def kappa(nu: float) -> float:
     return Scene(nu).kappa
 
 
-def study() -> Record:
-    """Return everything that is measured."""
-    curves = [(nu, 1.0) for nu in NUS] + [(nu, ratio) for ratio, nu in RATIOS]
-    lines = [
-        {"nu": nu, "ratio": r, "points": [change(nu, a, r * a) for a in CURVE]} for nu, r in curves
-    ]
-    grid = [change(nu, a, b) for nu in (0.0, 0.3) for a in GRID for b in GRID]
-    slip = [slip_change(nu, *case) for nu in (0.0, 0.3) for case in SLIPPING]
-    rows = [*grid, *slip, *(point for line in lines for point in line["points"])]
-    return {
-        "count": len(rows),
-        "rtol": RTOL,
-        "lines": lines,
-        "grid": grid,
-        "slip": slip,
-    }
-
-
-def page(record: Record) -> str:
-    """Return the results as Markdown."""
-    parts = [
-        f"{record['count']} pairs of solves. At ν = 0 and, behind the stroke, ν = 0.3, in per cent:"
-    ]
+def page(pairs: int) -> str:
+    """Return the tables as Markdown; so many pairs of solves are in the picture."""
+    grid = {(nu, a, b): change(nu, a, b) for nu, a, b in itertools.product((0.0, 0.3), GRID, GRID)}
+    slip = [slip_cells(nu, *case) for nu in (0.0, 0.3) for case in SLIPPING]
+    pairs += len(grid) + len(slip)
+    parts = [f"{pairs} pairs of solves. At ν = 0 and, behind the stroke, ν = 0.3, in per cent:"]
     for name, title in (("approach", "δ*"), ("total_shear", "Q*")):
-        cells = [
-            (
-                f"{a:g}",
-                *(
-                    " / ".join(_percent(_found(record, nu, a, b)[name]) for nu in (0.0, 0.3))
-                    for b in GRID
-                ),
-            )
-            for a in GRID
-        ]
+        cells = []
+        for a in GRID:
+            both = ((grid[0.0, a, b][name], grid[0.3, a, b][name]) for b in GRID)
+            cells.append((f"{a:g}", *(" / ".join(map(_percent, pair)) for pair in both)))
         heading = [f"change of {title}: α* \\ β*", *(f"{b:g}" for b in GRID)]
         parts.append(table(" | ".join(heading), cells))
     cells = []
     for a in GRID:
-        pair = [_found(record, nu, a, a) for nu in (0.0, 0.3)]
         both = (
-            " / ".join(_over(row[name], kappa(row["nu"]) ** 2) for row in pair)
+            " / ".join(_over(grid[nu, a, a][name], kappa(nu) ** 2) for nu in (0.0, 0.3))
             for name in QUANTITIES
         )
         cells.append((f"{a:g}", *both))
     parts.append("With α* = β* the same over κ², at ν = 0 and 0.3:")
     parts.append(table("α* = β* | δ* | Q* | p*(1) | critical friction", cells))
-    cells = [
-        (
-            *(f"{row[key]:g}" for key in ("nu", "compliance", "ratio")),
-            *(f"{row[key]:.6f}" for key in ("plain_radius", "radius")),
-            *(_percent(row[key]) for key in ("stick_radius", "total_shear", "approach")),
-        )
-        for row in record["slip"]
-    ]
     parts.append("Partial slip at α* = β*, in per cent:")
     heading = "ν | α* = β* | f/κ | c* without | c* with | change of c* | of Q* | of δ*"
-    parts.append(table(heading, cells))
+    parts.append(table(heading, slip))
     return "\n\n".join(parts)
 
 
-def _found(record: Record, nu: float, alpha: float, beta: float) -> Record:
-    """Return the row of the grid."""
-    [row] = [
-        row for row in record["grid"] if (row["nu"], row["alpha"], row["beta"]) == (nu, alpha, beta)
-    ]
-    return dict(row)
+def _percents(share: float | None) -> float:
+    return math.nan if share is None else 100.0 * share
 
 
 def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{100.0 * share:+.2g}"
+    return "–" if share is None else f"{_percents(share):+.2g}"
 
 
 def _over(share: float | None, square: float) -> str:
     return "–" if share is None else f"{share / square:+.2g}"
 
 
-def draw(record: Record, path: Path) -> None:
-    """Draw the changes over the compliance, in per cent."""
+def draw(path: Path) -> int:
+    """Draw the changes over the compliance, in per cent; return the number of pairs of solves."""
+    lines = [(nu, 1.0) for nu in NUS] + [(nu, ratio) for ratio, nu in RATIOS]
     with style():
-        from matplotlib import colormaps
-        from matplotlib.figure import Figure
-
         figure = Figure(figsize=(9.4, 6.6), layout="constrained")
         axes = figure.subplots(2, 2, sharex=True)
+        for nu, ratio in lines:
+            points = [change(nu, alpha, ratio * alpha) for alpha in CURVE]
+            text = rf"$\nu = {nu:g}$"
+            if ratio != 1.0:
+                text += rf", $\beta^* = {ratio:g}\,\alpha^*$"
+            look = {
+                "ls": {1.0: "-", 10.0: "--", 0.1: ":"}[ratio],
+                "color": colormaps["viridis"](NUS.index(nu) / len(NUS)),
+                "label": text,
+            }
+            for one, name in zip(axes.flat, QUANTITIES, strict=True):
+                one.plot(CURVE, [_percents(point[name]) for point in points], **look)
         for one, name in zip(axes.flat, QUANTITIES, strict=True):
-            for line in record["lines"]:
-                points = [p for p in line["points"] if p[name] is not None]
-                number = NUS.index(line["nu"])
-                dash = {1.0: "-", 10.0: "--", 0.1: ":"}[line["ratio"]]
-                text = rf"$\nu = {line['nu']:g}$"
-                if line["ratio"] != 1.0:
-                    text += rf", $\beta^* = {line['ratio']:g}\,\alpha^*$"
-                one.plot(
-                    [p["alpha"] for p in points],
-                    [100.0 * p[name] for p in points],
-                    dash,
-                    color=colormaps["viridis"](number / len(NUS)),
-                    label=text,
-                )
             one.set_xscale("log")
             one.set_title(TITLES[name])
             one.set_ylabel("change by coupling [%]")
@@ -191,14 +155,8 @@ def draw(record: Record, path: Path) -> None:
         axes[1, 1].set_ylim(0.0, 150.0)
         axes[0, 0].legend(fontsize=7.5)
         save(figure, str(path))
-
-
-def main() -> None:
-    """Measure, draw and print."""
-    record = study()
-    write("coupling", page(record))
-    draw(record, RESULTS / "coupling.png")
+    return len(lines) * len(CURVE)
 
 
 if __name__ == "__main__":
-    main()
+    write("coupling", page(draw(RESULTS / "coupling.png")))

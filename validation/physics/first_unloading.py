@@ -16,23 +16,9 @@ from spectral_contact.view.plotting import style
 TARGET = Path(__file__).parents[2] / "docs" / "first_unloading.png"
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 SHOWN = 1.0, 0.8, 0.5, 0.2205
-RATIOS = (
-    0.999,
-    0.9,
-    0.8,
-    0.7,
-    0.6,
-    0.5,
-    0.4,
-    0.3,
-    0.25,
-    0.23,
-    0.2222,
-    0.2215,
-    0.221,
-    0.2205,
-    0.2201,
-)
+RATIOS = (0.999, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
+#: Around the turning ratio.
+CLOSE = (0.25, 0.23, 0.2222, 0.2215, 0.221, 0.2205, 0.2201)
 COLOURS = "#000000", "#0072B2", "#009E73", "#D55E00"
 
 
@@ -51,8 +37,8 @@ def main() -> None:
         left.set_ylabel(r"$q/(f p)$")
         left.legend()
         boundaries: dict[int, list[tuple[float, float]]] = {0: [], 1: [], 2: []}
-        for ratio in sorted(RATIOS):
-            found = solve(SCENE.replace(unloaded_to=float(ratio)), 1e-8, ["zones"])
+        for ratio in sorted((*RATIOS, *CLOSE)):
+            found = solve(SCENE.replace(unloaded_to=ratio), 1e-8, ["zones"])
             for k, zone in enumerate(found.zones[:-1]):
                 boundaries[k].append((ratio, zone.outer))
         names = "stick | slip", "slip | stick with memory", "memory | slip back"

@@ -11,9 +11,12 @@ what the user knows: the tangent's ``alpha* = alpha E'/a``.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import matplotlib as mpl
 import matplotlib.lines
@@ -23,14 +26,10 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
-from numpy.typing import NDArray
+from reporting import DOCS, table, write
 
-from spectral_contact import Scene, Solution, __version__, layers, profiles, solve, sweep
+from spectral_contact import Scene, __version__, layers, profiles, solve, sweep
 
-REPOSITORY = Path(__file__).parents[2]
-RESULT = REPOSITORY / "validation" / "results" / "linear_layer.md"
-PICTURE = REPOSITORY / "docs" / "linear_layer.png"
-EXPONENTS = REPOSITORY / "docs" / "stiffness_exponent.png"
 RTOL = 1e-8
 #: Pressures of the laws at overclosure 1, or beyond their clearance.
 LAWS = {
@@ -49,15 +48,19 @@ CURVE = np.geomspace(1e-7, 1e2, 37)
 FLAT, BALL = profiles.Flat(1.0), profiles.Parabola(1.0)
 QUANTITIES = ("approach", "stiffness", "pressure")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
-HEAD = """# How good is the linear layer?
+ABOUT = f"""# How good is the linear layer?
 
 Relative errors of what a linear layer gives whose compliance is that of the law at the mean
 pressure: its tangent `dw/dp`, or its secant `w/p`. `alpha*` is the tangent's. Written by
-`validation/physics/linear_layer.py`, version {version}.
-
-| punch | law | load | alpha* | approach, tangent | secant | stiffness, tangent | secant | {edge} |
-|---|---|---|---|---|---|---|---|---|
-"""
+`validation/physics/linear_layer.py`, version {__version__}."""
+HEADING = (
+    "punch | law | load | alpha* | approach, tangent | secant | stiffness, tangent | secant | "
+    "pressure (edge, centre), tangent | secant"
+)
+EXPONENTS = (
+    f"The exponent of the stiffness of a ball, d ln K/d ln P, from loads of {CURVE[1]:.1e} to "
+    f"{CURVE[-2]:.1e}; Hertz has 1/3, a power law m/(m + 1)."
+)
 
 
 @dataclass(frozen=True)
@@ -69,11 +72,6 @@ class Row:
     approach: tuple[float, float]
     stiffness: tuple[float, float]
     pressure: tuple[float, float]
-
-
-def pressed(layer: layers.Layer, profile: profiles.Profile, load: float) -> Solution:
-    """Return the contact through a law."""
-    return solve(Scene(0.3, layer=layer, profile=profile, load=load), RTOL, QUANTITIES)
 
 
 def linear(compliance: float, profile: profiles.Profile, load: float) -> tuple[float, float, float]:
@@ -103,30 +101,18 @@ def row(layer: layers.Layer, profile: profiles.Profile, load: float) -> Row:
     return Row(load, tangent / a, *errors)
 
 
-def exponent(curve: NDArray[np.float64], loads: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the local exponent of a curve over the load, between neighbours of a neighbour."""
-    return np.gradient(np.log(curve), np.log(loads))
-
-
-def draw(table: dict[str, dict[str, list[Row]]]) -> None:
+def draw(found: dict[str, dict[str, list[Row]]]) -> None:
     """Draw the errors over the tangent's compliance."""
-    names = {"approach": "approach", "stiffness": "stiffness", "pressure": "pressure"}
     figure, panels = plt.subplots(2, 3, figsize=(10.0, 5.6), layout="constrained", sharex=True)
-    for line, (punch, rows) in zip(panels, table.items(), strict=True):
-        for axes, (name, label) in zip(line, names.items(), strict=True):
+    for line, (punch, rows) in zip(panels, found.items(), strict=True):
+        for axes, name in zip(line, QUANTITIES, strict=True):
             for colour, (law, own) in zip(COLOURS, rows.items(), strict=False):
                 at = [one.compliance for one in own]
-                for k, style in enumerate(("-", "--")):
-                    axes.semilogx(
-                        at,
-                        [getattr(one, name)[k] for one in own],
-                        style,
-                        color=colour,
-                        lw=1.3,
-                        label=law if k == 0 else None,
-                    )
+                tangent, secant = zip(*(getattr(one, name) for one in own), strict=True)
+                axes.semilogx(at, tangent, "-", color=colour, lw=1.3, label=law)
+                axes.semilogx(at, secant, "--", color=colour, lw=1.3)
             where = {"flat punch": "at the edge", "ball": "at the centre"}[punch]
-            told = f"{label} {where}" if name == "pressure" else label
+            told = f"{name} {where}" if name == "pressure" else name
             axes.set_title(f"{punch}: {told}", fontsize="medium")
             axes.xaxis.set_major_locator(mpl.ticker.LogLocator(numticks=6))
             axes.axhline(0.0, color="#888888", lw=0.6)
@@ -141,10 +127,10 @@ def draw(table: dict[str, dict[str, list[Row]]]) -> None:
         for style, told in (("-", "tangent"), ("--", "secant"))
     ]
     panels[1, 0].legend(handles=kinds, frameon=False, fontsize="small", loc="lower left")
-    figure.savefig(PICTURE, dpi=130)
+    figure.savefig(DOCS / "linear_layer.png", dpi=130)
 
 
-def draw_exponents() -> list[str]:
+def draw_exponents() -> list[tuple[str, ...]]:
     """Draw stiffness over load with its local exponent; return rows of a table."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8), layout="constrained")
     told = []
@@ -156,9 +142,10 @@ def draw_exponents() -> list[str]:
             scene, load=CURVE, quantities=["stiffness"], rtol=1e-7, progress=False
         ).stiffness.values
         left.loglog(CURVE, found, color=colour, label=name)
-        slopes = exponent(found, CURVE)
+        slopes = np.gradient(np.log(found), np.log(CURVE))
         right.semilogx(CURVE[1:-1], slopes[1:-1], color=colour)
-        told.append(f"| {name} | {slopes[1]:.4f} | {slopes[1:-1].max():.4f} | {slopes[-2]:.4f} |")
+        shown = slopes[1], slopes[1:-1].max(), slopes[-2]
+        told.append((name, *(f"{one:.4f}" for one in shown)))
         if isinstance(layer, layers.PowerLaw):
             limit = layer.exponent / (layer.exponent + 1.0)
             right.axhline(limit, color=colour, ls=":", lw=0.8)
@@ -167,32 +154,24 @@ def draw_exponents() -> list[str]:
     left.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"stiffness $K/(E' R)$")
     right.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"exponent $d\ln K/d\ln P$", ylim=(0.25, 1.05))
     left.legend(frameon=False, fontsize="small")
-    figure.savefig(EXPONENTS, dpi=130)
+    figure.savefig(DOCS / "stiffness_exponent.png", dpi=130)
     return told
 
 
 def main() -> None:
     """Write table and figures."""
-    text = HEAD.format(version=__version__, edge="pressure (edge, centre), tangent | secant")
-    text = text.replace("|---|---|---|---|---|---|---|---|---|", "|" + "---|" * 10)
-    table: dict[str, dict[str, list[Row]]] = {}
+    cells = []
+    found: dict[str, dict[str, list[Row]]] = {}
     for punch, profile in (("flat punch", FLAT), ("ball", BALL)):
         for name, layer in LAWS.items():
             rows = [row(layer, profile, float(load)) for load in LOADS]
-            table.setdefault(punch, {})[name] = rows
+            found.setdefault(punch, {})[name] = rows
             for one in rows[::4]:  # all are in the figure
-                cells = [*one.approach, *one.stiffness, *one.pressure]
-                numbers = " | ".join(f"{value:+.3f}" for value in cells)
-                text += (
-                    f"| {punch} | {name} | {one.load:.3g} | {one.compliance:.3g} | {numbers} |\n"
-                )
-            print(text.splitlines()[-1], flush=True)
-    draw(table)
-    text += "\nThe exponent of the stiffness of a ball, d ln K/d ln P, from loads of "
-    text += f"{CURVE[1]:.1e} to {CURVE[-2]:.1e}; Hertz has 1/3, a power law m/(m + 1).\n\n"
-    text += "| law | at the least load | largest | at the largest load |\n|---|---|---|---|\n"
-    text += "\n".join(draw_exponents()) + "\n"
-    RESULT.write_text(text, encoding="utf-8")
+                errors = (f"{e:+.3f}" for e in (*one.approach, *one.stiffness, *one.pressure))
+                cells.append((punch, name, f"{one.load:.3g}", f"{one.compliance:.3g}", *errors))
+    draw(found)
+    exponents = table("law | at the least load | largest | at the largest load", draw_exponents())
+    write("linear_layer", f"{ABOUT}\n\n{table(HEADING, cells)}\n\n{EXPONENTS}\n\n{exponents}")
 
 
 if __name__ == "__main__":

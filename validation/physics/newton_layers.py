@@ -20,31 +20,25 @@ from spectral_contact import Scene, layers, profiles, solve
 from spectral_contact.contact.layered_newton import LayeredNewton
 
 BALL = profiles.Parabola(1.0)
-SCENES: dict[str, dict[str, object]] = {
-    "Abaqus' exponential, load 1": {"layer": layers.Exponential(0.1, 0.2), "load": 1.0},
-    "CalculiX' exponential, approach 0.5": {
-        "layer": layers.CalculixExponential(0.1, 0.2),
-        "approach": 0.5,
-    },
-    "power 2, contact radius 1": {"layer": layers.PowerLaw(5.0, 2.0), "contact_radius": 1.0},
-    "power 3 under a cone, load 1": {
-        "layer": layers.PowerLaw(5.0, 3.0),
-        "profile": profiles.Cone(1.2),
-        "load": 1.0,
-    },
-    "power 2 under a flat punch, load 1": {
-        "layer": layers.PowerLaw(5.0, 2.0),
-        "profile": profiles.Flat(1.0),
-        "load": 1.0,
-    },
-    "rough spheres, approach 3": {
-        "layer": layers.GreenwoodWilliamson(10.0, 1.0, 0.5),
-        "approach": 3.0,
-    },
-    "rough spheres, stiff, load 1": {
-        "layer": layers.GreenwoodWilliamson(1e6, 1e-3, 1e-3),
-        "load": 1.0,
-    },
+
+
+def scene(layer: layers.Layer, profile: profiles.Profile = BALL, **given: float) -> Scene:
+    """Return a scene through a layer, under a ball if nothing else is said."""
+    return Scene(0.3, layer=layer, profile=profile, **given)
+
+
+SCENES = {
+    "Abaqus' exponential, load 1": scene(layers.Exponential(0.1, 0.2), load=1.0),
+    "CalculiX' exponential, approach 0.5": scene(
+        layers.CalculixExponential(0.1, 0.2), approach=0.5
+    ),
+    "power 2, contact radius 1": scene(layers.PowerLaw(5.0, 2.0), contact_radius=1.0),
+    "power 3 under a cone, load 1": scene(layers.PowerLaw(5.0, 3.0), profiles.Cone(1.2), load=1.0),
+    "power 2 under a flat punch, load 1": scene(
+        layers.PowerLaw(5.0, 2.0), profiles.Flat(1.0), load=1.0
+    ),
+    "rough spheres, approach 3": scene(layers.GreenwoodWilliamson(10.0, 1.0, 0.5), approach=3.0),
+    "rough spheres, stiff, load 1": scene(layers.GreenwoodWilliamson(1e6, 1e-3, 1e-3), load=1.0),
 }
 #: Above it corrections are not yet Newton's last ones, below it they are rounding.
 LARGE, ROUNDING = 0.1, 1e-12
@@ -76,9 +70,9 @@ class Recorded:
 def main() -> None:
     """Write the table."""
     recorded, rows = Recorded(), []
-    for name, given in SCENES.items():
+    for name, one in SCENES.items():
         recorded.sizes.clear()
-        solve(Scene(0.3, **({"profile": BALL} | given)), 1e-12)
+        solve(one, 1e-12)
         sizes = max(recorded.sizes, key=len)
         ratios = [
             after / before**2

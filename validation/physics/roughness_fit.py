@@ -31,11 +31,7 @@ from spectral_contact.calibration import (
 FITS = 40
 TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
 MATERIAL = {"youngs_modulus": 200e9, "poisson_ratio": 0.3}
-LABELS = {
-    "normal_compliance": "α [m/Pa]",
-    "tangential_compliance": "β [m/Pa]",
-    "friction": "f",
-}
+LABELS = {"normal_compliance": "α [m/Pa]", "tangential_compliance": "β [m/Pa]", "friction": "f"}
 RADIUS, LOAD = 1e-3, 500.0
 RADII = np.geomspace(0.25e-3, 4e-3, 8)
 PLACES = np.linspace(0.0, 0.95e-3, 8)
@@ -91,59 +87,32 @@ def offsets(found: RoughnessFit) -> np.ndarray:
     return np.log([one.value / TRUTH[one.name] for one in found.parameters])
 
 
-def record(exact: list[np.ndarray], fits: list[RoughnessFit]) -> dict:
-    """Return the record of the study."""
-    rows = []
-    for seed, found in enumerate(fits):
-        covered = [
-            low <= TRUTH[one.name] <= high
-            for one in found.parameters
-            for low, high in [one.interval()]
-        ]
-        offset = offsets(found)
-        rows.append(
-            {
-                "seed": seed,
-                "fit": json.loads(found.to_json()),
-                "covered": covered,
-                "distance": float(offset @ np.linalg.solve(np.array(found.covariance), offset)),
-                "chi_square": found.chi_square,
-                "degrees_of_freedom": found.degrees_of_freedom,
-            }
-        )
-    return {
-        "count": len(rows),
-        "truth": TRUTH,
-        "radii": RADII.tolist(),
-        "exact": dict(zip(("approach", "pressure", "stick_radius"), map(list, exact), strict=True)),
-        "rows": rows,
-    }
-
-
-def page(found: dict) -> str:
+def page(fits: list[RoughnessFit]) -> str:
     """Return the summary as Markdown."""
-    rows, count = found["rows"], found["count"]
     cells = []
     for i, name in enumerate(PARAMETERS):
-        ones = [row["fit"]["parameters"][i] for row in rows]
-        values = np.array([one["value"] for one in ones])
-        error = np.mean([one["relative_error"] for one in ones])
+        ones = [one.parameters[i] for one in fits]
+        values = np.array([one.value for one in ones])
+        error = np.mean([one.relative_error for one in ones])
+        intervals = (one.interval() for one in ones)
+        covered = sum(low <= TRUTH[name] <= high for low, high in intervals)
         scatter = f"{100 * np.log(values).std(ddof=1):.2f} %"
-        covered = f"{sum(row['covered'][i] for row in rows)} of {count}"
         sizes = f"{TRUTH[name]:g}", f"{values.mean():.4g}", scatter, f"{100 * error:.2f} %"
-        cells.append((LABELS[name], *sizes, covered))
-    freedom = rows[0]["degrees_of_freedom"]
+        cells.append((LABELS[name], *sizes, f"{covered} of {len(fits)}"))
+    freedom = fits[0].degrees_of_freedom
     heading = "parameter | truth | mean of the estimates | their scatter | mean of the standard "
     heading += "errors | truth within the 95 % interval"
-    parts = [f"{count} fits of {freedom + 3} noisy values each:", table(heading, cells)]
-    for what, key, free in (
-        ("squared distances of the estimates from the truth, in the covariance,", "distance", 3),
-        ("chi squares of the data", "chi_square", freedom),
+    parts = [f"{len(fits)} fits of {freedom + 3} noisy values each:", table(heading, cells)]
+    distances = [offsets(one) @ np.linalg.solve(one.covariance, offsets(one)) for one in fits]
+    chi_squares = [one.chi_square for one in fits]
+    for what, values, free in (
+        ("squared distances of the estimates from the truth, in the covariance,", distances, 3),
+        ("chi squares of the data", chi_squares, freedom),
     ):
-        low, high = chi2.interval(0.95, free * count)
-        total = sum(row[key] for row in rows)
+        low, high = chi2.interval(0.95, free * len(fits))
         parts.append(
-            f"The {what} add up to {total:.0f}; {low:.0f} to {high:.0f} is to be expected (95 %)."
+            f"The {what} add up to {sum(values):.0f}; {low:.0f} to {high:.0f} is to be expected "
+            "(95 %)."
         )
     return "\n\n".join(parts)
 
@@ -159,9 +128,10 @@ def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
     places = np.linspace(0.0, 0.995 * RADIUS, 60)
     begin = start().physical
     guess = {name: getattr(begin, name) for name in PARAMETERS[:2]} | {"friction": 0.03}
+    fitted = {one.name: one.value for one in found.parameters}
     curves = {
         "start: asperities": ("#999999", "--", guess),
-        "fit": ("#0072B2", "-", {one.name: one.value for one in found.parameters}),
+        "fit": ("#0072B2", "-", fitted),
         "truth": ("#000000", ":", TRUTH),
     }
     with style():
@@ -175,18 +145,12 @@ def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
             axes[1, 0].plot(1e3 * radii, stick / radii, **look)
         points = {"fmt": "o", "ms": 4.0, "color": "#D55E00", "label": "measured"}
         first, second, third = data
-        axes[0, 0].errorbar(
-            1e3 * RADII, 1e6 * np.array(first.approach), 1e6 * np.array(first.sigma), **points
-        )
-        axes[0, 1].errorbar(
-            1e3 * PLACES, 1e-6 * np.array(second.pressure), 1e-6 * np.array(second.sigma), **points
-        )
-        axes[1, 0].errorbar(
-            1e3 * RADII,
-            np.array(third.stick_radius) / RADII,
-            np.array(third.sigma) / RADII,
-            **points,
-        )
+        for axis, x, values, sigma, unit in (
+            (axes[0, 0], RADII, first.approach, first.sigma, 1e-6),
+            (axes[0, 1], PLACES, second.pressure, second.sigma, 1e6),
+            (axes[1, 0], RADII, third.stick_radius, third.sigma, RADII),
+        ):
+            axis.errorbar(1e3 * x, np.array(values) / unit, np.array(sigma) / unit, **points)
         axes[0, 0].set(ylabel="approach [μm]")
         axes[0, 1].set(xlabel="radius $r$ [mm]", ylabel="pressure [MPa]")
         axes[1, 0].set(ylabel="stick radius $c/a$")
@@ -222,8 +186,14 @@ def main() -> None:
     for seed in range(FITS):
         fits.append(fit(start(), measured(exact, seed), PARAMETERS))
         print(f"\r{seed + 1} of {FITS}", end="", flush=True)
-    found = record(exact, fits)
-    write("roughness_fit", page(found), found)
+    record = {
+        "count": len(fits),
+        "truth": TRUTH,
+        "radii": RADII.tolist(),
+        "exact": dict(zip(("approach", "pressure", "stick_radius"), map(list, exact), strict=True)),
+        "rows": [{"seed": k, "fit": json.loads(one.to_json())} for k, one in enumerate(fits)],
+    }
+    write("roughness_fit", page(fits), record)
     draw(measured(exact, 0), fits, RESULTS / "roughness_fit.png")
 
 
