@@ -249,3 +249,19 @@ def test_a_smooth_sphere_next_to_its_equator_shears_like_every_profile(short):
     shear = solution.load * flat.total_shear
     assert abs(solution.total_shear / shear - 1.0) <= solution.error.total_shear + 1e-9
     assert solution.stick_radius == pytest.approx(flat.stick_radius, rel=1e-9)
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+@pytest.mark.parametrize(
+    ("profile", "radius", "rtol"),
+    [
+        (profiles.RoundedFlat(0.5, 1.0), 0.5 * (1.0 + 1e-11), 1e-4),
+        (profiles.RoundedFlat(0.5, 1.0), 0.5 * (1.0 + 1e-9), 1e-9),
+        (profiles.Sphere(1.0), 1.0 - 1e-12, 1e-4),
+    ],
+)
+def test_a_radius_that_has_too_few_digits_is_refused(profile, radius, rtol, coupling):
+    """At the end of a flat part, and at the equator of a sphere."""
+    scene = Scene(0.2, 0.1, 0.1, 0.1, coupling=coupling, profile=profile, contact_radius=radius)
+    with pytest.raises(NotComputedError, match=r"contact radius is within .* too close for rtol"):
+        solve(scene, rtol)

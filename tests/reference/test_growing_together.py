@@ -301,3 +301,20 @@ def test_load_and_approach_of_spence_are_within_their_estimates(profile, power):
     for name, truth in (("load", load), ("approach", approach)):
         off = abs(getattr(found, name) / truth - 1.0)
         assert off <= min(getattr(found.error, name), 1e-12), name
+
+
+@pytest.mark.parametrize("past", [5e-5, 1e-9])
+def test_a_load_just_past_a_break_has_the_whole_history(past):
+    """The history ends in a short panel, and none of the panels before the break is left out."""
+    profile = profiles.Sum(PARABOLA, profiles.TruncatedCone(0.5, 0.7))
+    radius = 0.5 * (1.0 + past)
+    given = {"coupling": True, "profile": profile}
+    asked = ("load", "total_shear", "contact_radius")
+    scene = Scene(0.2, 0.05, 0.05, math.inf, contact_radius=radius, **given)
+    truth = solve(scene, 1e-4, asked, strict=False)
+    scene = Scene(0.2, 0.05, 0.05, math.inf, load=truth.load, **given)
+    found = solve(scene, 1e-4, asked, strict=False)
+    room = truth.error.total_shear + found.error.total_shear
+    assert found.contact_radius == pytest.approx(radius, rel=found.error.contact_radius)
+    assert found.total_shear == pytest.approx(truth.total_shear, rel=room)
+    assert room < 1e-3

@@ -29,6 +29,7 @@ STRATA = {
     "unloaded_too_far": ("unloading", "loads below the turning ratio, which are refused"),
     "growing": ("growing", "friction under growing contacts"),
     "growing_together": ("growing_together", "the same with elastic coupling"),
+    "growing_to_value": ("growing_together", "the same where a load or an approach is given"),
     "layers": ("layers", "nonlinear layers"),
     "user_layers": ("layers", "layers whose law a user wrote"),
     "bent_layers": ("bent_layers", "layers whose law bends"),
