@@ -1,9 +1,10 @@
 """The fields that a growing contact leaves, at every radius and as series.
 
-What has stuck since the contact was as large as ``b_r`` has the increments of all later flat
-punches and, if it slipped before, friction times the pressure of that time. The pressure has the
-increments of both times. ``b_r`` is where the stick radius was ``r``; without slip, where the
-contact was. By what a point has slipped it has slipped before.
+A point at radius ``r`` comes into contact when the contact radius ``b`` is ``r``. It sticks from
+``b_r`` on, when the stick radius is ``r``; without slip that is at once. Its traction is that of
+all later flat punches and, if it slipped before, friction times the pressure of that time. Its
+pressure has the increments of both times, and it slips only before it sticks. Radii are logarithms:
+``log_r`` of points, and ``u = ln b``; t in [-1, 1] is the place in a panel of the history.
 """
 
 from __future__ import annotations
@@ -35,10 +36,10 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import sampled_series
 
-#: Width of the panels towards the ends of a part, and by how much a term gains there, which the
-#: other end decides; those to the centre go to where the history begins.
+#: Width in a logarithm of the panels towards the ends of a part, and the factor that the error of
+#: their Legendre series gains with each degree, which the singularity at the other end limits.
 _WIDTH, _GAIN = 2.0, 3.05
-#: The least number of those to the centre.
+#: The least number of panels towards the centre.
 _AT_CENTRE = 4
 #: The fewest panels, and how many where there are square roots, as a smooth surface has them.
 _FEWEST, _ROOT_PANELS = 11, 26
@@ -54,9 +55,10 @@ _SMOOTH = 16
 _NEAR = 0.3
 #: What series leave out, over their last terms: 1.3 for a traction with square roots.
 _SAFETY = 3.0
-#: How far apart, in a logarithm, the onset of slip and the stick radius are told apart.
+#: Radii at which a field is not smooth count as one if their logarithms are closer.
 _APART = 1e-6
-#: Where the sign of the pressure is looked at, in the logarithm of the distance from the edge.
+#: Range of minus the logarithm of the distance from the edge in which the pressure is sampled for a
+#: change of sign, and the number of samples.
 _SEEN, _LOOKS = (0.1, 45.0), 300
 #: Bisections that find when a radius stuck.
 _BISECTIONS = 60
@@ -64,7 +66,7 @@ _BISECTIONS = 60
 
 @dataclass(frozen=True, slots=True)
 class GrownField:
-    """A field, what its series leave out, and its largest value."""
+    """A field, an estimate of what series and quadrature leave out, and its largest value."""
 
     field: ZonalField
     lost: float

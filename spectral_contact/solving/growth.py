@@ -34,10 +34,12 @@ if TYPE_CHECKING:
 #: Of a contact radius: the solution of a flat punch.
 Stage: TypeAlias = "Callable[[float], Solution]"
 
-#: The widest panel, and what is left out with no point on it, as measured: from the first touch
-#: on, and past the onset of slip or a break, where little changes at first.
+#: The largest extent of a panel in ``x``. With n points it leaves out so much times
+#: ``exp(-n gained)``, as measured: from the first touch on, and past the onset of slip or a break,
+#: where little changes at first.
 _WIDEST, _LEAVES, _LEAVES_PAST = 4.5, 3000.0, 100.0
-#: The poles of flat solutions, over the least compliance: under full stick at 2.2 or beyond.
+#: Poles of flat solutions over ``b`` are at so many of the least compliances, and negative: those
+#: of full stick at 2.2 or beyond.
 _POLES = 2.0
 #: The least points of a panel: those that the estimate of what is left out takes.
 _FEWEST = 6
@@ -55,12 +57,14 @@ _FALL = 1e-8
 #: By how much more than their own errors those of the flat punches count in load and approach,
 #: which the Volterra equation amplifies.
 _OF_FLATS = 3.0
-#: The end of a panel, and how well a place on it is known.
+#: The place t of the upper end of a panel (its negative is the lower one), and its rounding.
 _END, _ROUNDING = np.ones(1), 1e-15
-#: From a flat part a history goes back by so much in ``u``, and its load by so much in ``ln P``;
-#: how close to it one begins.
+#: Before a history that begins at a flat part goes a panel of this length in ``u``, in which
+#: ``ln P`` grows by so much. A radius is at the end of the flat part, or at a break, if it is
+#: closer in ``u`` than the last number.
 _FARTHER_BACK, _CORNER, _NEXT = 1e-10, 6.0, 1e-9
-#: By how much more than is missing there series are off where the history begins.
+#: Error of the fields at the centre over what is missing there, before the history begins: their
+#: series are interpolated from rings around it.
 _RINGS = 10.0
 #: Rounding of the shear: 5e-13 past the corner of a rounded flat.
 _SUMMED = 5e-13
@@ -96,12 +100,12 @@ class Growth:
 
     @cached_property
     def load(self) -> float:
-        """Today's."""
+        """Load today."""
         return float(self.panels[-1].load(_END)[0])
 
     @cached_property
     def approach(self) -> float:
-        """Today's."""
+        """Approach today."""
         return math.exp(float(self.panels[-1].approaches.at(_END)[0]))
 
     @cached_property
@@ -186,7 +190,7 @@ class Growth:
 
     @cached_property
     def log_beginning(self) -> bool:
-        """Whether all decades of the beginning count alike at the centre, as at a smooth tip."""
+        """Whether all decades of the beginning count alike at the centre: under a cone, P ~ b^2."""
         return abs(self._rise - 2.0) < _LIKE_A_TIP and not self._corner
 
     @property
@@ -203,7 +207,7 @@ class Growth:
 
     @cached_property
     def begun(self) -> float:
-        """What is missing at the centre, relative to the mean pressure: before `all_panels`."""
+        """Error of fields at the centre by what was before `all_panels`, over the mean pressure."""
         if self.log_beginning:
             return 0.0
         first = self.all_panels[0]
@@ -237,7 +241,10 @@ class Growth:
         return _share(panel, self.log_radius, self.load)
 
     def _of_flats(self, *names: str, power: float) -> float:
-        """Return what the errors of the flat punches make, weighed with ``b**power dP``."""
+        """Return the mean error of the flat punches over the history, weighed with ``b**power dP``.
+
+        An estimate that is None is that of what is exact.
+        """
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
             radii = panel.stretch
@@ -260,7 +267,7 @@ class Growth:
         ]
 
     def log_stick(self, log_radius: float) -> list[float]:
-        """Return ``ln c*`` when the contact had a radius; nothing where there was no slip."""
+        """Return ``ln c*`` at the logarithm ``u`` of a radius; nothing where there was no slip."""
         panels = [one for one in self.panels if one.slips and one.high >= log_radius]
         if not panels or panels[0].low > log_radius + _NEXT:
             return []
@@ -268,9 +275,9 @@ class Growth:
         return [float(panels[0].log_stick(place)[0])]
 
     def radius_of(self, name: str, value: float) -> float | None:
-        """Return the logarithm of the radius at which the load, or the approach, had a value.
+        """Return ``u`` at which the "loads" or the "approaches" had a value above zero.
 
-        None if it has not been reached.
+        None if it has not been reached; where the history begins if it was less all the time.
         """
         asked = math.log(value)
         for panel in self.panels:
@@ -293,11 +300,12 @@ def _share(panel: Panel, log_radius: float, load: float) -> float:
 
 @dataclass(frozen=True)
 class Grower:
-    """What follows a contact while it grows.
+    """Builds the history of a contact, panel by panel.
 
     Attributes
     ----------
     stage : callable
+        Returns the solution of a flat punch, of its radius.
     weight : Weight
         Where the loads come from.
     onset : float or None
@@ -381,7 +389,7 @@ class Grower:
         return [piece for whole in stretches for piece in self._toward_the_end(whole)]
 
     def _toward_the_end(self, stretch: RadiusStretch) -> list[RadiusStretch]:
-        """Cut a stretch toward the end of the profile, at which the load grows without bounds."""
+        """Return the pieces of a stretch, the shorter the closer to a pole of the load they are."""
         tops = [stretch.high]
         while (cut := tops[-1] - _BESIDE * (self.end - tops[-1])) > stretch.low:
             tops.append(cut)
@@ -400,17 +408,17 @@ class Grower:
 
     def _panel(self, stretch: RadiusStretch) -> Panel:
         radii, found = np.exp(stretch.logs).tolist(), {}
-        # every other radius first, so that stick radii are known on both sides
+        # first few radii far apart, then those between: stick radii are known on both sides then
         for k in sorted(range(len(radii)), key=lambda k: -(k & -k) if k else -len(radii)):
             b = radii[k]
             found[k] = self.stage(b)
             kinds = [zone.kind for zone in found[k].zones]
             if kinds not in (["stick"], ["stick", "slip"]):
-                told = "slip does not reach the edge in one zone, and the load would have to be "
-                told += "followed in increments"
+                reason = "slip does not reach the edge in one zone, and the load would have to be "
+                reason += "followed in increments"
                 if kinds[0] == "slip":
-                    told = "the stick disk is too small to be followed"
-                raise NotComputedError("traction", f"at the contact radius {b:.6g} {told}")
+                    reason = "the stick disk is too small to be followed"
+                raise NotComputedError("traction", f"at the contact radius {b:.6g} {reason}")
         flats = tuple(found[k] for k in range(len(radii)))
         return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
 

@@ -23,18 +23,18 @@ from spectral_contact.solving.weights import CoupledWeight, NormalWeight, Smooth
 
 FlatPunches = Callable[[Scene, tuple[str, ...], float, StepCache], Solution]
 
-#: What the flat punches of a history are solved for.
+#: Quantities of every flat punch of a history.
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
-#: Their tolerance, of that asked for, and the least.
+#: Tolerance of the flat punches over that asked for, and the tightest one.
 _TIGHTER, _TIGHTEST = 0.1, 1e-12
-#: Share of the tolerance of the load or traction that is not looked for in the history.
+#: A history may begin where load and traction are this share of the tolerance.
 _NEGLIGIBLE = 0.01
-#: By how much longer a step to smaller radii is than the last one, at the least and at most.
+#: A step to smaller radii over the last one: the least ratio and the largest.
 _LEAST_STRIDE, _STRIDE = 0.1, 4.0
 #: How far past a flat part the history begins, relative, with what is carried there.
 _PAST = 1e-10
-#: Width of the first panel past a break, where the load goes on like the power 3/2 of the distance,
-#: and where a layer makes it smoother.
+#: Width of the first panel past a break, relative: on a smooth surface without coupling, where the
+#: load goes on like the power 3/2 of the distance, and elsewhere.
 _AT_SMOOTH_BREAK, _AT_BREAK = 1e-7, 3e-4
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
@@ -43,12 +43,16 @@ _RADIUS_ROUNDING = 1e-15
 _PULLED = 200.0
 #: Tolerances of the critical friction and of the radius at which slip begins.
 _CRITICAL, _ONSET = 1e-10, 1e-12
-#: Friction that is lacking by more than this, in a logarithm, is lacking.
+#: Largest logarithm of the critical over the given friction that the search for the onset sees: the
+#: critical friction may be infinite.
 _LACKING = 5.0
 
 
 class NoFlatPunchError(ArithmeticError):
-    """No zones of a flat punch of the history obey the friction law; the text says why."""
+    """No zones of a flat punch of the history obey the friction law; the text says why.
+
+    The run of the scene answers with a history of full stick whose errors are infinite.
+    """
 
 
 class Stages:
@@ -59,14 +63,14 @@ class Stages:
     scene : Scene
         With a profile and friction.
     rtol, max_unknowns
-        As of `solve`.
+        As of `spectral_contact.solve`; the number of unknowns limits normal contact.
     tell : callable
         Takes what is worked on.
     fields : tuple of str
-        Those that are superposed.
+        Fields of the contact that are superpositions of those of flat punches.
     solve : callable
-        Returns the solution of a flat punch: of its scene, quantities, a tolerance and what flat
-        punches before it have left.
+        Returns the solution of a flat punch: of its scene, quantities, a tolerance, and the cache
+        with the solutions of flat punches before it, from which it starts.
     """
 
     def __init__(
@@ -126,11 +130,11 @@ class Stages:
         return NormalWeight(self.contact)
 
     def grower(self, least: float, radius: float) -> Grower:
-        """Return what follows the contact between two radii."""
+        """Return what builds the history between two radii."""
         self._check_digits(radius)
         onset = self._path.onset = self._onset(least, radius)
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
-        # with coupling what a panel adds is the rest of all others, which a short one drowns in
+        # with coupling what a short panel adds is a difference of nearly equal numbers
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
         at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
         self._check_pole(radius)
@@ -177,7 +181,11 @@ class Stages:
         return power + (2.0 if self.scene.normal_compliance > 0.0 else 1.0), power
 
     def least(self, radius: float, load: float) -> float:
-        """Return a radius at which load and traction are negligible; just past a flat part."""
+        """Return a radius at which load and traction are negligible; just past a flat part.
+
+        It is a larger one where flat punches would have compliances that are out of range, or where
+        mean pressures do not fall towards the tip: from there on the contact is similar to itself.
+        """
         if self.profile.flat_part > 0.0:
             return self.profile.flat_part * (1.0 + _PAST)
         wanted = math.log(_NEGLIGIBLE * self.rtol)
@@ -197,7 +205,10 @@ class Stages:
         return math.exp(at)
 
     def _onset(self, least: float, radius: float) -> float | None:
-        """Return the radius at which slip begins; 0 if it is always there, None if never."""
+        """Return the radius at which slip begins; 0 if it is always there, None if never.
+
+        The critical friction falls while a contact grows, so that there is one such radius.
+        """
         friction = self.scene.friction
         assert friction is not None
         if friction == math.inf:

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 #: root on a smooth surface, and far from it: loads under a sphere and a cone are off by 1e-13 or
 #: less. In the distance itself, with (12, 24, 0.2), they were off by 7e-12, which no estimate has.
 _GRADED, _SMOOTH = (14, 16, 0.2), 20
-#: How far in ``u`` the kernel of a panel is singular no more.
+#: Distance in ``u`` from a panel beyond which its kernel is smooth, and Gauss points suffice.
 _FAR = 1.0
 #: How close a panel is to a break that begins there.
 _NEXT = 1e-14
@@ -55,14 +55,14 @@ _VOLTERRA_ROUNDING = 5e-11
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """What a panel of a history weighs.
+    """Loads and approaches of a panel: the increments of the load weigh the flat punches.
 
     Attributes
     ----------
     loads, approaches : ndarray
-        At the nodes.
+        Total load and approach up to each node.
     error : float
-        What the panel leaves out, relative.
+        What the panel leaves out, relative to all of the load.
     at_nodes : float
         What the loads and approaches at the nodes are known to, where these are normal contact's.
     """
