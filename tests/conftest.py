@@ -17,7 +17,7 @@ EXTENDED = Path(__file__).parent / "extended.toml"
 def pytest_configure(config):
     """Draw fewer examples where extended tests are left out; machines differ: no deadlines."""
     short = config.option.markexpr == "not extended"
-    settings.register_profile("suite", deadline=None, max_examples=8 if short else 25)
+    settings.register_profile("suite", deadline=None, max_examples=4 if short else 25)
     settings.load_profile("suite")
 
 
