@@ -12,12 +12,12 @@ SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 
 
 def test_a_map_has_the_loops_of_steady_cycle():
-    found = damping_map(SCENE, [0.005, 0.1, 0.5], [0.05, 0.1], rtol=1e-3)
+    found = damping_map(SCENE, [0.005, 0.1, 0.5], [0.09, 0.1], rtol=1e-2)
     assert found.dissipation.dims == ("friction", "lowest")
     assert found.converged.all()
-    for friction, lowest in ((0.05, 0.1), (0.1, 0.1), (0.1, 0.005)):
+    for friction, lowest in ((0.09, 0.1), (0.1, 0.005)):
         own = found.sel(friction=friction, lowest=lowest)
-        truth = steady_cycle(SCENE.replace(friction=friction), lowest, rtol=1e-3)
+        truth = steady_cycle(SCENE.replace(friction=friction), lowest, rtol=1e-2)
         for name in ("reloading_dissipation", "unloading_dissipation", "stick_radius"):
             value, error = getattr(truth, name), getattr(truth.error, name)
             if value is None:
