@@ -33,6 +33,9 @@ def test_the_friction_is_that_of_the_scene_if_none_is_given():
     found = damping_map(SCENE, 0.2, rtol=1e-2)
     assert found.friction.values.tolist() == [0.1]
     assert found.sizes == {"friction": 1, "lowest": 1}
+    truth = steady_cycle(SCENE, 0.2, rtol=1e-2)
+    allowed = float(found.dissipation_error.item()) + truth.error.dissipation
+    assert abs(found.dissipation.item() / truth.dissipation - 1.0) <= allowed
 
 
 @pytest.mark.parametrize(
