@@ -1,5 +1,6 @@
 """What every test shares: one thread for BLAS, no deadlines, and the list of extended tests."""
 
+import gc
 import os
 import tomllib
 from fnmatch import fnmatchcase
@@ -26,6 +27,12 @@ def stays(number, case, kept):
     if isinstance(kept, int):
         return number % kept == 0
     return any(fnmatchcase(case, pattern) for pattern in kept)
+
+
+def pytest_collection_finish():
+    """What is collected stays to the end: the garbage collector need not look at it each time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)  # before marks select
