@@ -1,4 +1,4 @@
-"""The faults of ../validation/mutants are those of lines that are there, and short tests see them."""
+"""The faults of ../validation/mutants are in lines that are there, and short tests see them."""
 
 import json
 import tomllib
