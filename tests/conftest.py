@@ -1,5 +1,6 @@
 """What every test shares: one thread for BLAS, no deadlines, and the list of extended tests."""
 
+import gc
 import os
 import tomllib
 from fnmatch import fnmatchcase
@@ -17,7 +18,7 @@ EXTENDED = Path(__file__).parent / "extended.toml"
 def pytest_configure(config):
     """Draw fewer examples where extended tests are left out; machines differ: no deadlines."""
     short = config.option.markexpr == "not extended"
-    settings.register_profile("suite", deadline=None, max_examples=8 if short else 25)
+    settings.register_profile("suite", deadline=None, max_examples=4 if short else 25)
     settings.load_profile("suite")
 
 
@@ -26,6 +27,12 @@ def stays(number, case, kept):
     if isinstance(kept, int):
         return number % kept == 0
     return any(fnmatchcase(case, pattern) for pattern in kept)
+
+
+def pytest_collection_finish():
+    """What is collected stays to the end: the garbage collector need not look at it each time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(tryfirst=True)  # before marks select

@@ -8,4 +8,4 @@ bounded = settings(
     database=None,
     suppress_health_check=[HealthCheck.filter_too_much, HealthCheck.too_slow],
 )
-few = settings(bounded, max_examples=bounded.max_examples * 2 // 5)
+few = settings(bounded, max_examples=max(2, bounded.max_examples * 2 // 5))

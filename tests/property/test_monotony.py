@@ -7,7 +7,7 @@ import dataclasses
 import math
 
 import numpy as np
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from oracles.property_settings import few
 
@@ -126,7 +126,7 @@ def test_effects_of_no_strength_change_no_digit(nu, alpha, beta):
         assert solution.total_shear == 0.0
 
 
-@settings(few, max_examples=5)
+@few
 @given(powers_of_ten(-8, 6), st.sampled_from([1e-2, 1e-4, 1e-6]))
 def test_bounds_hold_the_approach(alpha, rtol):
     lower, upper = solve(Scene(0.3, alpha), rtol).approach_bounds

@@ -5,9 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from oracles.disk_integral import integral
+from oracles.property_settings import bounded
 
 from spectral_contact import NotComputedError, Scene, StepState, closed_forms, solve
 from spectral_contact.testing import check_solution
@@ -158,13 +159,7 @@ def test_estimates_bound_the_errors(alpha, beta, rtol):
                 assert abs(value / exact - 1.0) <= getattr(solution.error, name) + EPS
 
 
-@settings(
-    max_examples=25,
-    derandomize=True,
-    deadline=None,
-    database=None,
-    suppress_health_check=[HealthCheck.too_slow],
-)
+@bounded
 @given(poisson_ratios(), compliances(), compliances(), st.sampled_from([1e-3, 1e-6, 1e-9]))
 def test_honest_on_any_scene(nu, alpha, beta, rtol):
     solution, truth = stuck(nu, alpha, beta, rtol), stuck(nu, alpha, beta, 1e-11)

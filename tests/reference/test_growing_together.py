@@ -133,7 +133,7 @@ def test_without_a_shear_to_speak_of_it_is_normal_contact():
 
 def test_true_errors_are_within_their_estimates():
     s = np.linspace(0.0, 1.0, 101)
-    best, rough = (solved(PARABOLA, 0.2, 0.2, math.inf, rtol) for rtol in (1e-6, 1e-2))
+    best, rough = (solved(PARABOLA, 0.2, 0.2, math.inf, rtol) for rtol in (1e-4, 1e-2))
     mean = best.load / math.pi
     for name in ("load", "approach", "total_shear", "indentation_work"):
         off = abs(getattr(rough, name) / getattr(best, name) - 1.0)

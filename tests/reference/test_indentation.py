@@ -10,8 +10,9 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from oracles.property_settings import few
 
 from spectral_contact import Scene, layers, profiles, solve
 from spectral_contact import closed_forms as exact
@@ -356,7 +357,7 @@ def test_an_exact_sphere_is_pinned_at_its_equator():
     st.floats(0.55, 1.15),
     st.floats(-10.0, -3.0),
 )
-@settings(max_examples=25, deadline=None)
+@few
 def test_true_errors_are_within_their_estimates(name, exponent, radius, digits):
     """Against the same method at its best; what it converges to is tested above."""
     alpha, rtol = 10.0**exponent, 10.0**digits

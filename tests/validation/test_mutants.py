@@ -1,5 +1,6 @@
-"""The faults of ../validation/mutants are those of lines that are there."""
+"""The faults of ../validation/mutants are in lines that are there, and short tests see them."""
 
+import json
 import tomllib
 from pathlib import Path
 
@@ -19,3 +20,17 @@ def test_a_survivor_is_of_the_core_and_no_mutant():
     for one in TABLE["survivor"]:
         assert one["file"].split("/")[1] in ("contact", "spectral")
         assert (one["file"], one["old"], one["new"]) not in killed
+
+
+def test_what_detects_a_fault_is_not_for_a_release_alone():
+    """What `python -m pytest` runs has the test, or some cases, that detected each fault."""
+    extended = tomllib.loads((ROOT / "tests" / "extended.toml").read_text("utf-8"))
+    found = json.loads((ROOT / "validation" / "results" / "mutants.json").read_text("utf-8"))
+    killers = {row["killer"] for row in found["rows"]}
+    assert len(killers) > 30
+    moved = []
+    for killer in killers:
+        file, _, name = killer.partition("::")
+        if extended.get(f"tests/{file}", {}).get(name) == []:
+            moved.append(killer)
+    assert moved == []

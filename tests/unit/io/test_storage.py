@@ -664,7 +664,7 @@ def test_a_member_that_asks_for_too_much_memory_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=12 * settings().max_examples, deadline=None)
 @given(data=st.data())
 def test_flipped_bytes_are_refused_or_change_nothing(suffix, data, tmp_path_factory):
     damaged = bytearray(content(suffix))

@@ -728,7 +728,7 @@ def test_threads():
     serial = [solve(scene, 1e-6) for scene in scenes]
     clear_caches()
     with ThreadPoolExecutor(4) as pool:
-        parallel = list(pool.map(lambda scene: solve(scene, 1e-6), scenes * 3))
+        parallel = list(pool.map(lambda scene: solve(scene, 1e-6), scenes * 2))
     for index, solution in enumerate(parallel):
         assert solution == serial[index % len(scenes)]
 

@@ -12,12 +12,12 @@ SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 
 
 def test_a_map_has_the_loops_of_steady_cycle():
-    found = damping_map(SCENE, [0.005, 0.1, 0.5], [0.05, 0.1], rtol=1e-3)
+    found = damping_map(SCENE, [0.005, 0.1, 0.5], [0.09, 0.1], rtol=1e-2)
     assert found.dissipation.dims == ("friction", "lowest")
     assert found.converged.all()
-    for friction, lowest in ((0.05, 0.1), (0.1, 0.1), (0.1, 0.005)):
+    for friction, lowest in ((0.09, 0.1), (0.1, 0.005)):
         own = found.sel(friction=friction, lowest=lowest)
-        truth = steady_cycle(SCENE.replace(friction=friction), lowest, rtol=1e-3)
+        truth = steady_cycle(SCENE.replace(friction=friction), lowest, rtol=1e-2)
         for name in ("reloading_dissipation", "unloading_dissipation", "stick_radius"):
             value, error = getattr(truth, name), getattr(truth.error, name)
             if value is None:
@@ -33,6 +33,9 @@ def test_the_friction_is_that_of_the_scene_if_none_is_given():
     found = damping_map(SCENE, 0.2, rtol=1e-2)
     assert found.friction.values.tolist() == [0.1]
     assert found.sizes == {"friction": 1, "lowest": 1}
+    truth = steady_cycle(SCENE, 0.2, rtol=1e-2)
+    allowed = float(found.dissipation_error.item()) + truth.error.dissipation
+    assert abs(found.dissipation.item() / truth.dissipation - 1.0) <= allowed
 
 
 @pytest.mark.parametrize(

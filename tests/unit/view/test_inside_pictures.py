@@ -10,7 +10,7 @@ from spectral_contact.view.plotting import plot_inside
 
 
 def test_the_largest_von_mises_stress_is_marked_where_it_is():
-    body = solve(Scene(0.3, 0.5, friction=None)).inside
+    body = solve(Scene(0.3, 0.5, friction=None), 1e-3).inside
     figure = plot_inside(body, r_max=1.5)
     main, found = figure.axes[1], body.largest("von_mises")
     (mark,) = (line for line in main.lines if line.get_marker() == "x")
