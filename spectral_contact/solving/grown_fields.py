@@ -30,7 +30,7 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.solving.growth import Growth
-from spectral_contact.solving.growth_panel import _TINY, Panel
+from spectral_contact.solving.growth_panel import TINY, Panel
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
@@ -94,7 +94,7 @@ class GrownFields:
     def __init__(self, growth: Growth, stick: Radius, layer: float, tolerance: float) -> None:
         digits = -math.log(tolerance)
         # on a smooth surface roots go on to the edge
-        edge = -math.log(min(max(layer, _TINY), 1.0))
+        edge = -math.log(min(max(layer, TINY), 1.0))
         count = max(2 + int((2.0 * edge + _DEEP * digits) / _WIDTH), _FEWEST)
         self._quadrature_error = _QUADRATURE * tolerance
         exact = -math.log(self._quadrature_error)

@@ -45,7 +45,7 @@ _SLIPPING_LOOKS: Array = np.array([0.01, 0.2, 0.5, 0.8])
 #: stick radius: at their end, ``exp(-60)``, an inverse root has 13 digits.
 _DEEP = 30
 #: In place of a divisor of 0.
-_TINY = 1e-300
+TINY = 1e-300
 #: The error of ``dP/dx``, to which fields are proportional, over that of ``ln P``: up to 2.4 in 50
 #: random scenes.
 _OF_RATE = 4.0
@@ -187,7 +187,7 @@ class Panel:
     def where_slipping(self, name: str, t: Array, depth: Array) -> Array:
         """Return a flat punch's field where it slips, at ``ln(1/s) = depth``."""
         y, width = -np.expm1(-2.0 * depth), -np.expm1(2.0 * self.log_stick(t))
-        return self._at_share(name, t, y / np.maximum(width, np.maximum(y, _TINY)))
+        return self._at_share(name, t, y / np.maximum(width, np.maximum(y, TINY)))
 
     def _stuck(self, name: str) -> FieldTable:
         """Return a field in the stuck disk over ``-ln d``, ``d = 1 - (s/c*)**2``.
@@ -234,7 +234,7 @@ class Panel:
     @cached_property
     def shear_error(self) -> float:
         """What the interpolants of load and shear leave out, each relative to its largest value."""
-        size = max(float(np.abs(self.shears).max()), _TINY)
+        size = max(float(np.abs(self.shears).max()), TINY)
         of_loads = max(self.weights.error, self.loads.left_out)
         return float(max(of_loads, left_out(self.shears) / size))
 
@@ -272,7 +272,7 @@ class Panel:
         # just past the onset no digit is known of slip that is small on its panel
         of_flats = np.where(known <= 1.0, largest * known, largest.max())
         # places move with the stick radius
-        moved = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), _TINY)
+        moved = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), TINY)
         left = max(left_out(column) for column in self.slips_by.T)
         gained = self.integral(
             lambda t: self.increment(t) * np.exp(self.low - self.stretch.log_radius_at(t))
@@ -285,7 +285,7 @@ class Panel:
     def _field_error(self, name: str) -> float:
         table = self._stuck(name)
         values = self._at_nodes(table, -np.log1p(-(_LOOKS**2)))
-        size = max(float(np.abs(values).max()), _TINY)
+        size = max(float(np.abs(values).max()), TINY)
         return max(left_out(column) / size for column in values.T)
 
     def _at_nodes(self, field: Callable[[Array, Array], Array], places: Array) -> Array:
