@@ -3,7 +3,7 @@
 A point at radius ``r`` comes into contact when the contact radius ``b`` is ``r``. It sticks from
 ``b_r`` on, when the stick radius is ``r``; without slip that is at once. Its traction is that of
 all later flat punches and, if it slipped before, friction times the pressure of that time. Its
-pressure has the increments of both times, and it slips only before it sticks. Radii are logarithms:
+pressure grows at both times, its slip only before it sticks. Radii are logarithms:
 ``log_r`` of points, and ``u = ln b``; t in [-1, 1] is the place in a panel of the history.
 """
 
@@ -36,8 +36,8 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import sampled_series
 
-#: Width in a logarithm of the panels towards the ends of a part, and the factor that the error of
-#: their Legendre series gains with each degree, which the singularity at the other end limits.
+#: Width in a logarithm of the panels towards the ends of a part, and the factor by which each
+#: degree of their Legendre series divides the error: the nearest singularity is at the other end.
 _WIDTH, _GAIN = 2.0, 3.05
 #: The least number of panels towards the centre.
 _AT_CENTRE = 4
@@ -98,12 +98,12 @@ class GrownFields:
         count = max(2 + int((2.0 * edge + _DEEP * digits) / _WIDTH), _FEWEST)
         self._quadrature_error = _QUADRATURE * tolerance
         exact = -math.log(self._quadrature_error)
-        # A field goes like ln(x)/sqrt(x) at the edge: what nodes from x on leave out is
-        # -2 sqrt(x) ln(x). Within the layer it is bounded.
-        left_out = exact + math.log(4.0 * exact)
+        # A field goes like ln(x)/sqrt(x) at the edge, and nodes from x = exp(-2 half_depth) on
+        # leave out -2 sqrt(x) ln(x). Within the layer it is bounded.
+        half_depth = exact + math.log(4.0 * exact)
         self.history = _History(
             growth,
-            rule=tanh_rule(exact, depth=left_out + min(edge, left_out)),
+            rule=tanh_rule(exact, depth=half_depth + min(edge, half_depth)),
             degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
         )
         self._slipping_pressures = dict[bytes, Array]()
@@ -262,7 +262,8 @@ class _History:
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
         """Return the panels towards an end of a part that extends so far in ``s**2``."""
         depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low) + math.log(reach)
-        # what goes on to the centre is a series as far as there is something of it
+        # The panels next to the centre have what continues the history below its first radius.
+        # Without that there is nothing in the last two of them.
         short = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
         at_centre = max(math.ceil(depth / _WIDTH) - short, _AT_CENTRE)
         panels = at_centre if boundary is CENTRE else count
@@ -291,13 +292,13 @@ class _History:
             room = _NEAR * panel.stretch.extent
             near = (panel.stretch.before(log_r) < room) | (stuck - end < panel.high - panel.low)
             slipped = (begin < end) & panel.slips
-            for rows, by in (
+            for rows, rule in (
                 (slipped & near, self.rule),
                 (slipped & ~near, self.smooth_rule),
             ):
                 if rows.any():
                     span = begin[rows], end[rows]
-                    total[rows] += _while_slipping(name, panel, log_r[rows], span, by, power)
+                    total[rows] += _while_slipping(name, panel, log_r[rows], span, rule, power)
         return total
 
     def when_stuck(self, log_r: Array) -> Array:

@@ -7,7 +7,8 @@ While the load grows the rates of pressure and traction are those of a flat punc
     q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*.
 
 It holds as long as slip reaches the edge and ``c`` does not fall, which is checked at every radius.
-Below the radius where slip begins everything sticks; points are dense next to it.
+Below the radius where slip begins everything sticks; points are dense next to it. In a panel ``u =
+ln b``, ``x`` is the coordinate of its stretch, and t in [-1, 1] the place.
 """
 
 from __future__ import annotations
@@ -34,12 +35,12 @@ if TYPE_CHECKING:
 #: Of a contact radius: the solution of a flat punch.
 Stage: TypeAlias = "Callable[[float], Solution]"
 
-#: The largest extent of a panel in ``x``. With n points it leaves out so much times
-#: ``exp(-n gained)``, as measured: from the first touch on, and past the onset of slip or a break,
-#: where little changes at first.
+#: The largest extent of a panel in ``x``, and the factors of ``exp(-n gained)``, which a panel of n
+#: points leaves out (`Grower._counted`), as measured: from the first touch on, and past the onset
+#: of slip or a break, where little changes at first.
 _WIDEST, _LEAVES, _LEAVES_PAST = 4.5, 3000.0, 100.0
-#: Poles of flat solutions over ``b`` are at so many of the least compliances, and negative: those
-#: of full stick at 2.2 or beyond.
+#: As functions of ``b`` flat solutions have poles at negative radii, no closer to 0 than so many
+#: times the least compliance: those of full stick at 2.2 or beyond.
 _POLES = 2.0
 #: The least points of a panel: those that the estimate of what is left out takes.
 _FEWEST = 6

@@ -42,7 +42,8 @@ _LOOKS: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
 #: The same where it slips, over ``1 - s**2`` from the edge to the stick radius.
 _SLIPPING_LOOKS: Array = np.array([0.01, 0.2, 0.5, 0.8])
 #: Panels of a `FieldTable`, each 2 wide in a logarithm of the distance from the edge or from the
-#: stick radius: at their end, ``exp(-60)``, an inverse root has 13 digits.
+#: stick radius: at their end, ``exp(-60)``, an inverse root has 13 digits. At the stick radius the
+#: fields of slip are bounded, and half as many panels are enough.
 _DEEP = 30
 #: In place of a divisor of 0.
 TINY = 1e-300
@@ -99,7 +100,7 @@ class Panel:
     stretch : RadiusStretch
         The radii.
     weights : Weights
-        Loads and approaches.
+        Loads and approaches at the nodes; increments of the load weigh the stages.
     flats : tuple of Solution
         The stages, in the order of their radii.
     fields : tuple of str
@@ -203,7 +204,7 @@ class Panel:
     def _at_share(self, name: str, t: Array, share: Array) -> Array:
         """Return a field where it slips: share is 0 at the edge and 1 at the stick radius.
 
-        It is ``(1 - s**2)/(1 - c***2)``.
+        It is ``1 - s**2`` over what that is at the stick radius.
 
         All stages are seen in their slip zones, in which fields are smooth but for the ends.
         """
@@ -319,7 +320,8 @@ def _in_stick_disk(flat: Solution, name: str, d: Array) -> Array:
 def _in_slip_zone(flat: Solution, name: str, ratio: Array) -> Array:
     """Return a field of a flat punch between the stick radius and the edge.
 
-    `ratio` is the distance in ``s**2`` from the stick radius over that from the edge.
+    `ratio` is the distance in ``s**2`` from the stick radius over that from the edge. Over half of
+    the width of the zone these distances are ``ratio * below`` and `below`.
     """
     below = 2.0 / (1.0 + ratio)
     y = stick_radius(flat).rest * below / 2.0

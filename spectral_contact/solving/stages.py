@@ -31,7 +31,7 @@ _TIGHTER, _TIGHTEST = 0.1, 1e-12
 _NEGLIGIBLE = 0.01
 #: A step to smaller radii over the last one: the least ratio and the largest.
 _LEAST_STRIDE, _STRIDE = 0.1, 4.0
-#: How far past a flat part the history begins, relative, with what is carried there.
+#: How far past a flat part the history begins, relative. The load of that radius is its first one.
 _PAST = 1e-10
 #: Width of the first panel past a break, relative: on a smooth surface without coupling, where the
 #: load goes on like the power 3/2 of the distance, and elsewhere.
@@ -89,6 +89,7 @@ class Stages:
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
         self._shared = StepCache()
+        # stick radii so far, from which the search for the next one begins
         self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
         self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._solve = solve
@@ -117,7 +118,7 @@ class Stages:
         return self._last[1]
 
     def critical(self, radius: float) -> float:
-        """Return the critical friction of a flat punch."""
+        """Return the least friction with which a flat punch sticks everywhere."""
         asked = ("critical_friction",)
         return self._solve(self._scene(radius), asked, _CRITICAL, self._shared).critical_friction
 
@@ -207,7 +208,7 @@ class Stages:
     def _onset(self, least: float, radius: float) -> float | None:
         """Return the radius at which slip begins; 0 if it is always there, None if never.
 
-        The critical friction falls while a contact grows, so that there is one such radius.
+        The critical friction rises while a contact grows, so that there is slip at all larger radii.
         """
         friction = self.scene.friction
         assert friction is not None

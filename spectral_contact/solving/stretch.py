@@ -168,8 +168,8 @@ def _barycentric(count: int) -> Array:
 def left_out(values: Array) -> float:
     """Return the estimate of what an interpolant through four values or more leaves out.
 
-    It is the geometric series that goes on from the last two pairs of terms. Next to something
-    singular terms hardly decay, and each counts.
+    It is the next term, as the last two pairs of terms decay, times the number of terms that count:
+    1 if they decay fast, half of all next to something singular, where they hardly decay.
     """
     terms = np.abs(chebyshev_series(values))
     last, before = float(terms[-2:].max()), float(terms[-4:-2].max())
@@ -178,7 +178,7 @@ def left_out(values: Array) -> float:
 
 
 class FieldTable:
-    """A field between the stages of a history, over the radius of the contact and over a place.
+    """A field between the stages of a history, over the contact radius and a place in the contact.
 
     It is a Chebyshev series in the place of the radius on its stretch, and one on each of the
     panels in a logarithm of the distance from the edge or from the stick radius.
@@ -196,8 +196,8 @@ class FieldTable:
         self._low, self._panels = low, panels
         x = np.arange(panels)[:, None] + (1.0 + chebyshev_nodes(_TERMS)) / 2.0
         found = values(low + _WIDTH * x.ravel())
-        #: (panels, stages, terms) of both series
         table = np.tensordot(_points(len(found))[1], found.reshape(-1, panels, _TERMS), (1, 0))
+        #: Coefficients: (panels, degrees in the radius, degrees in the logarithm).
         self._table = np.swapaxes(table @ _points(_TERMS)[1].T, 0, 1)
         #: What the series in the distance leave out, relative to the largest value.
         self.lost = float(np.abs(self._table[..., -2:]).max() / max(np.abs(found).max(), 1e-300))

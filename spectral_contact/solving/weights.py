@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 _GRADED, _SMOOTH = (14, 16, 0.2), 20
 #: Distance in ``u`` from a panel beyond which its kernel is smooth, and Gauss points suffice.
 _FAR = 1.0
-#: How close a panel is to a break that begins there.
+#: A panel begins at a break if it is closer to it in ``u``.
 _NEXT = 1e-14
 #: The equation is collocated, by least squares, at so many places for each unknown: the end of a
 #: panel is one of them. With as many as unknowns errors grow from panel to panel where the pressure
@@ -60,7 +60,7 @@ class Weights:
     Attributes
     ----------
     loads, approaches : ndarray
-        Total load and approach up to each node.
+        Total load and approach up to each node; their increments are the weights.
     error : float
         What the panel leaves out, relative to all of the load.
     at_nodes : float
@@ -164,7 +164,7 @@ class _PanelPlaces:
 
 @dataclass(frozen=True, slots=True)
 class _Span:
-    """A panel of the history with ``d delta/du`` over ``H`` at its nodes.
+    """A panel of the history with ``d delta/du`` over ``dH/du`` at its nodes.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ class _Span:
     around : list of LogSeries
         The surface around its punches.
     at_break : bool
-        Whether it begins at one, where ``H`` may have a root.
+        Whether it begins at one, where ``dH/du`` may behave like a square root.
     seen : dict
         Its places, as they are seen from far away or not.
     """
@@ -269,7 +269,7 @@ class CoupledWeight:
         depth = (extent * points).ravel()
         u, shares = stretch.log_radius(depth), panel.shares(depth)
         growth = (shares @ panel.rates) * self._sinking(u) / stretch.bends(depth)
-        # in a layer that is thick for small radii what is smooth is not the approach
+        # where a layer is thick for small radii, b delta* is smooth, and delta* is not
         softness = np.exp(stretch.logs) * np.array([one.approach for one in flats])
         stiffness = np.exp(2.0 * u) / (shares @ softness)
         sizes, (load, approach) = extent * weights, self._ends[-1]
