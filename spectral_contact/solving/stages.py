@@ -208,7 +208,7 @@ class Stages:
     def _onset(self, least: float, radius: float) -> float | None:
         """Return the radius at which slip begins; 0 if it is always there, None if never.
 
-        The critical friction rises while a contact grows, so that there is slip at all larger radii.
+        The critical friction rises while a contact grows: there is slip at all larger radii.
         """
         friction = self.scene.friction
         assert friction is not None
