@@ -184,6 +184,8 @@ def test_next_to_the_onset_inside_it_converges_to_every_tolerance(share, rtol):
         # rings find no place for it, in a window of half a per cent of friction
         (-0.1542215577210559, 0.00013685213163731698, 0.0022822713682591894, 3.4090246459164835),
         (-0.3660225055775128, 5.183521065793143e-05, 0.008229289669712463, 2.05951301796082),
+        # it is as wide as rings are, and the zones that they find are refuted
+        (0.335, 8.656e-08, 5.316e-07, 1.8838),
     ],
 )
 def test_rings_that_have_slip_in_another_place_do_not_hide_where_it_is(scene):

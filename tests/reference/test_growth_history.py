@@ -81,8 +81,11 @@ def test_it_ends_with_the_solution_and_follows_the_stick_radius():
 
 @pytest.mark.parametrize("given", ["load", "approach"])
 def test_its_end_is_not_known_better_than_the_solution(given):
-    """Whatever is given, the error of the other one is that of normal contact, at all radii."""
-    scene = FullScene(0.3, 0.2, 0.1, 0.1, profile=PARABOLA, **{given: 1.0})
+    """Whatever is given, the error of the other one is that of normal contact, at all radii.
+
+    Under this cone it is 5 and 16 times the error of the flat punches that the history adds up.
+    """
+    scene = FullScene(0.3, 0.2, 0.1, 0.1, profile=profiles.Cone(1.0), **{given: 1.0})
     solution = solve(scene, 1e-5, NAMES)
     history = solution.history
     end = history.radii[-1]

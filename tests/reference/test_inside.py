@@ -64,6 +64,15 @@ def test_sneddons_punch_is_met_everywhere_and_estimates_are_honest(nu):
         assert np.all(estimate < 1e-12)
 
 
+def test_rules_for_a_loose_tolerance_know_what_they_miss_of_sneddons_punch():
+    """It is more than what they round and what the pressure lacks."""
+    points = scattered(40)
+    expected = [*flat_punch_stress(0.3, **points), *flat_punch_displacement(0.3, **points)]
+    for true, estimate in deviations(solve(Scene(0.3)).inside, expected, **points, rtol=1e-8):
+        assert np.all(true <= estimate)
+        assert 1e-13 < np.max(true) < 1e-8
+
+
 def test_under_an_exact_pressure_the_rounding_of_integrals_is_left():
     """Two rules may agree to the last bit, and be wrong by more."""
     solution = solve(Scene(0.3))

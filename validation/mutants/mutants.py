@@ -2,10 +2,11 @@
 
 Run as ``python validation/mutants/mutants.py [--jobs N] [words ...]``; words choose the mutants
 whose file or fault has one of them. Their rows in validation/results/mutants.json and .md are
-written anew; the others stay, as long as mutants.toml has their faults. Each mutant, an entry of
-mutants.toml, is one text of one file replaced by another, in a copy of the tree, and the tests that
-are to fail then. Before, the same tests must pass without any mutant. A text that is not there
-exactly once, tests that cannot be run and a mutant that lives end the script with status 1.
+written anew; the others stay, as long as mutants.toml has the same faults in the same texts. Each
+mutant, an entry of mutants.toml, is one text of one file replaced by another, in a copy of the
+tree, and the tests that are to fail then; a test whose fixture fails counts as one that fails.
+Before, the same tests must pass without any mutant. A text that is not there exactly once, tests
+that cannot be run and a mutant that lives end the script with status 1.
 """
 
 from __future__ import annotations
@@ -36,8 +37,9 @@ SECONDS = 300.0
 _LIVES = "lives"
 #: What pytest returns if tests failed, and not if they could not be run.
 FAILED = 1
-#: The first failing test in what pytest prints.
-FIRST = re.compile(r"^FAILED (\S+)", re.MULTILINE)
+#: The first test in what pytest prints that fails, or whose fixture does; a module that cannot be
+#: imported, after ERROR too, has no name of a test.
+FIRST = re.compile(r"^(?:FAILED|ERROR) (\S+::\S+)", re.MULTILINE)
 #: Sources are compiled anew if their text is another, whatever the clock says.
 COMPILE = ("-m", "compileall", "-q", "--invalidation-mode", "checked-hash", "spectral_contact")
 TEST = ("-m", "pytest", "-x", "-q", "-n0", "-p", "no:cacheprovider")
@@ -133,11 +135,12 @@ def tried(mutant: Mutant, copy: Path) -> Outcome:
 
 def report(mutants: Sequence[Mutant], outcomes: Sequence[Outcome]) -> None:
     """Write the rows of these mutants, among those of the others that there are."""
-    known = stored("mutants")["rows"]
-    by_fault: dict[str, dict[str, Any]] = {row["fault"]: row for row in known}
+    rows_known: dict[Mutant, dict[str, Any]] = {}
+    for row in stored("mutants")["rows"]:
+        rows_known[Mutant(**{name: row[name] for name in Mutant._fields})] = row
     for mutant, outcome in zip(mutants, outcomes, strict=True):
-        by_fault[mutant.fault] = {**mutant._asdict(), "killer": outcome.killer}
-    rows = [by_fault[one.fault] for one in chosen([]) if one.fault in by_fault]
+        rows_known[mutant] = {**mutant._asdict(), "killer": outcome.killer}
+    rows = [rows_known[one] for one in chosen([]) if one in rows_known]
     survivors = [row["fault"] for row in rows if not row["killer"]]
     cells = [
         (
