@@ -6,6 +6,7 @@ from typing import Annotated
 
 from spectral_contact import NotComputedError, plan, plotting, solve
 from spectral_contact.quantities import FIELDS, QUANTITIES
+from spectral_contact.solution import GROWTH, StepState
 from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Whole, written
 from spectral_contact.view.cli.scene_options import SceneOptions
 from spectral_contact.view.report import report
@@ -68,7 +69,8 @@ def run(
         raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
     if plot is not None:
         plotting.check(todo)
-    if history is not None and not (contact.profile and contact.friction):
+    grows = any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps)
+    if history is not None and not grows:
         raise NotComputedError("history", "it needs a profile and friction")
     solution = solve(contact, rtol, quantities, max_unknowns=max_unknowns, strict=not no_strict)
     try:
