@@ -60,20 +60,25 @@ def run(
     for name, x in given.items():
         if not math.isfinite(x):
             raise UsageError(f"{flag('value')} {name}={x}: the number must be finite")
-    read = [] if file is None else [_nodes(file, reading, si=contact.physical is not None)]
-    if not (read or given):
+    told: list[Any] = []
+    if file is not None:
+        table, nodes = _nodes(file, reading, si=contact.physical is not None)
+        told.append(table)
+        given |= nodes
+    elif not given:
         raise UsageError("give a FILE of nodes, or --value NAME=X")
-    for table in read:
-        given |= table.values
     comparison = compare(contact, **given)
-    print(*read, comparison, sep="\n")
+    print(*told, comparison, sep="\n")
     if at_most is not None and not comparison.error <= at_most:
         excess = f"the largest error is {comparison.error:.1e}, --at-most is {at_most:g}"
         raise NotSolved(excess)
 
 
-def _nodes(file: str, reading: Reading, *, si: bool) -> NumberTable:
-    """Return radii, over the contact radius as s, and fields of a file."""
+def _nodes(file: str, reading: Reading, *, si: bool) -> tuple[NumberTable, dict[str, Any]]:
+    """Return what was read from a file, and its radii and fields as `compare` takes them.
+
+    Radii over the contact radius are s.
+    """
     radius = Expected("r", "m" if si else "", at_least=0.0)
     units = _UNITS if si else dict.fromkeys(_UNITS, "")
     fields = [Expected(name, unit, required=False) for name, unit in units.items()]
@@ -81,6 +86,5 @@ def _nodes(file: str, reading: Reading, *, si: bool) -> NumberTable:
     if len(table.values) == 1:
         names = ", ".join(_UNITS)
         raise UsageError(f"{file}: no column of {names}; say which is which")
-    if radius.is_ratio(table.sources["r"].heading):
-        table.values["s"] = table.values.pop("r")
-    return table
+    radii = "s" if radius.is_ratio(table.sources["r"].heading) else "r"
+    return table, {radii if name == "r" else name: one for name, one in table.values.items()}

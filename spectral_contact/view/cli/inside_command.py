@@ -61,28 +61,29 @@ def run(
         raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
     contact = scene.build().scene
     _check_bodies(contact, punch=punch)
-    read = _points(points, reading, "" if contact.physical is None else "m")
+    table = _points(points, reading, "" if contact.physical is None else "m")
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
     if output is not None:
-        default = np.linspace(0.0, 2.0 * body.radius, 81)
-        places = np.meshgrid(r or default, z or default, sparse=True)
-        for table in read:
-            places = table.values["r"], table.values["z"]
-        body.save(output, *places, rtol=rtol)
+        if table is None:
+            default = np.linspace(0.0, 2.0 * body.radius, 81)
+            radii, depths = np.meshgrid(r or default, z or default, sparse=True)
+        else:
+            radii, depths = table.values["r"], table.values["z"]
+        body.save(output, radii, depths, rtol=rtol)
     if plot is not None:
         plotting.save(plotting.plot_inside(body, quantity), plot)
-    print(*read, repr(solution), report_inside(body), sep="\n")
+    print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")
 
 
-def _points(path: str | None, reading: Reading, unit: str) -> list[NumberTable]:
-    """Return the radii and depths of a file, nothing without one."""
+def _points(path: str | None, reading: Reading, unit: str) -> NumberTable | None:
+    """Return the radii and depths of a file, None without one."""
     if path is not None:
-        return [reading.read(path, [Expected(name, unit, at_least=0.0) for name in ("r", "z")])]
+        return reading.read(path, [Expected(name, unit, at_least=0.0) for name in ("r", "z")])
     if reading.given:
         raise UsageError(f"{reading.given[0]} goes with --points")
-    return []
+    return None
 
 
 def _check_bodies(contact: Scene, *, punch: bool) -> None:
