@@ -10,7 +10,7 @@ import numpy as np
 from spectral_contact.fields import Array
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.solving.growth import Growth
-from spectral_contact.solving.growth_panel import Panel
+from spectral_contact.solving.growth_panel import TINY, Panel
 from spectral_contact.solving.stretch import (
     RadiusStretch,
     chebyshev_series,
@@ -19,8 +19,6 @@ from spectral_contact.solving.stretch import (
 )
 from spectral_contact.spectral.jacobi import gauss_rule
 
-#: Below the range of doubles.
-_TINY = 1e-300
 _ENDS: Array = np.array([-1.0, 1.0])
 #: Points of a piece, and of a rule up to one.
 _COUNT, _POINTS = 16, 20
@@ -126,7 +124,7 @@ def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict
     own["approaches"] += [one.approaches.left_out for one in panels]
     own["sticks"] += [left_out(one.stick) if one.slips else 0.0 for one in panels]
     own["shears"] += [one.shear_error * float(np.abs(one.shears).max()) for one in panels]
-    own["shears"] /= np.array([max(np.abs(values).min(), _TINY) for values in rows["shears"]])
+    own["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
     # the last terms of one piece may be small by chance; between nodes under cones 1.1 times that
     around = {name: np.pad(values, 1, mode="edge") for name, values in own.items()}
     return {name: 2.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in around.items()}

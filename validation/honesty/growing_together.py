@@ -41,6 +41,7 @@ TRUE_RTOL, QUADRATURE = 1e-11, 1e-10
 COLLOCATED = 0.5
 SCALARS = "load", "approach", "total_shear", "stick_radius", "stiffness"
 FIELDS = "pressure", "traction"
+REFUSED = "{} were refused, as they cannot be followed while they grow"
 PLACES = np.array([1e-3, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 0.999])
 
 
@@ -177,7 +178,7 @@ def against_march(scene: Scene, rtol: float) -> dict[str, float]:
 
 def against_itself(scene: Scene, rtol: float) -> dict[str, float]:
     """Return errors over estimates, of a solution and one to a hundredth of its tolerance."""
-    found, truth = solve(scene, rtol, strict=False), solve(scene, rtol / 100.0, strict=False)
+    found, truth = growing.solved_twice(scene, rtol)
     worst = growing.ratios(found, truth, SCALARS, (*FIELDS, "slip"), PLACES)
     return {f"{name}, thin": ratio for name, ratio in worst.items()}
 
@@ -223,14 +224,14 @@ STRATA = {
         "Honesty of contacts that grow with elastic coupling",
         100,
         in_turn(measured, (NotComputedError,)),
-        refused="{} were refused, as they cannot be followed while they grow",
+        refused=REFUSED,
         every=5,
     ),
     "growing_to_value": Stratum(
         "Honesty of contacts that grow with elastic coupling to a load or an approach",
         60,
         in_turn(measured_of_value, (NotComputedError,)),
-        refused="{} were refused, as they cannot be followed while they grow",
+        refused=REFUSED,
         every=5,
     ),
 }
