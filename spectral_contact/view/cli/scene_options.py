@@ -57,18 +57,20 @@ PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
 LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
 _OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
-#: Numbers without a unit that have one in SI units have an option for these.
+#: Numbers of both kinds of scene, without a unit in one and in m/Pa in SI units, where their option
+#: ends in ``-si``.
 _COMPLIANCES: Final = tuple(name for name in SI if name in SCENE and not SCENE[name].unit)
+#: Parameters of scenes in SI units, by option.
 _SI_OPTIONS: Final = {f"{name}_si" if name in _COMPLIANCES else name: SI[name] for name in SI}
-#: What the options of numbers and names declare; kinds that share an option share its unit.
+#: What each option declares, its type, unit and choices: kinds that share an option share these.
 _DECLARED: Final[Mapping[str, Parameter]] = {
     **{name: next(iter(declared)) for name, declared in (SHAPES | _OF_LAWS).items()},
     **_SI_OPTIONS,
     **SCENE,
 }
-#: Options of which a sweep takes several values.
+#: Options of real numbers, which may have units, and of which a sweep takes several values.
 NUMBERS: Final = frozenset(name for name, one in _DECLARED.items() if one.kind is float)
-#: Parameters of scenes with a profile alone: how far it is pressed, and adhesion.
+#: Parameters that a dimensionless flat punch has not: how far it is pressed, and adhesion.
 _PRESSED: Final = tuple(name for name in SCENE if SCENE[name].unit or name == "branch")
 #: Dimensionless scene of a bare ``spectral-contact solve``.
 _DEFAULTS: Final[Mapping[str, Any]] = {
@@ -152,6 +154,7 @@ class _LayerOptions:
     layer_columns: str | None = None
 
 
+#: Options of the three groups above: None or False if not given, where others are no attribute.
 _WORDS: Final = tuple(
     one.name for kind in (_ProfileOptions, _PunchOptions, _LayerOptions) for one in fields(kind)
 )
