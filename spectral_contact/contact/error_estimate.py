@@ -423,11 +423,11 @@ class ZoneEstimate:
     def _shear_change(self) -> float:
         """Return the relative error of the shear by the changes and by the boundaries.
 
-        Under a known pressure the errors of the boundary residual, as defects, change the shear by
-        its response to them. Without tangential compliance the fields do not respond; their error
-        is then bounded by the traction that a defect on all of the disk inside b would cause. With
-        an unknown pressure the shear is stationary in the boundaries, and their error enters
-        squared.
+        Under a known pressure the error of its load in slip is added. The errors of the boundary
+        residual, as defects, change the shear by its response to them. Without tangential
+        compliance the fields do not respond; their error is then bounded by the traction that a
+        defect on all of the disk inside b would cause. With an unknown pressure the shear is
+        stationary in the boundaries, and their error enters squared.
         """
         total_shear = self.system.total_shear
         solution = self.solution
@@ -440,6 +440,7 @@ class ZoneEstimate:
                 bound = np.max(residuals, axis=0) + 2.0 * np.abs(solution.boundary_residual)
                 response = pi * np.array([radius.square for radius in self.system.radii])
             defects = solution.approach * np.abs(solution.stick_target) * bound
+            changes += self.system.slip_shear_error
             return (changes + float(np.abs(response) @ defects)) / abs(total_shear(self.values))
         distances = np.array([radius.rest for radius in self.system.radii])
         curvature = 2.0 * float((self.logit_errors**2 * distances).max(initial=0.0))

@@ -427,6 +427,19 @@ class ContactFields:
         else:
             self.load_row[:] = np.concatenate(self.loads)
 
+    @property
+    def slip_shear_error(self) -> float:
+        """Estimate of the error of the shear in slip by that of the load of a known pressure.
+
+        The load of all parts has to be 1, and each is taken to have the same relative error.
+        """
+        loads = [
+            2.0 * np.pi * float(load @ pressure[:, 0])
+            for load, pressure in zip(self.loads, self.known_pressure, strict=True)
+        ]
+        slip = [load for load, part in zip(loads, self.parts, strict=True) if not part.sticks]
+        return abs(sum(loads) - 1.0) * sum(self.parameters.friction * load for load in slip)
+
     # rows that act on vectors
 
     @cached_property

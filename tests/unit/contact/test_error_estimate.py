@@ -43,6 +43,16 @@ def test_boundaries_of_a_narrow_slip_zone_are_within_their_estimates(rtol):
     assert error <= loose.error.stick_radius + tight.error.stick_radius
 
 
+def test_the_shear_of_nearly_full_slip_knows_how_far_the_load_is_off():
+    """The expansion of a known pressure in slip has a load that is not quite 1."""
+    scene = Scene(-0.97742, 9.7334e-06, 390.7784, friction=1.35953e-06)
+    loose = solve(scene, 4.95e-4)
+    tight = solve(scene, 1e-12)
+    error = abs(loose.total_shear / tight.total_shear - 1.0)
+    assert error > 10.0 * tight.error.total_shear
+    assert error <= loose.error.total_shear
+
+
 @pytest.mark.parametrize(("logits", "states"), [((0.3,), (0, 1)), ((0.0, 1.5), (0, 1, 0))])
 def test_a_known_pressure_lacks_its_top_degrees_in_the_coarser_space(logits, states):
     """The solution less the coarse difference is that of coarser spaces of both fields."""
