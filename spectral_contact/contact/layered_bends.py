@@ -135,7 +135,8 @@ class _Samples(NamedTuple):
 
     def widths_beyond(self, excess: Array) -> Array:
         """Return the extents in ``s**2`` on which w is beyond a knot, for excesses there."""
-        fraction = np.minimum(excess / np.maximum(self.drop, np.finfo(float).tiny), 1.0)
+        fraction = np.ones_like(excess)
+        np.divide(excess, self.drop, out=fraction, where=excess < self.drop)
         return np.asarray(self.width * fraction**self.power)
 
 
@@ -240,6 +241,7 @@ def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields
     a = setting.radius
     origin = setting.origin
     all_samples = _samples(setting, form, fields.overclosure)
+    sampled_w = origin + a * form.sampling.values(fields.overclosure)
     rate = np.abs(form.sampling.values(fields.rate))
     boundaries = form.at_boundaries(fields.overclosure)
     pressure = load = stiffness = 0.0
@@ -250,28 +252,29 @@ def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields
         )
         end = origin + a * at_boundary
         low, high = _neighbouring_knots(setting, samples.w)
-        excess = np.maximum(np.maximum(low - samples.w, samples.w - high), 0.0)
-        end_excess = max(low - end, end - high, 0.0)
-        largest = max(float(excess.max()), end_excess)
-        if largest == 0.0:
-            continue
-        below = max(low - float(samples.w.min()), low - end) == largest
-        knot = low if below else high
-        step = max(largest, float(np.spacing(abs(knot))))
-        slopes = setting.layer._slope(np.array([knot - step, knot + step]))
-        jump = abs(float(slopes[1] - slopes[0]))
-        # a panel with samples beyond a knot counts with its whole extent, and once
-        beyond = excess > 0.0
-        width = _KINK_FACTOR * float(np.unique(samples.widths_beyond(excess)[beyond]).sum())
-        rates = rate[samples.sample[beyond]] if beyond.any() else rate[part.samples][-1:]
-        if end_excess > 0.0:
-            last_distance = float(part.distances[-1])
-            last_w = origin + a * float(form.sampling.values(fields.overclosure)[part.samples][-1])
-            width += last_distance * min(end_excess / max(abs(last_w - end), end_excess), 1.0)
-        max_rate = float(rates.max())
-        pressure = max(pressure, _KINK_FACTOR * jump * largest)
-        load += pi * a**2 * width * jump * largest * max_rate
-        stiffness += pi * a**2 * width * jump * max_rate**2
+        # beyond the lower knot w is too small, beyond the upper one too large
+        for knot, sense in ((low, -1.0), (high, 1.0)):
+            excess = np.maximum(sense * (samples.w - knot), 0.0)
+            end_excess = max(sense * (end - knot), 0.0)
+            largest = max(float(excess.max()), end_excess)
+            if largest == 0.0:
+                continue
+            step = max(largest, float(np.spacing(abs(knot))))
+            slopes = setting.layer._slope(np.array([knot - step, knot + step]))
+            jump = abs(float(slopes[1] - slopes[0]))
+            # a panel with samples beyond a knot counts with its whole extent, and once
+            beyond = excess > 0.0
+            width = float(np.unique(samples.widths_beyond(excess)[beyond]).sum())
+            max_rate = float(rate[samples.sample[beyond]].max(initial=0.0))
+            if end_excess > 0.0:
+                last_w = float(sampled_w[part.samples][-1])
+                fraction = end_excess / max(abs(last_w - end), end_excess)
+                width += float(part.distances[-1]) * fraction
+                max_rate = max(max_rate, float(rate[part.samples][-1]))
+            area = pi * a**2 * _KINK_FACTOR * width
+            pressure = max(pressure, _KINK_FACTOR * jump * largest)
+            load += area * jump * largest * max_rate
+            stiffness += area * jump * max_rate**2
     return Misplacement(pressure, load, stiffness)
 
 

@@ -30,7 +30,7 @@ from spectral_contact.solution import (
     StepState,
 )
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import StepCache, extrapolate
+from spectral_contact.solving.sharing import StepCache, value_at, well_spaced
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -202,7 +202,8 @@ class ProfileRun(Run):
             self.errors["stiffness"] += law.stiffness
             self.errors["indentation_work"] += law.energy * area / found.work
         for name in ("contact_radius", "load", "approach"):
-            if getattr(scene, name) is None:
+            exact = name == "contact_radius" and isinstance(scene.profile, Flat)
+            if getattr(scene, name) is None and not exact:
                 self.errors[name] += unknown
         for name in ("stiffness", "indentation_work", "pressure"):
             self.errors[name] += unknown
@@ -345,7 +346,6 @@ class ProfileRun(Run):
         least = history.least(radius, load)
         grower = history.grower(least, radius)
         growth = grower.grown(least, radius, load)
-        error = growth.weight_error
         given = "loads" if scene.approach is None else "approaches"
         value = scene.load if scene.approach is None else scene.approach
         moved = 0.0
@@ -354,8 +354,12 @@ class ProfileRun(Run):
             if at is None:
                 raise NotComputedError("contact_radius", _BEYOND)
             growth = grower.until(growth, at)
-            error, moved = growth.weight_error, growth.moved(given, value)
         radius = scene.contact_radius or math.exp(growth.log_radius)
+        assert scene.profile is not None
+        profile_error = scene.profile._relative_error(radius)
+        error = growth.weight_error + profile_error
+        if value is not None:
+            moved = growth.moved(given, value) + profile_error
         self.values.update(
             contact_radius=radius,
             load=scene.load or growth.load,
@@ -485,11 +489,17 @@ class _RadiusPath:
         self._known = [*self._known, (math.log(value), math.log(radius))][-_POINTS:]
 
     def near(self, value: float) -> float | None:
-        """Return where the radius may be: a polynomial in logarithms through the last scenes."""
-        at = math.log(value)
-        known = [one for one in self._known if 0.0 < abs(one[0] - at) < _FARTHEST]
-        # `extrapolate` returns the value at 1; of equal places the last one counts
-        by_place = {1.0 + place - at: np.array(log_radius) for place, log_radius in known}
-        if len(by_place) < 2:
+        """Return a guess of the radius, or None if fewer than two scenes are known.
+
+        It is a polynomial in the logarithms.
+        """
+        target = math.log(value)
+        known = [one for one in self._known if 0.0 < abs(one[0] - target) < _FARTHEST]
+        # the latest first: of equal places the first one counts
+        places = [place for place, _ in known[::-1]]
+        log_radii = [np.array(log_radius) for _, log_radius in known[::-1]]
+        chosen = well_spaced(places, target)
+        if len(chosen) < 2:
             return None
-        return math.exp(float(extrapolate(list(by_place), list(by_place.values()))))
+        guess = value_at(target, [places[i] for i in chosen], [log_radii[i] for i in chosen])
+        return math.exp(float(guess))
