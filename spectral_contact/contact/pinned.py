@@ -3,8 +3,9 @@ r"""Normal contact under a flat punch of any radius a, in the units of a scene w
 The contact is the whole face of the punch at every load P, so that approach and pressure are linear
 in P: they are those of `normal` for unit load and radius, scaled. With adhesion, load and approach
 may be negative, down to the *pull-off*, where the energy release rate at the edge reaches the work
-of adhesion w. With a layer of compliance alpha the pressure at the edge is ``-sqrt(2 w / alpha)`` then, and on a smooth surface
-``P = -4 a**(3/2) sqrt(2 pi w)`` (docs/theory, adhesion; Kendall, 1971).
+of adhesion w. With a layer of compliance alpha the pressure at the edge is ``-sqrt(2 w / alpha)``
+then, and on a smooth surface ``P = -4 a**(3/2) sqrt(2 pi w)`` (docs/theory, adhesion; Kendall,
+1971).
 """
 
 from __future__ import annotations

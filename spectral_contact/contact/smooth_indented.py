@@ -40,8 +40,8 @@ _LOGARITHMIC_RATIO = 1.0 - 1e-6
 #: Degree on a panel. The singularity at the far end of an annulus lies ln 2 in ``x`` outside the
 #: first panel of the other half, which sets the rate of convergence.
 _DEGREE = 24
-#: Number of panels toward a tip, which end at 4e-18 of the contact radius: nearer to it the pressure
-#: is that of the tail. And toward any other boundary, down to the rounding of its square.
+#: Number of panels toward a tip: they end at 4e-18 of the contact radius, and nearer to it the
+#: pressure is that of the tail. And toward any other boundary, down to the rounding of its square.
 _TIP_PANELS, _PANELS = 40, 20
 #: Panels that the density has beyond these, as it goes like 1/sqrt(d) past a corner and at a tip.
 _FURTHER_PANELS = 32
