@@ -405,11 +405,17 @@ def _is_constant(values: NDArray[Any]) -> bool:
 
 
 def quantities_for(scenes: PhysicalScenes, quantities: tuple[str, ...]) -> tuple[str, ...]:
-    """Return quantities, with the approach if the loads of flat punches follow from it."""
-    data = scenes.scenes[0].physical
-    if data is None or data.radius is None or data.load is not None or "approach" in quantities:
+    """Return quantities, and the approach or contact radius that their SI units follow from."""
+    if not scenes.physical:
         return quantities
-    return ("approach", *quantities)
+    data = [one.physical for one in scenes.scenes]
+    if scenes.scenes[0].profile is None:
+        needed = "approach"
+        missing = any(one is not None and one.load is None for one in data)
+    else:
+        needed = "contact_radius"
+        missing = "stick_radius" in quantities
+    return (needed, *quantities) if missing and needed not in quantities else quantities
 
 
 def si_results(
@@ -437,11 +443,11 @@ def si_results(
     with np.errstate(all="ignore"):
         if scenes[0].profile is None:
             ratios = np.array([one.unloaded_to for one in scenes])
-            scales, of_load = _flat_scales(known, errors, given, modulus, ratios)
+            scales, inherited = _flat_scales(known, errors, given, modulus, ratios)
             # so far it was that at the largest load, which a scene is given by
             given["approach"] = ratios * given["approach"]
         else:
-            scales, of_load = _profile_scales(known, given, modulus)
+            scales, inherited = _profile_scales(known, errors, given, modulus)
         found: dict[str, Any] = {}
         for name in known:
             if name not in scales:
@@ -449,14 +455,14 @@ def si_results(
             places = (request.places,) if name in FIELDS else ()
             scale = scales[name]
             result = known[name] * (scale[:, None] if places else scale)
-            error = errors[name] + of_load.get(name, 0.0)
+            error = errors[name] + inherited.get(name, 0.0)
             if name in ("load", "approach", "contact_radius"):  # what is given is exact
                 is_given = np.isfinite(given[name])
                 result = np.where(is_given, given[name], result)
                 error = np.where(is_given, 0.0, error)
             found |= _variables(name, ("scene", *places), result, error)
         if scenes[0].profile is None and "load" in scales:
-            found |= _variables("load", ("scene",), ratios * scales["load"], of_load["load"])
+            found |= _variables("load", ("scene",), ratios * scales["load"], inherited["load"])
     return found
 
 
@@ -498,17 +504,24 @@ def _flat_scales(
 
 
 def _profile_scales(
-    known: dict[str, Array], given: dict[str, Array], modulus: Array
+    known: dict[str, Array],
+    errors: dict[str, Array],
+    given: dict[str, Array],
+    modulus: Array,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return the SI values of the units of results under profiles, which have no errors."""
+    """Return the SI values of the units of results under profiles, and their relative errors.
+
+    The unit of the stick radius is the contact radius, which has an error unless it is given; the
+    other units are known exactly.
+    """
     of_force = "load", "stiffness", "stiffness_on_branch", "indentation_work", "total_shear"
     scales = dict.fromkeys((*of_force, "pressure", "traction"), modulus)
     scales |= dict.fromkeys(("approach", "contact_radius", "slip"), np.ones(len(modulus)))
-    if "contact_radius" in known:
-        given_radius = given["contact_radius"]
-        radius = np.where(np.isfinite(given_radius), given_radius, known["contact_radius"])
-        scales["stick_radius"] = radius
-    return scales, {}
+    if "contact_radius" not in known:
+        return scales, {}
+    is_given = np.isfinite(given["contact_radius"])
+    scales["stick_radius"] = np.where(is_given, given["contact_radius"], known["contact_radius"])
+    return scales, {"stick_radius": np.where(is_given, 0.0, errors["contact_radius"])}
 
 
 def _or_nan(data: PhysicalData | None, name: str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -169,7 +169,9 @@ def _si_rows(solution: Solution) -> list[_Row]:
     physical = solution.physical
     units = {one.name: one.si_unit for one in OUTPUTS}
     if solution.scene.profile is not None:
-        return [row for row in _scalars(physical, solution, units) if row.unit]
+        rows = [row for row in _scalars(physical, solution, units) if row.unit]
+        of_unit = 0.0 if data.contact_radius is not None else solution.error.contact_radius or 0.0
+        return [_with_error_of_unit(row, of_unit) for row in rows]
     approach_error = solution.error.approach or 0.0
     # from an approach the load is computed, and everything scaled by it inherits its error
     inherited = 0.0 if data.approach is None else approach_error
@@ -183,6 +185,13 @@ def _si_rows(solution: Solution) -> list[_Row]:
             error = row.error + inherited
         rows.append(_Row(row.label, row.value, row.unit, error))
     return [row for row in rows if row.unit]
+
+
+def _with_error_of_unit(row: _Row, of_unit: float) -> _Row:
+    """Return the row of the stick radius with the error of its unit, the contact radius."""
+    if row.label != "stick radius" or row.error is None:
+        return row
+    return replace(row, error=row.error + of_unit)
 
 
 def _scalars(

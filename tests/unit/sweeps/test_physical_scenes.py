@@ -213,3 +213,21 @@ def test_a_list_may_give_loads_and_approaches():
     assert found.load_si.values[0] == ball.physical.load
     assert found.approach_si.values[1] == 2e-8
     assert hertz(found.load_si.values, 70e9, 1e-5) == pytest.approx(found.approach_si.values)
+
+
+def test_a_stick_radius_in_metres_has_the_error_of_the_contact_radius():
+    tip = TIP.replace(friction=0.1, normal_compliance=1e-15, tangential_compliance=1e-15)
+    found = sweep(tip, load=[2e-3, 5e-3], quantities=["stick_radius"], rtol=1e-3)
+    true = solve(tip, 1e-8, ["stick_radius", "contact_radius"]).physical.stick_radius
+    last = found.isel(load_si=1)
+    off = abs(float(last.stick_radius_si) / true - 1.0)
+    assert float(last.stick_radius_error) < off <= float(last.stick_radius_si_error)
+
+
+def test_flat_punches_of_a_list_may_be_given_by_load_and_by_approach():
+    loaded = PUNCH.replace(load=100.0)
+    found = sweep([loaded, PUNCH], quantities=["total_shear"], rtol=1e-6)
+    true = solve(PUNCH, 1e-8).physical
+    assert float(found.load_si[0]) == 100.0
+    assert float(found.load_si[1]) == pytest.approx(true.load, rel=1e-6)
+    assert float(found.total_shear_si[1]) == pytest.approx(true.total_shear, rel=1e-6)

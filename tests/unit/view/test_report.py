@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from spectral_contact import ErrorEstimates, Scene, solve
+from spectral_contact import ErrorEstimates, Scene, profiles, solve
 from spectral_contact.view.report import report
 
 STEEL = {
@@ -38,6 +38,14 @@ def test_from_an_approach_everything_scaled_by_the_load_inherits_its_error():
     assert len(by_load) == 5
     for label, own in by_load.items():
         assert float(by_approach[label]) == pytest.approx(float(own) + 1e-3)
+
+
+def test_a_stick_radius_in_metres_has_the_error_of_the_contact_radius():
+    under_tip = {name: value for name, value in STEEL.items() if name != "radius"}
+    scene = Scene.from_physical(**under_tip, load=1000.0, profile=profiles.Parabola(0.01))
+    pressed = solve(scene, 1e-2, ["stick_radius", "contact_radius"])
+    error = ErrorEstimates(stick_radius=5e-3, contact_radius=1e-3)
+    assert estimates(replace(pressed, error=error))["stick radius"] == "6.0e-03"
 
 
 def test_the_opening_in_metres_is_a_share_of_the_radius():
