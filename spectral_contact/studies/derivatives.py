@@ -47,8 +47,9 @@ _RADIAL: Final = frozenset({"total_shear", "traction"})
 _TIGHT: Final = (1e-12, 1e-11)
 #: How many times the difference the error is taken to be, and what rounding leaves, relative.
 _SAFETY, _ROUNDING = 2.0, 1e-13
-#: That of the shear whose change a derivative is: where little changes, 1.8e-15 was seen.
-_SHEAR_ROUNDING: Final = 2e-15
+#: Rounding of approach and shear, relative, which a derivative has as an absolute error where they
+#: hardly change: up to 1.8e-15 was measured, of the shear.
+_ROUNDING_OF_SCALARS: Final = 2e-15
 _MOST_UNKNOWNS: Final = 20_000
 #: How close to the critical friction slip begins, relative, where its error is less.
 _ONSET: Final = 1e-14
@@ -62,6 +63,7 @@ _NOT_AT_ZERO: Final = "not computed at 0"
 _ALL_SLIPS: Final = "everything slips"
 _ALL_STICKS: Final = "everything sticks"
 _BEGINS: Final = "one-sided, of full stick: slip begins here"
+_SLIPS_BACK: Final = "not computed below the largest load: with the first friction all slips back"
 _UNKNOWN: Final = "the zones are hardly known here"
 _RIGID: Final = "not computed without tangential compliance where zones move"
 #: What solutions with adhesion are differentiated by.
@@ -339,10 +341,12 @@ class _Slopes:
         return Derivative(best, error, self.note)
 
     def _inherited(self, quantity: str, name: str) -> float:
-        """Return what the shear itself is off in a derivative that holds it, or is its change."""
-        if quantity != "total_shear":
+        """Return the error of a derivative by that of the shear in it, and by rounding."""
+        if quantity == "stick_radius":
             return 0.0
-        rounding = _SHEAR_ROUNDING * self.own.total_shear
+        rounding = _ROUNDING_OF_SCALARS * abs(float(getattr(self.own, quantity)))
+        if quantity == "approach":
+            return rounding / self._parameter_scale(name)
         off = (self.own.error.total_shear or 0.0) + _ROUNDING
         if name == LOAD_RATIO:
             return off * abs(self.own.total_shear) / self.scene.unloaded_to
@@ -350,6 +354,11 @@ class _Slopes:
             return rounding
         slope = abs(kappa_slope(self.scene) / self.scene.kappa * self.own.total_shear)
         return slope * off + rounding
+
+    def _parameter_scale(self, name: str) -> float:
+        """Return the increase of a parameter over which the approach changes as much as it can."""
+        own = 0.0 if name == "poisson_ratio" else float(getattr(self.scene, name))
+        return max(own, 1.0)
 
     @property
     def _ratio_slope(self) -> float:
@@ -395,6 +404,8 @@ class _Slopes:
     def _known_number(self, quantity: str, name: str) -> Derivative | None:
         """Return a derivative that follows without a system, or that there is none."""
         if self.friction == 0.0 and name == "friction" and quantity != "approach":
+            if self.scene.unloaded_to < 1.0:
+                return Derivative(math.nan, math.inf, _SLIPS_BACK)
             # near the centre beta q = kappa s p / 2, which is f p at the rim
             rim = 2.0 * self.scene.tangential_compliance / self.scene.kappa
             value = 1.0 if quantity == "total_shear" else rim
@@ -473,6 +484,8 @@ class _Slopes:
         assert self.places is not None
         scene = self.scene
         if self.friction == 0.0 and name == "friction":
+            if scene.unloaded_to < 1.0:
+                return self._constant(math.nan, _SLIPS_BACK)
             p = np.where(self.places[0] > 0.0, self.own.pressure(from_edge=self.places[1]), 0.0)
             return FieldDerivative(p, p * (self.own.error.pressure or 0.0), "one-sided")
         known = self._by_itself(name)

@@ -270,6 +270,28 @@ def test_the_first_friction():
     assert little.stick_radius / 1e-6 == pytest.approx(slope.value, rel=1e-4)
 
 
+def test_the_first_friction_below_the_largest_load_depends_on_the_history():
+    scene = Scene(0.3, 0.5, 0.5, 0.0, unloaded_to=0.9)
+    own = solve(scene, 1e-3).sensitivity(["friction"], s=0.5)
+    for name in ("total_shear", "stick_radius"):
+        assert math.isnan(own[name, "friction"].value)
+        assert "below the largest load" in own[name, "friction"].note
+    assert math.isnan(own.fields["traction", "friction"].value)
+
+
+def test_an_approach_that_hardly_changes_has_its_rounding_in_the_estimate():
+    nu = 0.4999999
+    one = solve(Scene(nu, friction=math.inf, coupling=True), 1e-8).sensitivity(["poisson_ratio"])
+
+    def approach(x):
+        return (1 - 2 * x) / (8 * (1 - x) * mpmath.log(3 - 4 * x))
+
+    with mpmath.workdps(30):
+        true = float(mpmath.diff(approach, mpmath.mpf(nu)))
+    slope = one["approach", "poisson_ratio"]
+    assert abs(slope.value / true - 1.0) <= slope.error < 1e-7
+
+
 #: Of the approach by the friction where all slips with coupling, by polynomials through solves.
 WHERE_ALL_SLIPS = {(0.1, 0.0, 1e-3): -0.0140601005465, (0.1, 0.1, 0.0): -0.014061724347}
 
