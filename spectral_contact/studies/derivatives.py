@@ -50,6 +50,9 @@ _SAFETY, _ROUNDING = 2.0, 1e-13
 #: Rounding of approach and shear, relative, which a derivative has as an absolute error where they
 #: hardly change: up to 1.8e-15 was measured, of the shear.
 _ROUNDING_OF_SCALARS: Final = 2e-15
+#: Rounding of the boundaries in derivatives of shear and traction, over that in derivatives of the
+#: boundaries. Measured next to the critical friction: 0.01.
+_SHARE_OF_NOISE: Final = 0.02
 _MOST_UNKNOWNS: Final = 20_000
 #: How close to the critical friction slip begins, relative, where its error is less.
 _ONSET: Final = 1e-14
@@ -337,6 +340,8 @@ class _Slopes:
                 lost += _ROUNDING * (1.0 if name == "friction" else self._ratio_slope)
         elif quantity == "stick_radius":
             lost += self._evaluations()[0].noise(name, boundary) * abs(best)
+        elif noise := self._noise_of_zones(name):
+            lost += noise * float(self._moved(quantity, name, np.abs(best)))
         error = lost / abs(best) + _ROUNDING if best else math.inf
         return Derivative(best, error, self.note)
 
@@ -354,6 +359,33 @@ class _Slopes:
             return rounding
         slope = abs(kappa_slope(self.scene) / self.scene.kappa * self.own.total_shear)
         return slope * off + rounding
+
+    def _noise_of_zones(self, name: str) -> float:
+        """Return the relative error of derivatives of shear and fields by rounding of boundaries.
+
+        It is large next to a threshold, where a zone is narrow.
+        """
+        slopes = self._evaluations()[0]
+        if not slopes.inner or slopes.smooth:
+            return 0.0
+        return _SHARE_OF_NOISE * max(slopes.noise(name, i) for i in range(len(slopes.inner)))
+
+    def _moved(
+        self, quantity: str, name: str, size: Array, at: tuple[Array, Array] | None = None
+    ) -> Array:
+        """Return the part of a derivative, of this modulus, that comes with moving boundaries.
+
+        Of a derivative by Poisson's ratio without coupling it is that by the friction.
+        """
+        if name != "poisson_ratio" or self.scene.couples:
+            return size
+        slopes = self._evaluations()[0]
+        if at is None:
+            by_friction = np.asarray(slopes.scalar(quantity, "friction"))
+        else:
+            by_friction = slopes.field(quantity, "friction", *at)
+        factor = abs(kappa_slope(self.scene) / self.scene.kappa) * (self.scene.friction or 0.0)
+        return np.asarray(factor * np.abs(by_friction))
 
     def _parameter_scale(self, name: str) -> float:
         """Return the increase of a parameter over which the approach changes as much as it can."""
@@ -511,15 +543,31 @@ class _Slopes:
         differences = np.subtract(best, other, out=np.zeros(best.shape), where=known)
         off = np.abs(differences) / np.where(size > 0.0, size, 1.0)
         share = _SAFETY * float(off[known].max(initial=0.0)) + 10.0 * _ROUNDING
-        inherited = np.zeros(len(best))
-        if name == "poisson_ratio" and quantity == "traction" and not self.scene.couples:
-            q = self.own.traction(from_edge=both[1])
-            inherited = np.abs(q) * (self.own.error.traction or 0.0)
-            inherited *= abs(kappa_slope(self.scene)) / self.scene.kappa
+        inherited = self._field_inherited(quantity, name, both[1])
+        by_zones = quantity == "traction" or self.scene.couples
+        if by_zones and (noise := self._noise_of_zones(name)):
+            inherited = inherited + noise * self._moved(quantity, name, size, both)
         error = np.where(known, share * size + inherited, math.inf)
         value = np.where(known, best, math.nan)
         value, error = (a[len(_PLACES[0]) :].reshape(self.places[0].shape) for a in (value, error))
         return FieldDerivative(value, error, self.note)
+
+    def _field_inherited(self, quantity: str, name: str, from_edge: Array) -> Array:
+        """Return the error of a derivative by those of the pressure or the traction in it."""
+        factor = 0.0
+        field_in_it = quantity
+        if name == LOAD_RATIO:
+            factor = 1.0 / self.scene.unloaded_to
+        elif quantity == "traction" and name == "friction" and "slip" in self.kinds:
+            factor = 1.0
+            field_in_it = "pressure"
+        elif quantity == "traction" and name == "poisson_ratio" and not self.scene.couples:
+            factor = abs(kappa_slope(self.scene)) / self.scene.kappa
+        if factor == 0.0:
+            return np.zeros(from_edge.shape)
+        error = getattr(self.own.error, field_in_it) or 0.0
+        field_values = getattr(self.own, field_in_it)(from_edge=from_edge)
+        return np.asarray(factor * error * np.abs(field_values))
 
     def _at_a_boundary(self, s: Array, from_edge: Array) -> NDArray[np.bool_]:
         """Return where a boundary of zones is, as far as it is known."""

@@ -292,6 +292,16 @@ def test_an_approach_that_hardly_changes_has_its_rounding_in_the_estimate():
     assert abs(slope.value / true - 1.0) <= slope.error < 1e-7
 
 
+def test_rounding_of_narrow_zones_is_in_the_estimate_of_the_shear():
+    stuck = solve(Scene(0.3, 0.2, 0.5, math.inf), 1e-12, ["critical_friction"])
+    near = stuck.scene.replace(friction=stuck.critical_friction * (1.0 - 4e-10))
+    own = solve(near, 1e-6, ["stick_radius"]).sensitivity(["friction"], s=0.5)
+    # off by 4.6e-6, as the square of the derivative is not linear in the distance from there
+    assert 4.6e-6 < own["total_shear", "friction"].error < 1e-4
+    one = own.fields["traction", "friction"]
+    assert one.error > 4.6e-6 * abs(one.value)
+
+
 #: Of the approach by the friction where all slips with coupling, by polynomials through solves.
 WHERE_ALL_SLIPS = {(0.1, 0.0, 1e-3): -0.0140601005465, (0.1, 0.1, 0.0): -0.014061724347}
 
