@@ -546,7 +546,8 @@ class _Slopes:
         inherited = self._field_inherited(quantity, name, both[1])
         by_zones = quantity == "traction" or self.scene.couples
         if by_zones and (noise := self._noise_of_zones(name)):
-            inherited = inherited + noise * self._moved(quantity, name, size, both)
+            moved = self._moved(quantity, name, size, (both[0], both[1]))
+            inherited = np.add(inherited, noise * moved)
         error = np.where(known, share * size + inherited, math.inf)
         value = np.where(known, best, math.nan)
         value, error = (a[len(_PLACES[0]) :].reshape(self.places[0].shape) for a in (value, error))

@@ -338,7 +338,9 @@ def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
 ) -> SweepParameters:
     alone: dict[str, Any] = {
-        name: one for name, one in axes.items() if isinstance(one, numbers.Real)
+        name: one.item() if isinstance(one, np.ndarray) else one
+        for name, one in axes.items()
+        if isinstance(one, numbers.Real) or (isinstance(one, np.ndarray) and one.ndim == 0)
     }
     axes = {name: one for name, one in axes.items() if name not in alone}
     if coupling is not None:

@@ -107,6 +107,12 @@ def test_one_scene_is_a_dataset_without_dimensions():
     assert float(found.approach) == pytest.approx(0.2929597969104781, rel=1e-8)
 
 
+def test_an_array_without_dimensions_is_one_number():
+    found = sweep(BASE, normal_compliance=np.array(1.0), quantities=["approach"])
+    assert found.approach.dims == ()
+    assert float(found.approach) == pytest.approx(0.452701390869753, rel=1e-8)
+
+
 def test_a_scene_that_fails_is_recorded_and_the_rest_goes_on(monkeypatch):
     original = Continuation.solve
 
