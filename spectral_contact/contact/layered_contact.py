@@ -334,8 +334,7 @@ def layered_contact(
             if radius <= (1.0 + _DISK_MARGIN) * setting.radius:
                 break
     except SceneError as error:
-        allowed = f"what the profile carries before it ends: {error.allowed}"
-        raise SceneError(name, value, allowed) from error
+        raise SceneError(name, value, f"one whose approach is {error.allowed}") from error
     return solved
 
 

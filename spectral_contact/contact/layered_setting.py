@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layered_bends import Bend
-from spectral_contact.contact.layered_newton import LayeredSetting, balanced
+from spectral_contact.contact.layered_newton import TINY, LayeredSetting, series_overclosure
 from spectral_contact.contact.on_parts import feature_depths, layer_depth, profile_parts
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
@@ -158,7 +158,7 @@ def _to_edge(
     else:
         room = approach - setting.origin
     centre = np.array([room / radius])
-    slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
+    slope = float(setting.slope(series_overclosure(setting, centre, np.minimum(centre, 0.0)))[0])
     thin = 1.0 / max(slope, 1.0)
     depths = feature_depths(parts, thin, profile._to_pole(radius))
     smooth = (False,) * len(depths)
@@ -168,7 +168,7 @@ def _to_edge(
 def _domain(profile: Profile, layer: Layer, approach: float) -> float:
     """Return the radius beyond which the pressure is negligible."""
     pressure = _central(layer, approach, max(_turn(profile, layer, approach), layer._size))
-    room = approach - layer._overclosure(max(_NEGLIGIBLE * pressure, float(np.finfo(float).tiny)))
+    room = approach - layer._overclosure(max(_NEGLIGIBLE * pressure, TINY))
 
     def beyond(radius: float) -> bool:
         with np.errstate(over="ignore"):
