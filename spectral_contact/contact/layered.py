@@ -190,7 +190,7 @@ class Layered(ABC):
             indicators = np.maximum(indicators**2, stiffness_indicators)
         if setting.centre is not None or not self.pointwise or setting.layer.knots:
             # a part of the error that no indicator contains is attributed to the largest ones
-            indicators = indicators * max(1.0, error / float(indicators.max()))
+            indicators = indicators * max(1.0, min(error, 1.0) / float(indicators.max()))
         return SpaceSolution(indentation, error, indicators, form.space.unknowns)
 
 

@@ -42,10 +42,12 @@ _MAX_STEPS = 80
 _MAX_NONLINEARITY = 0.1
 #: A damped step counts as oscillation, and its share is halved, if the change of the pressure has
 #: not fallen below this fraction of the last one. Without this a table of ten points under a cone
-#: had no solution (`test_steps_that_go_to_and_fro_are_halved`). At best a share s lowers the change
-#: to 1 - s of the last one. A share below 1 - _SHRINKING would thus always count as oscillation,
-#: and be halved until nothing moves: so that is the least share.
+#: had no solution (`test_steps_that_go_to_and_fro_are_halved`).
 _SHRINKING = 0.9
+#: Least share of a damped step. A share s lowers the change to 1 - s of the last one at best: with
+#: 1/16 that is not below _SHRINKING, so that every step would count as oscillation, and shares be
+#: halved until nothing moves (`test_shares_of_steps_are_not_halved_without_end`).
+_MIN_SHARE = 1.0 / 8.0
 #: The iteration ends at a relative change of the pressure of the first number; or at one of the
 #: second if the next change, extrapolated from two, is less than the third.
 _LAST_CHANGE, _SMALL_CHANGE, _NEXT_CHANGE = 1e-14, 1e-13, 1e-15
@@ -313,7 +315,7 @@ class LayeredNewton:
             if not nonlinearity <= _MAX_NONLINEARITY:
                 total = values + steps + _SELF_COMPLIANCE * (pressure + slope * steps)
                 if change > _SHRINKING * last_nonlinear_change:
-                    step_share = max(step_share / 2.0, 1.0 - _SHRINKING)
+                    step_share = max(step_share / 2.0, _MIN_SHARE)
                 last_nonlinear_change = change
                 moved = series_overclosure(setting, total, values) - values
                 w = sampling.coefficients(values + step_share * moved)
@@ -550,8 +552,8 @@ def series_overclosure(
             new = np.where((newton > low) & (newton < high) & ~slow, newton, middle)
             # w may be much smaller than the total, so that a small step says nothing
             small = size <= _POINTWISE_TOLERANCE * (np.abs(w) + np.abs(total))
-            converged = small | (new == w)
-            w = new
-            if converged.all():
+            new = np.where(small, w, new)
+            if (new == w).all():
                 break
+            w = new
     return w
