@@ -328,7 +328,7 @@ class LayeredNewton:
                 # all further changes together, if they fall as the last one has
                 ratio = change / last_change
                 next_change = change * ratio / (1.0 - ratio) if ratio < 1.0 else inf
-            rounded = change < _ROUNDED_CHANGE and change > 0.5 * last_change
+            rounded = change < _ROUNDED_CHANGE and change >= last_change
             # the rate belongs to the w before the step: so the change has to be small, too
             small = change < _SMALL_CHANGE and next_change < _NEXT_CHANGE
             if rounded or small or change < _LAST_CHANGE:
