@@ -57,6 +57,20 @@ def test_a_law_that_ends_below_the_overclosure_at_the_centre_is_refused():
         solve(Scene(0.3, layer=cut, profile=profiles.Parabola(10.0), contact_radius=1.0), 1e-6)
 
 
+@dataclass(frozen=True)
+class Ended(layers.CalculixExponential):
+    """A law with pressure at every gap and an end."""
+
+    @property
+    def limit(self):
+        return 0.1
+
+
+def test_a_separation_may_put_the_centre_at_the_end_of_the_law():
+    scene = Scene(0.3, layer=Ended(0.1, 0.2), profile=BALL, separation=-0.1)
+    assert solve(scene, 1e-4, ("load",)).converged
+
+
 @pytest.mark.parametrize(
     ("setting", "place"),
     [
