@@ -49,8 +49,8 @@ _SHRINKING = 0.9
 #: halved until nothing moves (`test_shares_of_steps_are_not_halved_without_end`).
 _MIN_SHARE = 1.0 / 8.0
 #: The iteration ends at a relative change of the pressure of the first number; or at one of the
-#: second if the next change, extrapolated from two, is less than the third.
-_LAST_CHANGE, _SMALL_CHANGE, _NEXT_CHANGE = 1e-14, 1e-13, 1e-15
+#: second if all further changes together, extrapolated from two, are less than the third.
+_LAST_CHANGE, _SMALL_CHANGE, _REMAINING_CHANGE = 1e-14, 1e-13, 1e-15
 #: A relative change of the pressure below this that no longer falls is rounding.
 _ROUNDED_CHANGE = 1e-9
 #: Largest number of steps for the pointwise equation, and its tolerance, relative to the total.
@@ -290,7 +290,7 @@ class LayeredNewton:
         setting = self.setting
         sampling = self.sampling
         start = w
-        last_change = change = next_change = inf
+        last_change = change = remaining = inf
         last_nonlinear_change = inf
         step_share = 1.0
         rate = np.zeros(sampling.size)
@@ -300,7 +300,7 @@ class LayeredNewton:
                 step = self._correction(w, values, shift)
                 if not np.isfinite(step.overclosure).all():
                     w = start
-                    next_change = inf
+                    remaining = inf
                     break
                 rate = step.rate
                 pressure = setting.pressure(values)
@@ -323,18 +323,18 @@ class LayeredNewton:
             else:
                 w = w + step.overclosure
             shift += step.shift
-            next_change = change
+            remaining = change
             if last_change < inf:
-                # all further changes together, if they fall as the last one has
+                # the sum of all further changes, if they fall by the ratio of the last two
                 ratio = change / last_change
-                next_change = change * ratio / (1.0 - ratio) if ratio < 1.0 else inf
+                remaining = change * ratio / (1.0 - ratio) if ratio < 1.0 else inf
             rounded = change < _ROUNDED_CHANGE and change >= last_change
             # the rate belongs to the w before the step: so the change has to be small, too
-            small = change < _SMALL_CHANGE and next_change < _NEXT_CHANGE
+            small = change < _SMALL_CHANGE and remaining < _REMAINING_CHANGE
             if rounded or small or change < _LAST_CHANGE:
-                next_change = min(change, next_change)
+                remaining = min(change, remaining)
                 break
-        return self._fields(w, rate, shift, next_change)
+        return self._fields(w, rate, shift, remaining)
 
     def _fields(self, w: Array, rate: Array, shift: float, iteration_error: float) -> LayeredFields:
         """Return the fields of an overclosure and its rate."""

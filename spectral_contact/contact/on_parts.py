@@ -121,10 +121,7 @@ class Indentation:
         return self.load + 2.0 * self.stiffness * self.pull
 
     def largest_error(self, *, pointwise: bool) -> float:
-        """Return the largest relative error that the tolerance bounds, under a nonlinear layer.
-
-        That of the pressure is included if it is bounded pointwise.
-        """
+        """Return the largest relative error of a result, that of the pressure if it is wanted."""
         return max(
             self.approach_error,
             self.load_error,
