@@ -387,6 +387,26 @@ def test_bad_input_is_one_line_before_any_work(capsys, monkeypatch, options, wor
     assert words in complaint(capsys, *options)
 
 
+NO_NUMBERS = ("abc", "", " ", "1,5", "0x10", "1e", "--1", "1 2", "0.1.2", "½", "1j", "1\n2", "１")
+
+
+@pytest.mark.parametrize("text", NO_NUMBERS)
+@pytest.mark.parametrize("option", ["--friction", "--rtol", "--max-unknowns", "--youngs-modulus"])
+def test_a_text_that_is_no_number_is_told_with_its_option(capsys, option, text):
+    assert option in complaint(capsys, f"{option}={text}")
+
+
+@pytest.mark.parametrize("word", ["~a\nb", "~\x1b[2J", "~\u2028", "'", "--\n", "-x", "="])
+def test_a_stray_word_is_one_line(capsys, word):
+    assert len(complaint(capsys, word).splitlines()) == 1
+    assert len(complaint(capsys, "--no-strict", word).splitlines()) == 1
+
+
+@pytest.mark.parametrize("options", [["--no-strict=1"], ["--output"], ["--plot", "--rtol=1e-3"]])
+def test_a_flag_has_no_value_and_an_option_has_one(capsys, options):
+    assert options[0].partition("=")[0] in complaint(capsys, *options)
+
+
 def test_a_directory_is_no_output(capsys, tmp_path):
     path = tmp_path / "directory.csv"
     path.mkdir()

@@ -29,10 +29,10 @@ from typing import Any
 
 import numpy as np
 import pint
-from bad_input_cases import Bench, Broken, Case
+from bad_input_cases import Broken, Case
 from bad_input_examples import Examples
 
-from spectral_contact import SpectralContactError, records
+from spectral_contact import Solution, SpectralContactError, records
 
 API = Path(__file__).parents[2] / "docs" / "api.md"
 #: Bare formulas, evaluated a million times in a quadrature: they take arrays of doubles as given.
@@ -309,9 +309,9 @@ def verdict(kinds: set[str], admitted: set[str]) -> bool | None:
 # --- cases ----------------------------------------------------------------------------------------
 
 
-def cases(bench: Bench) -> Iterator[Case]:
+def cases(solutions: tuple[Solution, ...]) -> Iterator[Case]:
     """Yield every parameter of every target with every value that is bad for it, or may be."""
-    examples, values = Examples(bench), pool()
+    examples, values = Examples(solutions), pool()
     for target in targets():
         good = examples.arguments(target.name, target.parameters)
         call: Callable[..., Any] = target.call
@@ -328,7 +328,7 @@ def cases(bench: Bench) -> Iterator[Case]:
                     partial(called, call, parameter, {**arguments, parameter.name: make}),
                     target.errors,
                     parameter.name if must and is_named(parameter) else "",
-                    None if must else constant(True),
+                    not must,
                 )
 
 
