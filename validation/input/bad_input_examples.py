@@ -8,6 +8,7 @@ lists of them are in good_arguments.toml.
 from __future__ import annotations
 
 import inspect
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -113,6 +114,8 @@ COMPANY: dict[str, dict[str, Any]] = {
 class Examples:
     """Good arguments, and an instance of every class that has public methods.
 
+    The file of a law that one of them reads is written into the current folder.
+
     Parameters
     ----------
     solutions : tuple of Solution
@@ -122,6 +125,8 @@ class Examples:
     def __init__(self, solutions: tuple[Solution, ...]) -> None:
         from matplotlib.figure import Figure
 
+        law = GOOD["special"]["layers.Table.from_file.path"]
+        Path(law).write_text("overclosure\tpressure\n0\t0\n0.1\t0.5\n0.2\t2\n", encoding="ascii")
         [si, *_] = [one.scene.physical for one in solutions if one.scene.physical]
         own = convergence(solver, NORMAL, [1, 2], Quarter(), repeats=0)
         compared = work_precision({"a": solver}, NORMAL, [0.5], [Quarter()], repeats=1)
