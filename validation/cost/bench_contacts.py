@@ -1,4 +1,4 @@
-"""Contact under profiles, growing contacts, adhesion: three groups of bench.py."""
+"""Growing contacts and adhesion: two groups of bench.py."""
 
 from __future__ import annotations
 
@@ -14,9 +14,6 @@ from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve, s
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
 TRUNCATED = profiles.TruncatedCone(0.5, 1.0)
-SHAPES = (PARABOLA, profiles.Sphere(3.0), CONE, profiles.RoundedFlat(0.5, 1.0), TRUNCATED)
-#: What is given, and its goal in U.
-GIVEN = {"contact_radius": 0.03, "load": 0.1}
 #: The profiles of contacts that grow, by name; without one it is the parabola.
 PROFILES = {None: PARABOLA, "Spence's cone": profiles.Cone(1.2)}
 GROWN = ["load", "approach", "pressure", "traction", "total_shear", "stick_radius"]
@@ -37,22 +34,6 @@ ADHESIVE: list[tuple[str, str, Callable[[Scene], object], float]] = [
     ("pull-off", "load", partial(pull_off, strict=False), 1.0),
     (f"cycle, {POINTS} points", "load", partial(adhesion_cycle, control="load", points=POINTS), 5),
 ]
-
-
-def under_profiles() -> Iterator[Case]:
-    """Yield contact without friction, of a radius and of a load."""
-
-    def work(place: float, alpha: float, **given: Any) -> Callable[[], object]:
-        [(control, value)] = [pair for pair in given.items() if pair[0] != "profile"]
-        shifted = {"profile": given["profile"], control: value + 1e-3 * place}
-        return partial(solve, Scene(0.3, alpha * (1.0 + 1e-3 * place), **shifted), strict=False)
-
-    for profile in SHAPES:
-        for alpha in (0.5, 1e-3, 0.0):
-            for control, goal in GIVEN.items():
-                given = {"alpha": alpha, "profile": profile, control: 1.2}
-                cells = type(profile).__name__, f"{alpha:g}", control
-                yield Case(cells, partial(work, **given), goal)
 
 
 def growing() -> Iterator[Case]:
@@ -103,7 +84,6 @@ def adhesive() -> Iterator[Case]:
 
 
 GROUPS = {
-    "bench_profiles": under_profiles,
     "bench_growing": growing,
     "bench_adhesion": adhesive,
 }
