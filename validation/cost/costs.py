@@ -1,7 +1,7 @@
 """Measure what accuracy costs: digits, small roughness, and each effect of a scene.
 
 Run as ``python validation/cost/costs.py [--quick] [--store FOLDER]``; writes costs.json and .md,
-and by matplotlib costs.png and costs_growth.png, into validation/results.
+and by matplotlib costs.png, into validation/results.
 Whatever is done is kept in the store, and the same command goes on where a run was stopped; what
 other sources of the library gave is not taken. The truths have 20 digits, of gold tables or of
 `reference`, which takes some ten minutes. The price of many digits is that of bench.py reference.
@@ -26,7 +26,7 @@ sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
-from costs_report import all_unknowns, draw_errors, draw_growth, growth_argument, tables
+from costs_report import all_unknowns, draw_errors, growth_argument, tables
 from flat_punches import sources
 from honesty_scenes import true_solution
 from reporting import RESULTS, options, resumed, stored, unit, write
@@ -265,7 +265,6 @@ def main() -> None:
     found = record(store, 1 if asked.quick else REPEATS)
     write("costs", tables(found), found)
     draw_errors(found, RESULTS / "costs.png")
-    draw_growth(found, RESULTS / "costs_growth.png")
 
 
 if __name__ == "__main__":
