@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 import sys
 import tempfile
-from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -36,7 +35,6 @@ from spectral_contact import Scene, Solution, clear_caches, gold, solve
 from spectral_contact.studies import (
     OwnSolver,
     Point,
-    Timing,
     Truth,
     convergence,
     this_machine,
@@ -171,20 +169,6 @@ def digits_priced() -> list[Record]:
     ]
 
 
-def step_seconds(repeats: int) -> list[Record]:
-    """Return what the steps of the two complete solves take, warm."""
-    rows = []
-    for name, scene in (("one stick disk", ONE_DISK), ("slip in an annulus", ANNULUS)):
-        solve(scene, RTOL)
-        taken: dict[str, list[float]] = defaultdict(list)
-        for _ in range(4 * repeats):
-            for step in solve(scene, RTOL).work.steps:
-                taken[step.name].append(step.seconds)
-        for step, seconds in taken.items():
-            rows.append({"solve": name, "step": step} | asdict(Timing.of(seconds)))
-    return rows
-
-
 # --- growth ---------------------------------------------------------------------------------------
 
 
@@ -229,7 +213,7 @@ def record(store: Path, repeats: int) -> Record:
         },
         "falls": {f"scene {i}": partial(falls, scene) for i, scene in enumerate(scenes)},
         "prices": {price[0]: partial(priced, *price, repeats) for price in prices()},
-        "rest": {"steps": partial(step_seconds, repeats), "dense solve": unit},
+        "rest": {"dense solve": unit},
     }
     done = {
         group: resumed(store.with_name(f"{store.name}-{group}.jsonl"), some)
@@ -253,7 +237,6 @@ def record(store: Path, repeats: int) -> Record:
         },
         "prices": [*done["prices"].values(), *digits_priced()],
         "price_rtol": RTOL,
-        "steps": done["rest"]["steps"],
         "points": points,
     }
 

@@ -78,7 +78,6 @@ def tables(record: Record) -> str:
         "growth": _growth,
         "monotony": _monotony,
         "prices": _prices,
-        "steps": _steps,
     }
     text = f"{record['count']} solves.\n\n"
     return text + "\n".join(f"<!-- {name} -->\n\n{make(record)}\n" for name, make in parts.items())
@@ -210,24 +209,6 @@ def _price_seconds(price: Record) -> tuple[float, float]:
     if "seconds" in price:
         return math.nan, float(price["seconds"])
     return _warm(price) / 1e3, _cold(price) / 1e3
-
-
-def _steps(record: Record) -> str:
-    solves = list(dict.fromkeys(row["solve"] for row in record["steps"]))
-    names = list(dict.fromkeys(row["step"] for row in record["steps"]))
-    taken = {(row["solve"], row["step"]): row["median"] for row in record["steps"]}
-    totals = {s: sum(v for (one, _), v in taken.items() if one == s) for s in solves}
-    rows = []
-    for name in names:
-        cells = [
-            f"{_seconds(taken[s, name])}, {100 * taken[s, name] / totals[s]:.0f} %"
-            if (s, name) in taken
-            else "–"
-            for s in solves
-        ]
-        rows.append([name, *cells])
-    rows.append(["all", *(_seconds(totals[s]) for s in solves)])
-    return table(" | ".join(["step", *solves]), rows)
 
 
 # --- the figure -----------------------------------------------------------------------------------

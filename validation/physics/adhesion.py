@@ -7,14 +7,14 @@ docs/adhesion_pull_off.png and validation/results/adhesion.md.
 from __future__ import annotations
 
 import sys
-from math import atan, pi, sqrt
+from math import atan, exp, pi, sqrt
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
 from reporting import DOCS, table, write
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION, new_figure, save
@@ -39,28 +39,24 @@ def maugis_parameter(tension: float) -> float:
 
 
 def maugis_load(parameter: float) -> float:
-    """Return the load of pull-off over pi w R, Maugis (1992), equations (6.14) and (6.15)."""
+    """Return the load of pull-off over pi w R, Maugis (1992), equations (6.14) and (6.15).
 
-    def load(radius: float) -> float:
-        def missed(m: float) -> float:
-            root = sqrt((m - 1.0) * (m + 1.0))
-            angle = atan(root)
-            first = root + (m**2 - 2.0) * angle
-            second = root * angle - m + 1.0
-            zone = parameter * radius**2 / 2.0 * first
-            return zone + 4.0 * parameter**2 * radius / 3.0 * second - 1.0
+    With m, the outer radius of the zone of tension over the contact radius a, the first equation is
+    quadratic in a.
+    """
 
-        high = 2.0
-        while missed(high) < 0.0:
-            high *= 2.0
-        m = brentq(missed, 1.0, high, xtol=1e-14)
+    def load(logarithm: float) -> float:
+        m = 1.0 + exp(logarithm)
         root = sqrt((m - 1.0) * (m + 1.0))
-        return radius**3 - parameter * radius**2 * (root + m**2 * atan(root))
+        angle = atan(root)
+        square = parameter / 2.0 * (root + (m**2 - 2.0) * angle)
+        linear = 4.0 * parameter**2 / 3.0 * (root * angle - m + 1.0)
+        radius = 2.0 / (linear + sqrt(linear**2 + 4.0 * square))
+        return radius**3 - parameter * radius**2 * (root + m**2 * angle)
 
-    radii = np.geomspace(1e-3, 3.0, 200)
-    best = radii[np.argmin([load(one) for one in radii])]
-    found = minimize_scalar(load, bounds=(best / 1.1, best * 1.1), method="bounded")
-    return min(float(found.fun), load(radii[0]))
+    grid = np.linspace(-20.0, 20.0, 400)
+    best = grid[np.argmin([load(one) for one in grid])]
+    return float(minimize_scalar(load, bounds=(best - 0.2, best + 0.2), method="bounded").fun)
 
 
 def cycles() -> None:
