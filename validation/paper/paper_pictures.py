@@ -144,7 +144,7 @@ def _draw_onset(axes: Sequence[Axes], data: FigureData) -> None:
     distance = np.where(inside & (grid("from_edge") > 0.0), grid("from_edge"), np.nan)
     missed = np.where(inside & (critical > edge), critical / edge - 1.0, np.nan)
     fields = critical / kappa, distance, 100.0 * missed
-    look = {"colors": "black", "linestyles": "-", "linewidths": 0.9}
+    look: dict[str, Any] = {"colors": "black", "linestyles": "-", "linewidths": 0.9}
     for one, values, panel in zip(axes, fields, WORDS["onset"], strict=True):
         one.fill_between(alpha, alpha[0], alpha, color="#DDDDDD", lw=0.0, zorder=0.5)
         one.plot(alpha, alpha, color="black", lw=2.0)

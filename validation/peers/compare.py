@@ -7,19 +7,17 @@ peers_partial_slip, each as .json (a study to be loaded), .md (the times to reac
 
 from __future__ import annotations
 
-import argparse
 import sys
 import tomllib
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from itertools import product
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
 import elements
 import nystrom
-from reporting import RESULTS, table
+from reporting import RESULTS, options, table
 
 from spectral_contact import MissingDependencyError, Scene
 from spectral_contact.studies import OwnSolver, WorkPrecision, named_solver, work_precision
@@ -102,17 +100,12 @@ def tables(study: WorkPrecision, packages: str) -> str:
                 )
                 for solver in study.solvers
             )
-            heading = " | ".join([f"{_symbol(quantity)} to", *goals])
+            heading = " | ".join([f"{TABLE['symbols'][quantity]} to", *goals])
             parts += [f"{scene_text(scene)}:", table(heading, rows)]
-    parts += [_faster(study)]
     parts += [
         f"{p.solver} at {p.resolution:g} fails: {p.failure}" for p in study.points if p.failure
     ]
     return "\n\n".join(parts) + "\n"
-
-
-def _symbol(quantity: str) -> str:
-    return str(TABLE["quantities"][quantity]["symbol"])
 
 
 def _cell(study: WorkPrecision, solver: str, scene: Scene, quantity: str, goal: float) -> str:
@@ -127,38 +120,6 @@ def _cell(study: WorkPrecision, solver: str, scene: Scene, quantity: str, goal: 
         ratio = "" if solver == first or ours is None else f" ({_rounded(time / ours)}×)"
         found.append(f"{mark}{_rounded(1e3 * time)}{ratio}{mark}")
     return "<br>".join(found)
-
-
-def _faster(study: WorkPrecision) -> str:
-    """Return the table of the fastest peers where they are faster than the first solver."""
-    goals = [10.0**-k for k in range(3, 13)]
-    rows = []
-    for scene, quantity, state in product(study.scenes, study.quantities, ("warm", "cold")):
-        cells = [
-            _fastest(study, scene, quantity, goal, state == "cold")
-            if goal <= TABLE["quantities"][quantity]["ahead"]
-            else ""
-            for goal in goals
-        ]
-        rows.append((f"α* = {scene.normal_compliance:g}", _symbol(quantity), state, *cells))
-    heading = " | ".join(["scene", "", "", *(f"{goal:.0e}" for goal in goals)])
-    about = "Where a peer is faster, the fastest, and its time over ours:"
-    return f"{about}\n\n{table(heading, rows)}"
-
-
-def _fastest(study: WorkPrecision, scene: Scene, quantity: str, goal: float, cold: bool) -> str:
-    """Return the fastest peer with its ratio, a dash if the first solver is faster."""
-    times = {
-        solver: time
-        for solver in study.solvers
-        if (time := study.reached(solver, scene, quantity, goal, cold=cold)) is not None
-    }
-    first = study.solvers[0]
-    best = min(times, key=lambda solver: times[solver], default=first)
-    if best == first:
-        return "–"
-    ratio = f" {_rounded(times[best] / times[first])}×" if first in times else ""
-    return f"{best}{ratio}"
 
 
 def _rounded(number: float) -> str:
@@ -176,17 +137,15 @@ def _versions(peers: tuple[str, ...]) -> str:
 
 def main() -> None:
     """Run, and write the results."""
-    parser = argparse.ArgumentParser(description="Measure this library beside its peers.")
-    parser.add_argument("--problem", choices=PROBLEMS, action="append", help="default: all")
-    parser.add_argument("--small", action="store_true", help="coarse and timed once: minutes")
-    parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
-    options = parser.parse_args()
-    chosen = options.problem or list(PROBLEMS)
+    asked = options(__doc__, problems=",".join(PROBLEMS), small=False, results=str(RESULTS))
+    chosen, folder = asked.problems.split(","), Path(asked.results)
+    if unknown := set(chosen) - set(PROBLEMS):
+        sys.exit(f"--problems = {', '.join(unknown)}: must be some of {', '.join(PROBLEMS)}")
     packages = {name: _versions(PROBLEMS[name].peers) for name in chosen}
-    options.results.mkdir(exist_ok=True)
+    folder.mkdir(exist_ok=True)
     for name in chosen:
-        study = measured(name, options.small)
-        path = options.results / f"peers_{name}"
+        study = measured(name, asked.small)
+        path = folder / f"peers_{name}"
         study.save(path.with_suffix(".json"))
         study.plot(path.with_suffix(".png"))
         path.with_suffix(".md").write_text(tables(study, packages[name]), encoding="utf-8")
