@@ -349,8 +349,6 @@ def _first_approach(profile: Profile, layer: Layer, load: float) -> float:
 
     A uniform pressure on a disk is taken, of the radius for which the approach is least.
     """
-    if layer.limit < inf:
-        return min((layer.start if layer.start > -inf else 0.0) + layer._size, layer.limit)
 
     def approach(radius: float) -> float:
         height = 0.0 if flat else float(profile._height(np.array(radius * sqrt(0.5))))
