@@ -92,18 +92,14 @@ def setting_at_approach(
     radius = _disk_radius(profile, layer, approach)
     turn = _turn(profile, layer, approach)
     turn_in_disk = min(max(turn, _MIN_TURN * radius), _MAX_TURN * radius)
-    boundary_at_turn = Radius(turn_in_disk / radius, (radius - turn_in_disk) / radius)
+    at_turn = Radius(turn_in_disk / radius, (radius - turn_in_disk) / radius)
     depth = _turn_depth(profile, layer, approach, turn) if turn == turn_in_disk else 0.0
     profile_breaks = profile_parts(profile, radius)
     if len(profile_breaks.ends) == 1 and not layer.knots:
-        cells = _cells(boundary_at_turn, exp(-depth))
+        cells = _cells(at_turn, exp(-depth))
         return LayeredSetting(profile, layer, radius, approach, profile_breaks, (), (), cells=cells)
-    near = [
-        one
-        for one in profile_breaks.breaks
-        if abs(one.value - boundary_at_turn.value) < _MIN_DISTANCE
-    ]
-    turn_boundary = [] if near else [boundary_at_turn]
+    clear = all(abs(one.value - at_turn.value) >= _MIN_DISTANCE for one in profile_breaks.breaks)
+    turn_boundary = [at_turn] if clear else []
     parts = _with_smooth_breaks(profile_breaks, [*turn_boundary, *(bend.radius for bend in bends)])
     central = layer._overclosure(_central_pressure(layer, approach, max(turn, layer._size)))
     # width of the edge layer, over the radius
@@ -221,10 +217,8 @@ def _central_pressure(layer: Layer, approach: float, radius: float) -> float:
     while too_large(low):
         step *= 2.0
         low -= step
-    middle = 0.5 * (low + high)
-    while low < middle < high:
+    while low < (middle := 0.5 * (low + high)) < high:
         low, high = (low, middle) if too_large(middle) else (middle, high)
-        middle = 0.5 * (low + high)
     return max(float(layer._pressure(np.array(high))), _LEAST_PRESSURE)
 
 
