@@ -83,16 +83,16 @@ def _run(argv: Sequence[str]) -> int:
         arguments = _parser().parse_args(joined(argv))
         given = vars(arguments)
         with one_thread():
-            arguments.run(arguments)
+            arguments.run(given)
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
+    except ConvergenceError as error:
+        hint = " (--no-strict prints what was reached)" if "no_strict" in given["options"] else ""
+        return failed(f"{SceneOptions(given).worded(str(error))}{hint}", 1)
     except SceneError as error:
         return failed(SceneOptions(given).in_options(error), 2)
     except SpectralContactError as error:
-        hint = ""
-        if isinstance(error, ConvergenceError) and "no_strict" in given:
-            hint = " (--no-strict prints what was reached)"
-        return failed(f"{error}{hint}", 1 if isinstance(error, ConvergenceError | NotSolved) else 2)
+        return failed(str(error), 1 if isinstance(error, NotSolved) else 2)
     return 0
 
 

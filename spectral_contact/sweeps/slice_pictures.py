@@ -116,7 +116,7 @@ def _places(at: Any, dims: list[str]) -> dict[str, float]:
     if not isinstance(at, Mapping | None):
         raise SceneError("at", at, "a mapping of names to numbers")
     return {
-        one_of("at", name, dims, f"a dimension: {', '.join(dims) or 'none'}"): real(
+        one_of("at", name, dims, f"one of the dimensions: {', '.join(dims) or 'none'}"): real(
             f"at, {name}", value, allowed="a number", infinite_ok=True
         )
         for name, value in (at or {}).items()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
 from spectral_contact.profiles import Sampled, hull_of_points
-from spectral_contact.view.cli.options import Option, Whole, flag
+from spectral_contact.view.cli.options import Whole, chosen
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,13 +30,8 @@ class Reading:
 
     columns: str | None = None
     header: Whole | None = None
-    decimal: Annotated[str | None, Option(choices=(".", ","))] = None
+    decimal: Annotated[str | None, chosen(".", ",")] = None
     skip_invalid: bool = False
-
-    @property
-    def given(self) -> list[str]:
-        """The options that are given."""
-        return [flag(one.name) for one in fields(self) if getattr(self, one.name)]
 
     def read(self, path: str, expected: Sequence[Expected]) -> NumberTable:
         """Return the columns of a file."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,10 +14,24 @@ from spectral_contact.calibration.force_curves import PARTS
 from spectral_contact.calibration.indentation_curve import with_modulus
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.profiles.control import ALL_CONTROLS
-from spectral_contact.view.cli import options
 from spectral_contact.view.cli.files import Reading
-from spectral_contact.view.cli.options import Number, Option, UsageError, flag, written
+from spectral_contact.view.cli.options import (
+    Number,
+    Option,
+    UsageError,
+    chosen,
+    flag,
+    names,
+    picture,
+    value,
+    written,
+)
 from spectral_contact.view.cli.scene_options import PROFILES, SceneOptions
+
+
+def _picture(text: str) -> str:
+    """Return the path of a picture; nothing for ``none``."""
+    return "" if text.strip().lower() == "none" else picture(text)
 
 
 def run(
@@ -25,12 +39,12 @@ def run(
     reading: Reading,
     file: str,
     *,
-    part: Annotated[str | None, Option(choices=PARTS)] = None,
-    sigma: Annotated[float | str | None, Option(read=options.measured)] = None,
-    free: str = "reduced-modulus,zero-point",
+    part: Annotated[str | None, chosen(*PARTS)] = None,
+    sigma: Annotated[float | str | None, Option(read=value)] = None,
+    free: Annotated[Sequence[str], Option(read=names)] = ("reduced_modulus", "zero_point"),
     rtol: Number = 1e-8,
     output: Annotated[str | None, written(".csv")] = None,
-    plot: str | None = None,
+    plot: Annotated[str | None, Option(*plotting.FORMATS, read=_picture)] = None,
 ) -> None:
     r"""Fit a measured force-indentation curve.
 
@@ -49,7 +63,8 @@ def run(
         Standard deviation of the loads [N]; by default the column sigma, or that of the baseline.
     free : A,B,...
         What to find: reduced-modulus, normal-compliance or the numbers of a layer's law,
-        zero-point, load-offset, tilt, and work-of-adhesion if given.
+        zero-point, load-offset, tilt, and work-of-adhesion if given; by default
+        reduced-modulus,zero-point.
     rtol : X
         Tolerance of the solves.
     output : FILE
@@ -64,33 +79,34 @@ def run(
     spectral-contact fit curve.csv --profile cone --half-angle "70.3 deg" \
         --columns "depth=2 [nm],load=3 [uN]" --free reduced-modulus,zero-point,load-offset,tilt
     """
-    if plot is None:
-        plot = f"{Path(file).stem}_fit.png" if find_spec("matplotlib") is not None else "none"
-    draws = plot.strip().lower() != "none"
-    if draws:
-        options.picture(plot)
+    _check(scene.given)
+    if plot is None and find_spec("matplotlib") is not None:
+        plot = picture(f"{Path(file).stem}_fit.png")
     data = IndentationData.from_file(file, part=part, sigma=sigma, **reading.arguments("missing"))
-    wanted = [name.strip().replace("-", "_") for name in free.split(",")]
-    found = fit(_start(scene.given, data), data, wanted, rtol=rtol)
+    found = fit(_start(scene.given, data), data, free, rtol=rtol)
     if output is not None:
         found.to_csv(output)
-    if draws:
+    if plot:
         plotting.save(plotting.plot_fit(found), plot)
-    print(found, *([f"picture: {plot}"] if draws else []), sep="\n")
+    print(found, *([f"picture: {plot}"] if plot else []), sep="\n")
+
+
+def _check(given: Mapping[str, Any]) -> None:
+    """Refuse, before the file is read, a scene that is none of a fit."""
+    for name in (*ALL_CONTROLS, "friction"):
+        if name in given:
+            told = "depths and loads are those of the file, and there is no friction"
+            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
+    if "profile" not in given:
+        raise UsageError(f"--profile is missing: it must be one of {', '.join(PROFILES)}")
 
 
 def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:
     """Return the scene of the options; a modulus that is not given is estimated."""
-    for name in (*ALL_CONTROLS, "friction"):
-        if name in known:
-            told = "depths and loads are those of the file, and there is no friction"
-            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
-    if "profile" not in known:
-        raise UsageError(f"give --profile, one of {', '.join(PROFILES)}")
     given = {**known, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
         return SceneOptions(given).build().scene
-    if any(name.startswith("layer") for name in given):
-        raise UsageError("give --youngs-modulus or --reduced-modulus with a nonlinear layer")
+    if "layer" in given:
+        raise UsageError("--layer needs --youngs-modulus or --reduced-modulus to begin with")
     modulus = "youngs_modulus" if "poisson_ratio" in given else "reduced_modulus"
     return with_modulus(SceneOptions({**given, modulus: 1.0}).build().scene, data)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from argparse import SUPPRESS
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
-from typing import Annotated, Any, ClassVar, Final, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Final, NamedTuple
 
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import SceneError, shown
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.parameters import SCENE, SI, Parameter, parameters_of
 from spectral_contact.io.units import in_si
@@ -18,7 +17,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.view.cli import options
 from spectral_contact.view.cli.command import Parser, add_options
 from spectral_contact.view.cli.files import profile_of_points
-from spectral_contact.view.cli.options import Option, UsageError, flag
+from spectral_contact.view.cli.options import Option, UsageError, chosen, flag
 
 #: Kinds of profiles and laws that have another name than their class.
 _NAMES: Final = {
@@ -110,25 +109,15 @@ class _ProfileOptions:
         Which column of that file is which, as 'r=1 [mm],height=3 [um]'.
     convex_hull : flag
         Take the convex hull of noisy points.
-    """
-
-    profile: Annotated[str | None, Option(choices=tuple(PROFILES))] = None
-    profile_file: str | None = None
-    profile_columns: str | None = None
-    convex_hull: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _PunchOptions:
-    """Second curved body.
-
-    Parameters
-    ----------
     punch_profile : WORDS
         Shape of the punch where both bodies are curved, with its numbers in the order of the
         constructor, as in 'sphere 20mm'; --profile is that of the other body then.
     """
 
+    profile: Annotated[str | None, chosen(*PROFILES)] = None
+    profile_file: str | None = None
+    profile_columns: str | None = None
+    convex_hull: bool = False
     punch_profile: Annotated[list[str] | None, Option(nargs="+")] = None
 
 
@@ -149,15 +138,20 @@ class _LayerOptions:
         Which column of that file is which, overclosure=2,pressure=1 say.
     """
 
-    layer: Annotated[str | None, Option(choices=tuple(LAWS))] = None
+    layer: Annotated[str | None, chosen(*LAWS)] = None
     layer_table: str | None = None
     layer_columns: str | None = None
 
 
-#: Options of the three groups above: None or False if not given, where others are no attribute.
-_WORDS: Final = tuple(
-    one.name for kind in (_ProfileOptions, _PunchOptions, _LayerOptions) for one in fields(kind)
-)
+#: Options that need a profile.
+_OF_PROFILES: Final = {
+    *(one.name for kind in (_ProfileOptions, _LayerOptions) for one in fields(kind)),
+    *(*SHAPES, *_OF_LAWS, *_PRESSED),
+} - {"radius", "load", "approach"}  # which a flat punch in SI units has, too
+#: Parameters in a message, as "max_unknowns", "s=" or "convex_hull=True".
+_PARAMETER: Final = re.compile(r"\b([a-z]+(?=[_=])[a-z_]*)=?(?:True\b)?")
+#: Options that commands have for parameters of another name.
+_OTHERWISE: Final = {"quantity": "plot_quantity"}
 
 
 class GivenScene(NamedTuple):
@@ -172,17 +166,12 @@ class FlatOptions:
     """Options of a dimensionless scene of a flat punch, as far as they are given."""
 
     given: Mapping[str, Any]
-    #: Whether numbers are lists, those of a sweep.
-    several: ClassVar[bool] = False
-
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Self:
-        """Return what is given."""
-        return cls({name: one for name, one in given.items() if one or name not in _WORDS})
+    #: How a number is read, and what stands for it in ``--help``.
+    number: ClassVar[tuple[Callable[[str], Any], str]] = options.value, "X"
 
     @classmethod
     def add_options(cls, parser: Parser) -> None:
-        """Add the options; what is not given is no attribute."""
+        """Add the options."""
         group = parser.add_argument_group("scene")
         for name, parameter in SCENE.items():
             if name not in _PRESSED:
@@ -192,23 +181,19 @@ class FlatOptions:
     @classmethod
     def _add(cls, group: Any, name: str, told: str) -> None:
         """Add the option of a parameter."""
-        read: Any = options.si_values if cls.several else options.measured
-        if name == "friction":
-            read = options.frictions if cls.several else options.friction
+        read, metavar = cls.number
         kinds: dict[type, dict[str, Any]] = {
             str: {"choices": _DECLARED[name].choices},
             bool: {"action": "store_true"},
             int: {"type": options.whole, "metavar": "N"},
-            float: {"type": read, "metavar": "VALUES" if cls.several else "X"},
+            float: {"type": read, "metavar": metavar},
         }
-        kind = kinds[_DECLARED[name].kind]
-        group.add_argument(flag(name), dest=name, default=SUPPRESS, help=told, **kind)
+        group.add_argument(flag(name), dest=name, help=told, **kinds[_DECLARED[name].kind])
 
     @property
     def shaped(self) -> bool:
-        """Whether the scene has a profile, or at least an option of one or of a layer."""
-        of_profile = {*_WORDS, *SHAPES, *_OF_LAWS, *_PRESSED} - {"radius", "load", "approach"}
-        return not of_profile.isdisjoint(self.given)
+        """Whether the scene has a profile, or at least an option that needs one."""
+        return not _OF_PROFILES.isdisjoint(self.given)
 
     @property
     def of_materials(self) -> bool:
@@ -250,12 +235,11 @@ class FlatOptions:
         """Refuse what mixes SI with dimensionless numbers, and options without a profile."""
         given = self.given
         if self.shaped and "profile" not in given:
-            raise UsageError(
-                f"give --profile, one of {', '.join(PROFILES)}, with options of a profile or layer"
-            )
+            first = next(name for name in given if name in _OF_PROFILES)
+            raise UsageError(f"{flag(first)} needs --profile, one of {', '.join(PROFILES)}")
         if not self.si:
             if "kappa" in given and "poisson_ratio" in given:
-                raise UsageError("--kappa is instead of --poisson-ratio")
+                raise UsageError("--kappa and --poisson-ratio are given: give one of them")
             return
         for name in ("kappa", *_COMPLIANCES):
             if name in given:
@@ -267,13 +251,37 @@ class FlatOptions:
                 raise UsageError(f"{flag(name)} {told} {instead}")
 
     def in_options(self, error: SceneError) -> str:
-        """Return a message with the parameter under the name that the command line gives it."""
-        names = (
-            flag(f"{name}_si" if self.si and name in _COMPLIANCES else name)
-            for name in error.parameter.split(", ")
-        )
-        told = str(error).removeprefix(error.parameter).replace("math.inf", "inf")
-        return ", ".join(names) + told
+        """Return a message with options in place of parameters, and the words of options."""
+        names = error.parameter.split(", ")
+        options = [self._option(name) or name for name in names]
+        named = ", ".join(options)
+        if len(names) > 1 and isinstance(error.value, tuple):
+            pairs = zip(options, error.value, strict=True)
+            given = [f"{one} {value}" for one, value in pairs if value is not None]
+            if not given:
+                return f"none of {named} is given: give one"
+            return f"{' and '.join(given)} are given: give one of {named}"
+        allowed = re.sub("^(None|False)", "left out", error.allowed)
+        if not allowed.startswith("one of"):  # which lists names, not options
+            allowed = self.worded(allowed)
+        if error.value is None and names[0] not in self.given:
+            is_missing = "are missing: they" if len(names) > 1 else "is missing: it"
+            return f"{named} {is_missing} must be {allowed}"
+        value = "none" if error.value is None else shown(error.value)
+        return f"{named} = {value}: must be {allowed}"
+
+    def worded(self, text: str) -> str:
+        """Return a text with options in place of parameters, and the words of options."""
+        text = text.replace("math.inf", "inf").replace("None", "none")
+        return _PARAMETER.sub(lambda found: self._option(found[1]) or found[0], text)
+
+    def _option(self, name: str) -> str:
+        """Return the option of a parameter; nothing if the command has none."""
+        known = self.given["options"]
+        option = name if name in known else _OTHERWISE.get(name, name)
+        if self.si and name in _COMPLIANCES:
+            option = f"{name}_si"
+        return flag(option) if option in known else ""
 
 
 class SceneOptions(FlatOptions):
@@ -293,8 +301,6 @@ class SceneOptions(FlatOptions):
         for name in _PRESSED:
             cls._add(group, name, str(SCENE[name]))
         cls._add_merged(group, SHAPES)
-        if not cls.several:
-            add_options(parser, _PunchOptions)
         cls._add_merged(add_options(parser, _LayerOptions), _OF_LAWS)
 
     @classmethod
@@ -317,8 +323,8 @@ def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
             continue
         unit = _DECLARED[name].unit
         if unit != "rad" and not (si and unit and "exponent" not in unit):
-            told = "must be a number without a unit" + ("" if si else ", without --youngs-modulus")
-            raise UsageError(f"{flag(name)} {value}: {told}")
+            allowed = "a number without a unit" + ("" if si else ", without --youngs-modulus")
+            raise SceneError(name, value, allowed)
         plain[name] = in_si(name, value, unit)
     return plain
 
@@ -357,10 +363,11 @@ def _given_for(
     takes = _options_of(kinds[name], prefix)
     known = {one for kind in kinds.values() for one in _options_of(kind, prefix)}
     own = {one: given[one] for one in given if one in known}
-    needed = {one for one, is_needed in takes.items() if is_needed}
-    if not needed <= own.keys() <= takes.keys():
-        usage = " ".join(flag(one) if one in needed else f"[{flag(one)}]" for one in takes)
-        raise UsageError(f"{flag(option)} {name} takes {usage} and no other")
+    faults = [f"{flag(one)} is missing" for one in takes if takes[one] and one not in own]
+    faults += [f"{flag(one)} is none of them" for one in own if one not in takes]
+    if faults:
+        usage = " ".join(flag(one) if takes[one] else f"[{flag(one)}]" for one in takes)
+        raise UsageError(f"{flag(option)} {name} takes {usage} and no other: {faults[0]}")
     return own
 
 
@@ -382,21 +389,23 @@ def _punch_profile(words: list[str], si: bool) -> Profile:
     """Return the profile of a shape and its numbers."""
     shapes = {name: one for name, one in PROFILES.items() if one not in (Flat, Sampled)}
     kind = shapes[one_of("punch_profile", words[0], shapes)]
-    names = list(parameters_of(kind))
+    names = parameters_of(kind)
+    given = f"--punch-profile {' '.join(words)}"
     if len(words) != 1 + len(names):
-        raise UsageError(f"--punch-profile {words[0]} takes {' '.join(names)}")
+        raise UsageError(f"{given}: {words[0]} takes {' '.join(names)}")
     try:
-        numbers = dict(zip(names, map(options.measured, words[1:]), strict=True))
+        numbers = dict(zip(names, map(options.value, words[1:]), strict=True))
+        return kind(**_without_units(numbers, si))
     except ValueError as error:
-        raise UsageError(f"--punch-profile {words[0]}: {error}") from None
-    return kind(**_without_units(numbers, si))
+        raise UsageError(f"{given}: {error}") from None
 
 
 def _law(given: Mapping[str, Any], si: bool) -> Layer | None:
     """Return the law of the options, None without."""
     if "layer" not in given:
-        if any(name.startswith(_LAW_PREFIX) for name in given):
-            raise UsageError(f"give --layer, one of {', '.join(LAWS)}, with options of a layer")
+        for name in given:
+            if name.startswith(_LAW_PREFIX):
+                raise UsageError(f"{flag(name)} needs --layer, one of {', '.join(LAWS)}")
         return None
     kind, own = LAWS[given["layer"]], _given_for("layer", LAWS, given, _LAW_PREFIX)
     if kind is Table:

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Final
 
-from spectral_contact.errors import SceneError
 from spectral_contact.studies.study import OwnSolver, convergence, named_solver, work_precision
 from spectral_contact.studies.study_results import QUANTITIES, Study
-from spectral_contact.view.cli.options import NotSolved, Option, Picture, resolution, written
+from spectral_contact.view.cli.options import (
+    NotSolved,
+    Option,
+    Picture,
+    UsageError,
+    names,
+    resolutions,
+    several,
+    written,
+)
 from spectral_contact.view.cli.scene_options import FlatOptions
 
 _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
@@ -19,10 +28,10 @@ _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
 def _solver_and_resolutions(text: str) -> tuple[str, list[float] | None]:
     """Return the two sides of ``MODULE:FUNCTION=N,N,...``; None without the second."""
     name, equals, numbers = text.partition("=")
-    return name, [resolution(one) for one in numbers.split(",")] if equals else None
+    return name, resolutions(numbers) if equals else None
 
 
-Numbers = Annotated[tuple[float, ...], Option(read=resolution, nargs="+")]
+Numbers = Annotated[Sequence[float], several(resolutions)]
 Solvers = Annotated[
     list[tuple[str, list[float] | None]], Option(read=_solver_and_resolutions, action="append")
 ]
@@ -42,9 +51,9 @@ class Results:
         Plot the study (needs the extra: plot).
     """
 
-    quantities: (
-        Annotated[list[str], Option(*QUANTITIES, nargs="+", also=("--quantity",))] | None
-    ) = None
+    quantities: Annotated[list[str] | None, several(names, *QUANTITIES, also=("--quantity",))] = (
+        None
+    )
     output: Annotated[str, written(".json", ".csv")] | None = None
     plot: Picture | None = None
 
@@ -90,7 +99,7 @@ def run_convergence(
         Measure errors only.
     """
     if resolutions is None and solver is not None:
-        raise SceneError("resolutions", None, "given for a --solver")
+        raise UsageError(f"--solver {solver} needs --resolutions, numbers that it is called with")
     times: dict[str, Any] = {"repeats": 0} if no_times else {}
     study = convergence(
         results.own_solver() if solver is None else _imported(solver),
