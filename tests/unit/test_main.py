@@ -586,7 +586,7 @@ def test_the_command_line_names_what_no_digit_is_known_of(capsys, monkeypatch):
     assert "  slip: no digit is known\n" in out
 
 
-@pytest.mark.parametrize("command", [name for name, one in COMMANDS.items() if callable(one)])
+@pytest.mark.parametrize("command", [name for name in COMMANDS if " " not in name])
 def test_help_begins_with_examples_that_run(command, capsys):
     assert main([command, "--help"]) == 0
     told = capsys.readouterr().out

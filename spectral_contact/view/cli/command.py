@@ -108,26 +108,46 @@ class Documentation:
         return cls(summary.strip().removesuffix("."), rest.strip(), options, examples)
 
 
-def add_commands(parser: Parser, commands: Mapping[str, Any], dest: str = "command") -> None:
-    """Add commands by name: functions, or pairs of words and the kinds of a command."""
-    parsers = parser.add_subparsers(dest=dest, metavar=dest)
-    missing = f"give a {dest}: {', '.join(commands)}"
-    parser.set_defaults(run=lambda _: parser.error(missing))  # a command has another one
-    for name, command in commands.items():
-        if isinstance(command, tuple):
-            about, kinds = command
-            add_commands(parsers.add_parser(name, help=about, description=about), kinds, "kind")
-            continue
-        told = Documentation.of(command)
-        one = parsers.add_parser(
-            name,
-            usage=f"{PROGRAM} {name} [options]{told.examples}" if told.examples else None,
-            help=_lowered(told.summary),
-            description=f"{told.summary}. {told.description}",
+def add_commands(
+    parser: Parser, commands: Mapping[str, Callable[..., Any]], about: Mapping[str, str]
+) -> None:
+    """Add commands by name; of two words the second one is the kind of a command.
+
+    Parameters
+    ----------
+    parser : Parser
+    commands : mapping of str to callable
+    about : mapping of str to str
+        What commands of several kinds are about.
+    """
+    parsers = _subparsers(parser, "command")
+    kinds: dict[str, Any] = {}
+    for names, function in commands.items():
+        command, _, kind = names.partition(" ")
+        if kind and command not in kinds:
+            told = {"help": about[command], "description": about[command]}
+            kinds[command] = _subparsers(parsers.add_parser(command, **told), "kind")
+        documented = Documentation.of(function)
+        added = kinds.get(command, parsers).add_parser(
+            kind or command,
+            usage=f"{PROGRAM} {names} [options]{documented.examples}",
+            help=_lowered(documented.summary),
+            description=f"{documented.summary}. {documented.description}",
         )
-        add_options(one, command, "request")
-        known = {action.dest for action in one._actions if action.option_strings}
-        one.set_defaults(run=partial(_call, command), options=known)
+        add_options(added, function, "request")
+        known = {action.dest for action in added._actions if action.option_strings}
+        added.set_defaults(run=partial(_call, function), options=known)
+
+
+def _subparsers(parser: Parser, dest: str) -> Any:
+    """Return a place for commands; without one there is an error that lists them."""
+    parsers = parser.add_subparsers(dest=dest, metavar=dest)
+
+    def refuse(_: Any) -> NoReturn:
+        parser.error(f"give a {dest}: {', '.join(parsers.choices)}")
+
+    parser.set_defaults(run=refuse)  # a command has another one
+    return parsers
 
 
 def _call(function: Callable[..., Any], given: Mapping[str, Any]) -> Any:
@@ -183,7 +203,7 @@ def _add_option(group: Any, parameter: inspect.Parameter, metavar: str, told: st
     if kind.names:
         told += f": {', '.join(kind.names)}"
     if parameter.kind is parameter.KEYWORD_ONLY:
-        names = (flag(parameter.name), *kind.also)
+        names = filter(None, (flag(parameter.name), kind.also))
         group.add_argument(*names, dest=parameter.name, required=required, help=told, **keywords)
     else:
         optional = {} if required else {"nargs": "?"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
@@ -39,13 +39,9 @@ class Reading:
 
     def arguments(self, invalid: str) -> dict[str, Any]:
         """Return what `read_columns` and `read_curve` take, with what rows without a value are."""
-        return {
-            "columns": self.columns,
-            "header": self.header,
-            "decimal": self.decimal,
-            "invalid": "skip" if self.skip_invalid else invalid,
-            "option": "--columns",
-        }
+        given = asdict(self)
+        skips = given.pop("skip_invalid")
+        return {**given, "invalid": "skip" if skips else invalid, "option": "--columns"}
 
 
 def profile_of_points(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,24 +14,10 @@ from spectral_contact.calibration.force_curves import PARTS
 from spectral_contact.calibration.indentation_curve import with_modulus
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.profiles.control import ALL_CONTROLS
+from spectral_contact.view.cli import options
 from spectral_contact.view.cli.files import Reading
-from spectral_contact.view.cli.options import (
-    Number,
-    Option,
-    UsageError,
-    chosen,
-    flag,
-    names,
-    picture,
-    value,
-    written,
-)
+from spectral_contact.view.cli.options import Option, UsageError, flag
 from spectral_contact.view.cli.scene_options import PROFILES, SceneOptions
-
-
-def _picture(text: str) -> str:
-    """Return the path of a picture; nothing for ``none``."""
-    return "" if text.strip().lower() == "none" else picture(text)
 
 
 def run(
@@ -39,12 +25,12 @@ def run(
     reading: Reading,
     file: str,
     *,
-    part: Annotated[str | None, chosen(*PARTS)] = None,
-    sigma: Annotated[float | str | None, Option(read=value)] = None,
-    free: Annotated[Sequence[str], Option(read=names)] = ("reduced_modulus", "zero_point"),
-    rtol: Number = 1e-8,
-    output: Annotated[str | None, written(".csv")] = None,
-    plot: Annotated[str | None, Option(*plotting.FORMATS, read=_picture)] = None,
+    part: Annotated[str | None, options.chosen(*PARTS)] = None,
+    sigma: Annotated[float | str | None, Option(read=options.value)] = None,
+    free: str = "reduced-modulus,zero-point",
+    rtol: options.Number = 1e-8,
+    output: Annotated[str | None, options.written(".csv")] = None,
+    plot: options.Picture | None = None,
 ) -> None:
     r"""Fit a measured force-indentation curve.
 
@@ -63,8 +49,7 @@ def run(
         Standard deviation of the loads [N]; by default the column sigma, or that of the baseline.
     free : A,B,...
         What to find: reduced-modulus, normal-compliance or the numbers of a layer's law,
-        zero-point, load-offset, tilt, and work-of-adhesion if given; by default
-        reduced-modulus,zero-point.
+        zero-point, load-offset, tilt, and work-of-adhesion if given.
     rtol : X
         Tolerance of the solves.
     output : FILE
@@ -79,26 +64,21 @@ def run(
     spectral-contact fit curve.csv --profile cone --half-angle "70.3 deg" \
         --columns "depth=2 [nm],load=3 [uN]" --free reduced-modulus,zero-point,load-offset,tilt
     """
-    _check(scene.given)
+    for name in (*ALL_CONTROLS, "friction"):
+        if name in scene.given:
+            told = "depths and loads are those of the file, and there is no friction"
+            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
+    if "profile" not in scene.given:
+        raise UsageError(f"--profile is missing: it must be one of {', '.join(PROFILES)}")
     if plot is None and find_spec("matplotlib") is not None:
-        plot = picture(f"{Path(file).stem}_fit.png")
+        plot = options.picture(f"{Path(file).stem}_fit.png")
     data = IndentationData.from_file(file, part=part, sigma=sigma, **reading.arguments("missing"))
-    found = fit(_start(scene.given, data), data, free, rtol=rtol)
+    found = fit(_start(scene.given, data), data, options.names(free), rtol=rtol)
     if output is not None:
         found.to_csv(output)
     if plot:
         plotting.save(plotting.plot_fit(found), plot)
     print(found, *([f"picture: {plot}"] if plot else []), sep="\n")
-
-
-def _check(given: Mapping[str, Any]) -> None:
-    """Refuse, before the file is read, a scene that is none of a fit."""
-    for name in (*ALL_CONTROLS, "friction"):
-        if name in given:
-            told = "depths and loads are those of the file, and there is no friction"
-            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
-    if "profile" not in given:
-        raise UsageError(f"--profile is missing: it must be one of {', '.join(PROFILES)}")
 
 
 def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:

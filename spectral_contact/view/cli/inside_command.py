@@ -76,7 +76,7 @@ def run(
         else:
             radii, depths = table.values["r"], table.values["z"]
         body.save(output, radii, depths, rtol=rtol)
-    if plot is not None:
+    if plot:
         plotting.save(plotting.plot_inside(body, quantity), plot)
     print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Annotated, Any, Final
 
@@ -126,7 +126,9 @@ def joined(argv: Sequence[str]) -> list[str]:
 
 
 def picture(text: str) -> str:
-    """Return the path of a picture that can be drawn."""
+    """Return the path of a picture that can be drawn; nothing for ``none``."""
+    if text.strip().lower() == "none":
+        return ""
     plotting.require()
     return checked_path(text, plotting.FORMATS)
 
@@ -140,21 +142,24 @@ class Listed(argparse.Action):
 
 
 class Option:
-    """How an option is read: what argparse needs, names that end the help, and other names of it.
+    """How an option is read.
 
     Attributes
     ----------
+    names : tuple of str
+        What ends the help.
+    also : str or None
+        Another name of the option.
     keywords : dict
         Arguments of argparse.
-    names, also : tuple of str
     """
 
     def __init__(
-        self, *names: str, read: Any = None, also: tuple[str, ...] = (), **keywords: Any
+        self, *names: str, read: Any = None, also: str | None = None, **keywords: Any
     ) -> None:
         self.names = names
         self.also = also
-        self.keywords = keywords if read is None else {"type": read, **keywords}
+        self.keywords = {"type": read, **keywords}
 
 
 def chosen(*names: str, **keywords: Any) -> Option:
@@ -162,9 +167,9 @@ def chosen(*names: str, **keywords: Any) -> Option:
     return Option(*names, choices=names, **keywords)
 
 
-def several(read: Callable[[str], list[Any]], *names: str, **keywords: Any) -> Option:
-    """Return the kind of a list, parted by commas or blanks."""
-    return Option(*names, read=read, nargs="+", action=Listed, **keywords)
+def names_of(*known: str, **keywords: Any) -> Option:
+    """Return the kind of a list of names, parted by commas or blanks."""
+    return Option(*known, read=names, nargs="+", action=Listed, **keywords)
 
 
 def written(*suffixes: str) -> Option:

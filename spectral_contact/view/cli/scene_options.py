@@ -25,10 +25,10 @@ _NAMES: Final = {
     "CalculixExponential": "calculix",
     "GreenwoodWilliamson": "asperities",
 }
-#: Options of the kinds that a file describes; the first one is its path.
-_FILE_OPTIONS: Final[dict[type, tuple[str, ...]]] = {
-    Sampled: ("profile_file", "profile_columns", "convex_hull"),
-    Table: ("layer_table", "layer_columns"),
+#: Options of the kinds that a file describes, and whether each is needed.
+_FILE_OPTIONS: Final[Mapping[type, dict[str, bool]]] = {
+    Sampled: {"profile_file": True, "profile_columns": False, "convex_hull": False},
+    Table: {"layer_table": True, "layer_columns": False},
 }
 #: What the options of the parameters of a law begin with.
 _LAW_PREFIX: Final = "layer_"
@@ -56,6 +56,7 @@ PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
 LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
 _OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
+SHAPES["radius"].setdefault(SI["radius"], []).append("no profile")
 #: Numbers of both kinds of scene, without a unit in one and in m/Pa in SI units, where their option
 #: ends in ``-si``.
 _COMPLIANCES: Final = tuple(name for name in SI if name in SCENE and not SCENE[name].unit)
@@ -71,6 +72,8 @@ _DECLARED: Final[Mapping[str, Parameter]] = {
 NUMBERS: Final = frozenset(name for name, one in _DECLARED.items() if one.kind is float)
 #: Parameters that a dimensionless flat punch has not: how far it is pressed, and adhesion.
 _PRESSED: Final = tuple(name for name in SCENE if SCENE[name].unit or name == "branch")
+#: Parameters that a flat punch in SI units has as well as a profile.
+_OF_FLAT: Final = frozenset({"radius", "load", "approach"})
 #: Dimensionless scene of a bare ``spectral-contact solve``.
 _DEFAULTS: Final[Mapping[str, Any]] = {
     "poisson_ratio": 0.1,
@@ -78,6 +81,24 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "tangential_compliance": 0.5,
     "friction": 0.1,
 }
+
+
+#: What ``--help`` says of each option.
+_TEXTS: Final[Mapping[str, str]] = {
+    **{name: str(one) for name, one in {**_SI_OPTIONS, **SCENE}.items()},
+    **{name: f"{SCENE[name]} (default: {one})" for name, one in _DEFAULTS.items()},
+    **{
+        name: "; ".join(f"{', '.join(kinds)}: {one}" for one, kinds in declared.items())
+        for name, declared in (SHAPES | _OF_LAWS).items()
+    },
+}
+
+
+class _FlatOptions:
+    """Scene.
+
+    Without further options it is a flat punch, and dimensionless.
+    """
 
 
 class _PhysicalOptions:
@@ -143,11 +164,12 @@ class _LayerOptions:
     layer_columns: str | None = None
 
 
-#: Options that need a profile.
-_OF_PROFILES: Final = {
-    *(one.name for kind in (_ProfileOptions, _LayerOptions) for one in fields(kind)),
-    *(*SHAPES, *_OF_LAWS, *_PRESSED),
-} - {"radius", "load", "approach"}  # which a flat punch in SI units has, too
+#: Which option others need: they describe the profile or the layer.
+_NEEDED: Final[Mapping[str, str]] = {
+    **{one.name: "profile" for one in fields(_ProfileOptions)},
+    **{name: "profile" for name in (*SHAPES, *_PRESSED, "layer") if name not in _OF_FLAT},
+    **{name: "layer" for name in ("layer_table", "layer_columns", *_OF_LAWS)},
+}
 #: Parameters in a message, as "max_unknowns", "s=" or "convex_hull=True".
 _PARAMETER: Final = re.compile(r"\b([a-z]+(?=[_=])[a-z_]*)=?(?:True\b)?")
 #: Options that commands have for parameters of another name.
@@ -161,39 +183,39 @@ class GivenScene(NamedTuple):
     remarks: list[str]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FlatOptions:
     """Options of a dimensionless scene of a flat punch, as far as they are given."""
 
     given: Mapping[str, Any]
+    #: Groups of options, by what is said of them.
+    groups: ClassVar[Mapping[type, Iterable[str]]] = {
+        _FlatOptions: [name for name in SCENE if name not in _PRESSED]
+    }
     #: How a number is read, and what stands for it in ``--help``.
     number: ClassVar[tuple[Callable[[str], Any], str]] = options.value, "X"
 
     @classmethod
     def add_options(cls, parser: Parser) -> None:
         """Add the options."""
-        group = parser.add_argument_group("scene")
-        for name, parameter in SCENE.items():
-            if name not in _PRESSED:
-                default = f" (default: {_DEFAULTS[name]})" if name in _DEFAULTS else ""
-                cls._add(group, name, f"{parameter}{default}")
-
-    @classmethod
-    def _add(cls, group: Any, name: str, told: str) -> None:
-        """Add the option of a parameter."""
         read, metavar = cls.number
-        kinds: dict[type, dict[str, Any]] = {
-            str: {"choices": _DECLARED[name].choices},
-            bool: {"action": "store_true"},
-            int: {"type": options.whole, "metavar": "N"},
-            float: {"type": read, "metavar": metavar},
-        }
-        group.add_argument(flag(name), dest=name, help=told, **kinds[_DECLARED[name].kind])
+        for kind, names in cls.groups.items():
+            group = add_options(parser, kind)
+            for name in names:
+                declared = _DECLARED[name]
+                keywords: dict[type, dict[str, Any]] = {
+                    str: {"choices": declared.choices},
+                    bool: {"action": "store_true"},
+                    int: {"type": options.whole, "metavar": "N"},
+                    float: {"type": read, "metavar": metavar},
+                }
+                told = {"dest": name, "help": _TEXTS[name]}
+                group.add_argument(flag(name), **told, **keywords[declared.kind])
 
     @property
     def shaped(self) -> bool:
         """Whether the scene has a profile, or at least an option that needs one."""
-        return not _OF_PROFILES.isdisjoint(self.given)
+        return not _NEEDED.keys().isdisjoint(self.given)
 
     @property
     def of_materials(self) -> bool:
@@ -203,8 +225,7 @@ class FlatOptions:
     @property
     def si(self) -> bool:
         """Whether the scene is in SI units: with a profile lengths and loads may be any."""
-        of_flat = not {"radius", "load", "approach"}.isdisjoint(self.given)
-        return self.of_materials or (of_flat and not self.shaped)
+        return self.of_materials or not (self.shaped or _OF_FLAT.isdisjoint(self.given))
 
     def build(self) -> GivenScene:
         """Return the scene: under a profile, in SI units, or dimensionless."""
@@ -234,21 +255,20 @@ class FlatOptions:
     def _check(self) -> None:
         """Refuse what mixes SI with dimensionless numbers, and options without a profile."""
         given = self.given
-        if self.shaped and "profile" not in given:
-            first = next(name for name in given if name in _OF_PROFILES)
-            raise UsageError(f"{flag(first)} needs --profile, one of {', '.join(PROFILES)}")
+        for name in given:
+            needed = _NEEDED.get(name, name)
+            if needed not in given:
+                kinds = LAWS if needed == "layer" else PROFILES
+                raise UsageError(f"{flag(name)} needs {flag(needed)}, one of {', '.join(kinds)}")
         if not self.si:
             if "kappa" in given and "poisson_ratio" in given:
                 raise UsageError("--kappa and --poisson-ratio are given: give one of them")
             return
-        for name in ("kappa", *_COMPLIANCES):
-            if name in given:
-                kappa = name == "kappa"
-                instead = (
-                    "the moduli and Poisson's ratios" if kappa else f"{flag(name)}-si, in m/Pa"
-                )
-                told = "is dimensionless and cannot be mixed with SI input; use"
-                raise UsageError(f"{flag(name)} {told} {instead}")
+        instead = {name: f"{flag(name)}-si, in m/Pa" for name in _COMPLIANCES}
+        instead["kappa"] = "the moduli and Poisson's ratios"
+        for name in instead.keys() & given.keys():
+            told = f"is dimensionless and cannot be mixed with SI input; use {instead[name]}"
+            raise UsageError(f"{flag(name)} {told}")
 
     def in_options(self, error: SceneError) -> str:
         """Return a message with options in place of parameters, and the words of options."""
@@ -287,29 +307,12 @@ class FlatOptions:
 class SceneOptions(FlatOptions):
     """Options of every kind of scene."""
 
-    __slots__ = ()
-
-    @classmethod
-    def add_options(cls, parser: Parser) -> None:
-        """Add the options; what is not given is no attribute."""
-        super().add_options(parser)
-        group = add_options(parser, _PhysicalOptions)
-        for name, parameter in _SI_OPTIONS.items():
-            if name not in SHAPES and name not in SCENE:
-                cls._add(group, name, str(parameter))
-        group = add_options(parser, _ProfileOptions)
-        for name in _PRESSED:
-            cls._add(group, name, str(SCENE[name]))
-        cls._add_merged(group, SHAPES)
-        cls._add_merged(add_options(parser, _LayerOptions), _OF_LAWS)
-
-    @classmethod
-    def _add_merged(cls, group: Any, merged: Mapping[str, dict[Parameter, list[str]]]) -> None:
-        """Add the parameters of several kinds, with what each declares."""
-        for name, declared in merged.items():
-            told = [f"{', '.join(kinds)}: {one}" for one, kinds in declared.items()]
-            told += [f"without a profile: {SI[name]}"] if name in SI else []
-            cls._add(group, name, "; ".join(told))
+    groups: ClassVar = {
+        **FlatOptions.groups,
+        _PhysicalOptions: [name for name in _SI_OPTIONS if name not in {*SHAPES, *SCENE}],
+        _ProfileOptions: [*_PRESSED, *SHAPES],
+        _LayerOptions: _OF_LAWS,
+    }
 
 
 def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
@@ -331,11 +334,9 @@ def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
 
 def _options_of(kind: Any, prefix: str) -> dict[str, bool]:
     """Return the options that describe an object of a kind, and whether each is needed."""
-    if kind in _FILE_OPTIONS:
-        path, *others = _FILE_OPTIONS[kind]
-        return {path: True, **dict.fromkeys(others, False)}
-    defaults = {one.name: one.default for one in fields(kind)}
-    return {prefix + name: defaults[name] is MISSING for name in parameters_of(kind)}
+    declared = {one.name: one for one in fields(kind) if "parameter" in one.metadata}
+    needs = {prefix + name: one.default is MISSING for name, one in declared.items()}
+    return _FILE_OPTIONS.get(kind, needs)
 
 
 def _given_for(
@@ -403,9 +404,6 @@ def _punch_profile(words: list[str], si: bool) -> Profile:
 def _law(given: Mapping[str, Any], si: bool) -> Layer | None:
     """Return the law of the options, None without."""
     if "layer" not in given:
-        for name in given:
-            if name.startswith(_LAW_PREFIX):
-                raise UsageError(f"{flag(name)} needs --layer, one of {', '.join(LAWS)}")
         return None
     kind, own = LAWS[given["layer"]], _given_for("layer", LAWS, given, _LAW_PREFIX)
     if kind is Table:

@@ -7,15 +7,8 @@ from typing import Annotated
 from spectral_contact import plan, plotting, solve
 from spectral_contact.quantities import FIELDS, QUANTITIES
 from spectral_contact.solution import GROWTH, StepState
-from spectral_contact.view.cli.options import (
-    Number,
-    Picture,
-    UsageError,
-    Whole,
-    names,
-    several,
-    written,
-)
+from spectral_contact.view.cli import options
+from spectral_contact.view.cli.options import UsageError
 from spectral_contact.view.cli.scene_options import SceneOptions
 from spectral_contact.view.report import report
 
@@ -23,13 +16,13 @@ from spectral_contact.view.report import report
 def run(
     scene: SceneOptions,
     *,
-    rtol: Number = 1e-10,
-    quantities: Annotated[list[str] | None, several(names, *QUANTITIES)] = None,
-    max_unknowns: Whole = 20_000,
+    rtol: options.Number = 1e-10,
+    quantities: Annotated[list[str] | None, options.names_of(*QUANTITIES)] = None,
+    max_unknowns: options.Whole = 20_000,
     no_strict: bool = False,
-    output: Annotated[str | None, written(".json", ".csv", ".npz")] = None,
-    plot: Picture | None = None,
-    history: Annotated[str | None, written(".csv")] = None,
+    output: Annotated[str | None, options.written(".json", ".csv", ".npz")] = None,
+    plot: options.Picture | None = None,
+    history: Annotated[str | None, options.written(".csv")] = None,
 ) -> None:
     r"""Solve one scene.
 
@@ -71,7 +64,7 @@ def run(
     is_table = output is not None and output.lower().endswith(".csv")
     if is_table and not set(FIELDS).intersection(todo.quantities):
         raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
-    if plot is not None:
+    if plot:
         plotting.check(todo)
     grows = any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps)
     if history is not None and not grows:
@@ -80,7 +73,7 @@ def run(
     try:
         if output is not None:
             solution.to_csv(output) if is_table else solution.save(output)
-        if plot is not None:
+        if plot:
             plotting.save(solution.plot(), plot)
         if history is not None:
             solution.history.to_csv(history)

@@ -10,16 +10,8 @@ from typing import Annotated, Any, Final
 
 from spectral_contact.studies.study import OwnSolver, convergence, named_solver, work_precision
 from spectral_contact.studies.study_results import QUANTITIES, Study
-from spectral_contact.view.cli.options import (
-    NotSolved,
-    Option,
-    Picture,
-    UsageError,
-    names,
-    resolutions,
-    several,
-    written,
-)
+from spectral_contact.view.cli import options
+from spectral_contact.view.cli.options import NotSolved, Option, UsageError
 from spectral_contact.view.cli.scene_options import FlatOptions
 
 _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
@@ -28,10 +20,12 @@ _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
 def _solver_and_resolutions(text: str) -> tuple[str, list[float] | None]:
     """Return the two sides of ``MODULE:FUNCTION=N,N,...``; None without the second."""
     name, equals, numbers = text.partition("=")
-    return name, resolutions(numbers) if equals else None
+    return name, options.resolutions(numbers) if equals else None
 
 
-Numbers = Annotated[Sequence[float], several(resolutions)]
+Numbers = Annotated[
+    Sequence[float], Option(read=options.resolutions, nargs="+", action=options.Listed)
+]
 Solvers = Annotated[
     list[tuple[str, list[float] | None]], Option(read=_solver_and_resolutions, action="append")
 ]
@@ -51,11 +45,9 @@ class Results:
         Plot the study (needs the extra: plot).
     """
 
-    quantities: Annotated[list[str] | None, several(names, *QUANTITIES, also=("--quantity",))] = (
-        None
-    )
-    output: Annotated[str, written(".json", ".csv")] | None = None
-    plot: Picture | None = None
+    quantities: Annotated[list[str] | None, options.names_of(*QUANTITIES, also="--quantity")] = None
+    output: Annotated[str | None, options.written(".json", ".csv")] = None
+    plot: options.Picture | None = None
 
     def own_solver(self) -> OwnSolver:
         """Return this library's solver, asked for the quantities of the study."""
@@ -66,7 +58,7 @@ class Results:
         try:
             if self.output is not None:
                 study.save(self.output)
-            if self.plot is not None:
+            if self.plot:
                 study.plot(self.plot)
         finally:
             print(study)

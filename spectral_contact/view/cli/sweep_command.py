@@ -14,7 +14,7 @@ from spectral_contact.sweeps.dataset import summary, unsolved, write
 from spectral_contact.sweeps.physical_scenes import columns_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
 from spectral_contact.view.cli import options
-from spectral_contact.view.cli.options import NotSolved, UsageError, names, several
+from spectral_contact.view.cli.options import NotSolved, UsageError
 from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, SceneOptions
 
 
@@ -40,7 +40,7 @@ def run(
     *,
     table: str | None = None,
     rtol: options.Number = 1e-8,
-    quantities: Annotated[list[str] | None, several(names, *QUANTITIES)] = None,
+    quantities: Annotated[list[str] | None, options.names_of(*QUANTITIES)] = None,
     s: options.Values | None = None,
     from_edge: options.Values | None = None,
     workers: options.Whole = 1,
@@ -90,7 +90,7 @@ def run(
     spectral-contact sweep --youngs-modulus '70 GPa' --poisson-ratio 0.2 --profile parabola \
         --radius '10 um' --load '0.1:10:50:log mN' --output curve.csv
     """
-    if plot is None and (at is not None or plot_quantity is not None):
+    if not plot and (at is not None or plot_quantity is not None):
         raise UsageError("--at and --plot-quantity need --plot, a file of the picture")
     given, axes = scenes.first_and_varying()
     if table is not None:
@@ -112,7 +112,7 @@ def run(
     try:
         if output is not None:
             write(found, output)
-        if plot is not None:
+        if plot:
             held = dict(at or ())
             picture = plot_slice(found, plot_quantity or varying(found, held), held)
             plotting.save(picture, plot)
