@@ -68,7 +68,7 @@ def plot_slice(
     # full stick, friction infinite, has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
     if len(left) not in (1, 2):
-        said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
+        said = f"such that one or two dimensions are left, not {', '.join(left) or 'none'}"
         raise SceneError("at", dict(at or {}), said)
     with style():
         figure = new_figure(figsize=(5.6, 4.2), layout="constrained")

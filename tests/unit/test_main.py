@@ -365,10 +365,13 @@ def test_a_plot(capsys, tmp_path):
         (["--quantities", "aproach"], "shakedown_ratio; did you mean approach?"),
         (["more"], "more"),
         (["--friction"], "--friction: expected one argument: coefficient of friction f, >= 0 ("),
-        (["--friction", "mu"], "'mu' is not a number, nor one with a unit, as '5 mm'"),
+        (["--friction", "mu"], "'mu' is not a number (which may have a unit, as '5 mm' or"),
         (["--friction", "-1"], "--friction = -1.0: must be >= 0 (inf is full stick, none no f"),
         (["--profile"], "--profile: expected one argument: one of parabola, sphere"),
-        (["--profile", "sphere", "-1"], "unrecognized arguments: -1, after --profile sphere (see "),
+        (
+            ["--profile", "sphere", "-1"],
+            "arguments: -1, after --profile sphere: quote a value",
+        ),
         (["--kappa", "0", "--poisson-ratio", "0"], "--kappa and --poisson-ratio are given: give"),
         (["--history", "h.csv"], "--history h.csv needs a contact that grows: --profile, --fric"),
         (

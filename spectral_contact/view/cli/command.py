@@ -37,7 +37,7 @@ class Parser(argparse.ArgumentParser):
             known = [name for action in self._actions for name in action.option_strings]
             hint = suggestion(unknown[0].partition("=")[0], known)
             if not unknown[0].startswith("--") and (before := args[: args.index(unknown[0])]):
-                hint = f", after {' '.join(before[-2:])}"
+                hint = f", after {' '.join(before[-2:])}: quote a value with blanks, as '5 mm'"
             self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
         return found, unknown
 

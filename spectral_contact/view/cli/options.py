@@ -56,13 +56,10 @@ def value(text: str) -> float | str | None:
     """Return a number, text with a unit as it is, and None for ``none``."""
     if text.strip().lower() == "none":
         return None
-    if has_unit(text):
-        return text
     try:
-        return number(text)
+        return text if has_unit(text) else number(text)
     except ValueError as error:
-        told = f"{error}, nor one with a unit, as '5 mm' or '50 nm/MPa', nor none"
-        raise ValueError(told) from error
+        raise ValueError(f"{error} (which may have a unit, as '5 mm' or '50 nm/MPa')") from error
 
 
 def whole(text: str) -> int:
@@ -81,8 +78,8 @@ def resolutions(text: str) -> list[float]:
 
 def values(text: str) -> list[Any]:
     """Return the values that a text stands for, each with the unit behind them, if there is one."""
-    if text.strip().lower() == "none":
-        return [None]
+    if text.strip().lower() == "none" or has_unit(text):
+        return [value(text)]
     if found := _WITH_UNIT.fullmatch(text.strip()):
         return [f"{one!r} {found[2]}" for one in values(found[1])]
     low, *rest = text.split(":")
