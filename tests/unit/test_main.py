@@ -372,7 +372,7 @@ def test_a_plot(capsys, tmp_path):
             ["--profile", "sphere", "-1"],
             "arguments: -1, after --profile sphere: quote a value",
         ),
-        (["--kappa", "0", "--poisson-ratio", "0"], "--kappa and --poisson-ratio are given: give"),
+        (["--kappa", "0", "--poisson-ratio", "0"], "give one of --kappa, --poisson-ratio: both"),
         (["--history", "h.csv"], "--history h.csv needs a contact that grows: --profile, --fric"),
         (
             ["--radius", "1"],
@@ -382,10 +382,10 @@ def test_a_plot(capsys, tmp_path):
             ["--load", "1"],
             "--poisson-ratio, --radius are missing: they must be given",
         ),
-        ([*SLIDING], "none of --load, --approach is given: give one"),
+        ([*SLIDING], "give one of --load, --approach: none of them is given"),
         (
             [*SLIDING, "--load", "1", "--approach", "1"],
-            "1.0 and --approach 1.0 are given: give one of --load",
+            "give one of --load, --approach: --load 1.0 and --app",
         ),
         ([*SLIDING, "--load", "-1"], "--load = -1.0"),
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),

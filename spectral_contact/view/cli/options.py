@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Annotated, Any, Final
 
@@ -82,22 +82,22 @@ def values(text: str) -> list[Any]:
         return [value(text)]
     if found := _WITH_UNIT.fullmatch(text.strip()):
         return [f"{one!r} {found[2]}" for one in values(found[1])]
-    low, *rest = text.split(":")
-    if not rest:
+    ends, spacing = text.split(":")[:3], text.split(":")[3:]
+    if len(ends) == 1:
         return [number(part) for part in text.split(",")]
     refusal = ValueError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
-    if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
+    if len(ends) == 2 or spacing not in ([], ["linear"], ["log"]):
         raise refusal
-    start, high, count = number(low), number(rest[0]), whole(rest[1])
-    if count < 1 or not math.isfinite(high - start):
+    low, high, count = number(ends[0]), number(ends[1]), whole(ends[2])
+    if count < 1 or not math.isfinite(high - low):
         raise refusal
     if count > _MOST_VALUES:
         raise ValueError(f"{text!r}: COUNT must be at most {_MOST_VALUES}")
-    in_ratios = rest[2:] == ["log"]
-    if in_ratios and min(start, high) <= 0.0:
+    if spacing != ["log"]:
+        return list(map(float, np.linspace(low, high, count)))
+    if min(low, high) <= 0.0:
         raise ValueError(f"{text!r}: equal ratios need positive ends")
-    spaced = np.geomspace if in_ratios else np.linspace
-    return list(map(float, spaced(start, high, count)))
+    return list(map(float, np.geomspace(low, high, count)))
 
 
 def names(text: str) -> list[str]:
@@ -164,9 +164,9 @@ def chosen(*names: str, **keywords: Any) -> Option:
     return Option(*names, choices=names, **keywords)
 
 
-def names_of(*known: str, **keywords: Any) -> Option:
-    """Return the kind of a list of names, parted by commas or blanks."""
-    return Option(*known, read=names, nargs="+", action=Listed, **keywords)
+def several(read: Callable[[str], list[Any]], *names: str, **keywords: Any) -> Option:
+    """Return the kind of a list, parted by commas or blanks."""
+    return Option(*names, read=read, nargs="+", action=Listed, **keywords)
 
 
 def written(*suffixes: str) -> Option:

@@ -262,13 +262,14 @@ class FlatOptions:
                 raise UsageError(f"{flag(name)} needs {flag(needed)}, one of {', '.join(kinds)}")
         if not self.si:
             if "kappa" in given and "poisson_ratio" in given:
-                raise UsageError("--kappa and --poisson-ratio are given: give one of them")
+                raise UsageError("give one of --kappa, --poisson-ratio: both are given")
             return
         instead = {name: f"{flag(name)}-si, in m/Pa" for name in _COMPLIANCES}
         instead["kappa"] = "the moduli and Poisson's ratios"
-        for name in instead.keys() & given.keys():
-            told = f"is dimensionless and cannot be mixed with SI input; use {instead[name]}"
-            raise UsageError(f"{flag(name)} {told}")
+        for name in given:
+            if name in instead:
+                told = f"is dimensionless and cannot be mixed with SI input; use {instead[name]}"
+                raise UsageError(f"{flag(name)} {told}")
 
     def in_options(self, error: SceneError) -> str:
         """Return a message with options in place of parameters, and the words of options."""
@@ -278,9 +279,8 @@ class FlatOptions:
         if len(names) > 1 and isinstance(error.value, tuple):
             pairs = zip(options, error.value, strict=True)
             given = [f"{one} {value}" for one, value in pairs if value is not None]
-            if not given:
-                return f"none of {named} is given: give one"
-            return f"{' and '.join(given)} are given: give one of {named}"
+            found = f"{' and '.join(given)} are given" if given else "none of them is given"
+            return f"give one of {named}: {found}"
         allowed = re.sub("^(None|False)", "left out", error.allowed)
         if not allowed.startswith("one of"):  # which lists names, not options
             allowed = self.worded(allowed)

@@ -17,7 +17,7 @@ def run(
     scene: SceneOptions,
     *,
     rtol: options.Number = 1e-10,
-    quantities: Annotated[list[str] | None, options.names_of(*QUANTITIES)] = None,
+    quantities: Annotated[list[str] | None, options.several(options.names, *QUANTITIES)] = None,
     max_unknowns: options.Whole = 20_000,
     no_strict: bool = False,
     output: Annotated[str | None, options.written(".json", ".csv", ".npz")] = None,

@@ -23,12 +23,8 @@ def _solver_and_resolutions(text: str) -> tuple[str, list[float] | None]:
     return name, options.resolutions(numbers) if equals else None
 
 
-Numbers = Annotated[
-    Sequence[float], Option(read=options.resolutions, nargs="+", action=options.Listed)
-]
-Solvers = Annotated[
-    list[tuple[str, list[float] | None]], Option(read=_solver_and_resolutions, action="append")
-]
+Numbers = Annotated[Sequence[float], options.several(options.resolutions)]
+Solvers = Annotated[list[Any], Option(read=_solver_and_resolutions, action="append")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +41,9 @@ class Results:
         Plot the study (needs the extra: plot).
     """
 
-    quantities: Annotated[list[str] | None, options.names_of(*QUANTITIES, also="--quantity")] = None
+    quantities: Annotated[
+        list[str] | None, options.several(options.names, *QUANTITIES, also="--quantity")
+    ] = None
     output: Annotated[str | None, options.written(".json", ".csv")] = None
     plot: options.Picture | None = None
 

@@ -27,8 +27,9 @@ class SweptOptions(SceneOptions):
         """Return the options with the first of their values, and the lists of more, by axis."""
         lists = {name: one for name, one in self.given.items() if name in NUMBERS}
         varying = {name: one for name, one in lists.items() if len(one) > 1}
-        for name in SHAPES.keys() & varying.keys():
-            if name != "radius" or not (self.si or "table" in self.given):
+        for name in varying:
+            in_si = self.si or "table" in self.given
+            if name in SHAPES and not (name == "radius" and in_si):
                 told = "one number: of a profile the radius alone varies, in SI units"
                 raise SceneError(name, varying[name], told)
         first = {**self.given, **{name: one[0] for name, one in lists.items()}}
@@ -40,7 +41,7 @@ def run(
     *,
     table: str | None = None,
     rtol: options.Number = 1e-8,
-    quantities: Annotated[list[str] | None, options.names_of(*QUANTITIES)] = None,
+    quantities: Annotated[list[str] | None, options.several(options.names, *QUANTITIES)] = None,
     s: options.Values | None = None,
     from_edge: options.Values | None = None,
     workers: options.Whole = 1,

@@ -268,11 +268,11 @@ PROFILE_FAULTS = [
     ),
     (
         ("--profile", "cone", "--half-angle", "1"),
-        "none of --contact-radius, --load, --approach, --separation is given: give one",
+        "--contact-radius, --load, --approach, --separation: none of them is given",
     ),
     (
         ("--profile", "cone", "--half-angle", "1", "--load", "1", "--approach", "1"),
-        "--load 1.0 and --approach 1.0 are given: give one of --contact-radius, --load, --app",
+        "--approach, --separation: --load 1.0 and --approach 1.0 are given",
     ),
     (("--profile", "cone", "--half-angle", "4", "--load", "2"), "--half-angle = 4.0: must be in"),
     (("--profile", "cone", "--half-angle", "1", "--load", "2 N"), "without a unit"),

@@ -199,7 +199,10 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--at", "friction=0.1"), "--at and --plot-quantity need --plot"),
         (("--friction", "0.1,,0.2"), "--friction: '' is not a number, in '0.1,,0.2'"),
         (("--friction", "0.1,none"), "--friction: 'none' is not a number, in '0.1,none'"),
-        (("--s", "0", "--from-edge", "1"), "--s [0.0] and --from-edge [1.0] are given: give one"),
+        (
+            ("--s", "0", "--from-edge", "1"),
+            "give one of --s, --from-edge: --s [0.0] and --from-edge [1.0] are",
+        ),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=X"),
         (("--load", "1,2"), "--youngs-modulus, --poisson-ratio, --radius are missing: they must"),
         (
