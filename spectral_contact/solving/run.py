@@ -339,7 +339,7 @@ class Run:
         for name in UNLOADED_QUANTITIES:
             if name in self.plan.quantities:
                 self.unavailable[name] = reason
-        told = f"{reason}: all is that of the largest load times the load ratio"
+        told = f"{reason}; what is proportional to the load is multiplied by the load ratio"
         self.skip(told, UNLOADING, LOAD_RATIOS)
 
     def _frictionless_slip(self, contact: NormalContact) -> None:
