@@ -58,14 +58,11 @@ def run(
     spectral-contact inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png \
         --output body.csv
     """
-    if points is not None and (r or z or (output or "").lower().endswith(".nc")):
-        raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
     tolerance(rtol)
     contact = scene.build().scene
     _check_bodies(contact, punch=punch)
     table = _points(points, reading, "" if contact.physical is None else "m")
-    if output is None and (r or z or table is not None):
-        raise UsageError("--r, --z and --points need --output, the file of the values there")
+    _check_places(points, output, grid=bool(r or z))
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
@@ -88,6 +85,14 @@ def _points(path: str | None, reading: Reading, unit: str) -> NumberTable | None
     if reading != Reading():
         raise UsageError("--columns, --header, --decimal and --skip-invalid need --points, a file")
     return None
+
+
+def _check_places(points: str | None, output: str | None, *, grid: bool) -> None:
+    """Refuse, before the work, places that are given twice, or of which nothing is stored."""
+    if points is not None and (grid or (output or "").lower().endswith(".nc")):
+        raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
+    if output is None and (grid or points is not None):
+        raise UsageError("--r, --z and --points need --output, the file of the values there")
 
 
 def _check_bodies(contact: Scene, *, punch: bool) -> None:

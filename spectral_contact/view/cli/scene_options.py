@@ -56,6 +56,7 @@ PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
 LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
 _OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
+# a flat punch in SI units has a radius without a profile
 SHAPES["radius"].setdefault(SI["radius"], []).append("no profile")
 #: Numbers of both kinds of scene, without a unit in one and in m/Pa in SI units, where their option
 #: ends in ``-si``.
@@ -81,8 +82,6 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "tangential_compliance": 0.5,
     "friction": 0.1,
 }
-
-
 #: What ``--help`` says of each option.
 _TEXTS: Final[Mapping[str, str]] = {
     **{name: str(one) for name, one in {**_SI_OPTIONS, **SCENE}.items()},
@@ -94,7 +93,7 @@ _TEXTS: Final[Mapping[str, str]] = {
 }
 
 
-class _FlatOptions:
+class _PlainScene:
     """Scene.
 
     Without further options it is a flat punch, and dimensionless.
@@ -190,7 +189,7 @@ class FlatOptions:
     given: Mapping[str, Any]
     #: Groups of options, by what is said of them.
     groups: ClassVar[Mapping[type, Iterable[str]]] = {
-        _FlatOptions: [name for name in SCENE if name not in _PRESSED]
+        _PlainScene: [name for name in SCENE if name not in _PRESSED]
     }
     #: How a number is read, and what stands for it in ``--help``.
     number: ClassVar[tuple[Callable[[str], Any], str]] = options.value, "X"

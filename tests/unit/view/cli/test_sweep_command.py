@@ -201,7 +201,7 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--friction", "0.1,none"), "--friction: 'none' is not a number, in '0.1,none'"),
         (
             ("--s", "0", "--from-edge", "1"),
-            "give one of --s, --from-edge: --s [0.0] and --from-edge [1.0] are",
+            "one of --s, --from-edge: --s [0.0] and --from-edge [1.0]",
         ),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=X"),
         (("--load", "1,2"), "--youngs-modulus, --poisson-ratio, --radius are missing: they must"),
