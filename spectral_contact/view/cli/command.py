@@ -125,12 +125,14 @@ def add_commands(
     for names, function in commands.items():
         command, _, kind = names.partition(" ")
         if kind and command not in kinds:
-            told = {"help": about[command], "description": about[command]}
-            kinds[command] = _subparsers(parsers.add_parser(command, **told), "kind")
+            told = _lowered(about[command].removesuffix("."))
+            added = parsers.add_parser(command, help=told, description=about[command])
+            kinds[command] = _subparsers(added, "kind")
         documented = Documentation.of(function)
+        examples = documented.examples
         added = kinds.get(command, parsers).add_parser(
             kind or command,
-            usage=f"{PROGRAM} {names} [options]{documented.examples}",
+            usage=f"{PROGRAM} {names} [options]{examples}" if examples else None,
             help=_lowered(documented.summary),
             description=f"{documented.summary}. {documented.description}",
         )

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
 from spectral_contact.profiles import Sampled, hull_of_points
-from spectral_contact.view.cli.options import Whole, chosen
+from spectral_contact.view.cli.options import Option, Whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,14 +23,14 @@ class Reading:
     header : LINE
         Line of the file's headings; by default it is found.
     decimal : SIGN
-        Point or comma, the decimal sign of the file; by default that of its numbers.
+        Decimal sign of the file, "." or ","; by default that of its numbers.
     skip_invalid : flag
         Leave out rows that cannot be read or have no value, and name them.
     """
 
     columns: str | None = None
     header: Whole | None = None
-    decimal: Annotated[str | None, chosen(".", ",")] = None
+    decimal: Annotated[str | None, Option(choices=(".", ","))] = None
     skip_invalid: bool = False
 
     def read(self, path: str, expected: Sequence[Expected]) -> NumberTable:
