@@ -25,7 +25,6 @@ from spectral_contact.solution import (
     PROFILE_QUANTITIES,
     Ending,
     Plan,
-    PlannedStep,
     Solution,
     StepState,
 )
@@ -132,7 +131,7 @@ class ProfileRun(Run):
                 self.errors[name] = math.inf
         self.refusal = refusal
         reason = f"full stick at all times; {refusal}"
-        self.updated_steps[GROWTH] = PlannedStep(GROWTH, StepState.RUN, reason)
+        self.ran(reason, GROWTH)
         self.endings.append(Ending.ZONES)
 
     def _has_growth_step(self, states: dict[str, StepState]) -> bool:
@@ -408,7 +407,7 @@ class ProfileRun(Run):
             self.values["opening"] = opened = opening(pressed.field)
             if opened is not None:
                 told = f"one history; the contact would open within {opened:.3g} of the edge"
-                self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
+                self.ran(told, COUPLING)
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
         # `left` is taken to be relative to the pressure; 2 is for its ratio to the mean
