@@ -391,6 +391,7 @@ def test_a_plot(capsys, tmp_path):
         ([*SLIDING, "--load", "1", "--normal-compliance-si", "1e5"], "--normal-compliance-si = 1"),
         (["--load", "1", "--friction", "0"], "--youngs-modulus, --poisson-ratio, --radius are"),
         ([*STEEL, "--load", "1", "--normal-compliance", "1"], "cannot be mixed"),
+        ([*SLIDING, "--load", "1", "--normal-compliance-si", "none"], "-si = none: must be a real"),
         (["--normal-compliance-si", "1", "--tangential-compliance", "1"], "cannot be mixed"),
         (["--output", "solution.txt"], "solution.txt: the suffix must be one of .json, .csv, .npz"),
         (["--output", "solution"], "solution: the suffix"),

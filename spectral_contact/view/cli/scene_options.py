@@ -283,7 +283,7 @@ class FlatOptions:
         allowed = re.sub("^(None|False)", "left out", error.allowed)
         if not allowed.startswith("one of"):  # which lists names, not options
             allowed = self.worded(allowed)
-        if error.value is None and names[0] not in self.given:
+        if error.value is None and options[0] not in map(flag, self.given):
             is_missing = "are missing: they" if len(names) > 1 else "is missing: it"
             return f"{named} {is_missing} must be {allowed}"
         value = "none" if error.value is None else shown(error.value)
