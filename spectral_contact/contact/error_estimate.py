@@ -31,10 +31,11 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
-from spectral_contact.contact.free_boundary import FieldSolution, Iterate, Perturbation
+from spectral_contact.contact.free_boundary import Iterate, Perturbation
 from spectral_contact.contact.layout import Layout, NoBoundariesError, ScalarResults
 from spectral_contact.contact.refine import SpaceSolution
-from spectral_contact.contact.resolution import radius_errors, relative_panel_changes
+from spectral_contact.contact.relative_changes import relative_changes
+from spectral_contact.contact.resolution import radius_errors
 from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
@@ -45,7 +46,6 @@ from spectral_contact.contact.tuning import (
     ROUNDING,
     TRACTION_ROUNDING,
 )
-from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array, LogSeries, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import DiscreteSpace
@@ -98,82 +98,6 @@ def _field_errors(
         indicator = indicators[field.part]
         np.maximum(indicator, relative, out=indicator)
     return FieldErrors(largest[0], largest[1], np.concatenate(indicators))
-
-
-def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
-    """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
-
-    The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
-    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. Where slip that is
-    over has displaced what sticks, u changes sign, too, and the size is ``f p/s``, the most that u
-    can be. The traction in a regularising disk, which has the compliance ``1/eps``, is rounding
-    that changes no other field: the size of this field, the last one, is infinite.
-    """
-    _, beta, kappa, friction = system.parameters
-    sizes = [
-        series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
-    ]
-    changes_sign = any((size * size[0] <= 0.0).any() for size in sizes)
-    if changes_sign and not (system.pressure_known or system.radii):  # in full stick
-        pressure, shear = sizes
-        sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
-    if beta == 1.0 / ROUNDING:
-        sizes[-1][:] = inf
-    if system.known_displacement:
-        pressures, _ = system.series(values)
-        for i, field in enumerate(system.fields):
-            if field.part in system.known_displacement:
-                series = pressures[field.part]
-                radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
-                sizes[i] = friction * series.at_ends() / radii
-    return sizes
-
-
-def relative_changes(system: ContactSystem, values: Array, change: Array) -> list[Array]:
-    """Return a change of the unknown fields on every panel, relative to the fields there.
-
-    Parameters
-    ----------
-    system : ContactSystem
-    values, change : ndarray, shape (unknowns,)
-        The vector of the system, and a change of it.
-    """
-    alpha, beta, _, _ = system.parameters
-    # in a part where one field is singular at the edge, both are their leading terms deep down
-    singular_parts = {field.part for field in system.fields if field.panels.power}
-    changes = []
-    for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
-        part = system.parts[field.part]
-        extent = part.mesh.extent
-        leading = inf
-        if field.part in singular_parts:
-            leading = leading_depth(alpha, beta, extent)
-        cutoff = inf
-        if part.boundary >= 0:
-            cutoff = rounding_depth(part.mesh.boundary, extent)
-        changes.append(
-            relative_panel_changes(
-                field.panels,
-                field.coefficients(change),
-                size,
-                leading_depth=leading,
-                cutoff_depth=cutoff,
-            )
-        )
-    return changes
-
-
-def relative_size(fields: FieldSolution, change: Array) -> float:
-    """Return the largest relative change of the fields on any panel.
-
-    Parameters
-    ----------
-    fields : FieldSolution
-    change : ndarray, shape (unknowns,)
-        A change of `fields.values`, for unit approach as these are.
-    """
-    changes = relative_changes(fields.system, fields.values, change)
-    return max(float(relative.max()) for relative in changes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -308,18 +232,14 @@ class ZoneEstimate:
     def boundary_error(self) -> float:
         """The relative error of the fields by the errors of the boundaries.
 
-        With the Newton step of the logits above rounding and beta > 0 this error is the size of
-        `end_perturbation`, but at most twice the step. Otherwise it is the step on one disk under a
-        known pressure, on which q/s of 120 scenes changed by at most half of it
-        (validation/honesty/honesty.py), and twice the step on other zones or with an unknown
-        pressure.
+        It is twice the Newton step of the logits. With the step above rounding and beta > 0 it is
+        the size of `end_perturbation` if that is smaller.
         """
         residual = np.abs(self.solution.boundary_residual)
-        step = float((self.inverse @ residual).max(initial=0.0))
-        if step > ROUNDING and self.system.parameters.beta > 0.0:
-            return min(relative_size(self.solution, self.end_perturbation.change), 2.0 * step)
-        uncoupled_disk = self.system.pressure_known and len(self.system.radii) == 1
-        return step * (1.0 if uncoupled_disk else 2.0)
+        bound = 2.0 * float((self.inverse @ residual).max(initial=0.0))
+        if bound > 2.0 * ROUNDING and self.system.parameters.beta > 0.0:
+            return min(self.solution.relative_size(self.end_perturbation.change), bound)
+        return bound
 
     @cached_property
     def second_order(self) -> float:

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from spectral_contact.contact.layout import NoBoundariesError
+from spectral_contact.contact.relative_changes import relative_changes
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
@@ -141,6 +142,17 @@ class FieldSolution:
         """``kappa R(b)``, which stick prescribes for G(b), at the boundaries b, (boundaries,)."""
         return np.asarray(self.system.boundary_rows.stick_target @ self.values)
 
+    def relative_size(self, change: Array) -> float:
+        """Return the largest relative change of the fields on any panel.
+
+        Parameters
+        ----------
+        change : ndarray, shape (unknowns,)
+            A change of `values`, for unit approach as these are.
+        """
+        changes = relative_changes(self.system, self.values, change)
+        return max(float(relative.max()) for relative in changes)
+
     def boundary_perturbation(self, factor: float) -> Perturbation:
         """Return what removing the defects changes at given boundaries, times a factor.
 
@@ -177,11 +189,7 @@ class Corrected(NamedTuple):
     remaining: float
 
 
-def corrected(
-    fields: FieldSolution,
-    tolerance: float,
-    size: Callable[[FieldSolution, Array], float],
-) -> Corrected:
+def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
     """Correct fields at given boundaries to a tolerance, or until only rounding is left.
 
     Parameters
@@ -189,15 +197,13 @@ def corrected(
     fields : FieldSolution
     tolerance : float
         Relative, of the fields.
-    size : callable
-        Returns the relative size of a change of the fields.
     """
     length_before = inf
     remaining = inf
     for _ in range(MAX_STEPS):
         exact_factors = fields.factors.system is fields.system
         next_fields, change = fields.corrected()
-        length = size(next_fields, change)
+        length = next_fields.relative_size(change)
         if not np.isfinite(length):
             return Corrected(fields, inf)
         if length_before < inf:
@@ -256,13 +262,10 @@ class FreeBoundary:
     ----------
     system_at : callable
         Returns the system with boundaries at some logits.
-    size : callable
-        Returns the relative size of a change of the fields.
     """
 
-    def __init__(self, system_at: SystemAt, size: Callable[[FieldSolution, Array], float]) -> None:
+    def __init__(self, system_at: SystemAt) -> None:
         self._system_at = system_at
-        self._size = size
 
     def start(self, logits: Array, jacobian: Array) -> Iterate:
         """Return the first iterate at these boundaries."""
@@ -357,7 +360,7 @@ class FreeBoundary:
     ) -> Iterate:
         """Return the iterate with its fields corrected to a tolerance."""
         if iterate.remaining > tolerance:
-            fields, remaining = corrected(iterate.fields, tolerance, self._size)
+            fields, remaining = corrected(iterate.fields, tolerance)
             iterate = replace(iterate, fields=fields, remaining=remaining)
         return replace(iterate, converged=converged)
 

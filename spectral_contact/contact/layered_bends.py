@@ -2,10 +2,10 @@ r"""The radii at which the law of a layer bends inside a contact, and bounds of 
 
 The law is ``p = F(w)``, with the pressure p and the overclosure w. It bends at its knots, the
 overclosures ``w_k`` at which a derivative of F jumps. Inside the contact these are met at the radii
-with ``w(r) = w_k``, the *bends*: none, one or several for a knot, as the solution has it. Pressure
-and overclosure are not smooth there, so parts of the disk end at them. Whether a part ends at the
-right radius follows from w on it, which has to lie between two neighbouring knots. If it goes
-beyond one by ``e``, the error of the pressure is e times the jump of F'.
+with ``w(r) = w_k``, the *bends*: a knot has none, one or several. Pressure and overclosure are not
+smooth at a bend, so parts of the disk end there. A part ends at the right radius if w on it stays
+between two neighbouring knots. If w exceeds one of them by ``e``, the error of the pressure is
+about e times the jump of F'.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ Array = NDArray[np.float64]
 
 #: Rounding of an overclosure, relative to the largest one.
 _ROUNDING = 1e-14
-#: Least distance in ``s**2`` of a bend to the centre, the edge, a break or another bend. A closer
-#: bend is left out; the estimate contains the error by this.
+#: Least distance in ``s**2`` of a bend from the centre, the edge, a break of the profile or another
+#: bend. A bend that is closer is left out, and `misplacement` bounds the error.
 _LEAST_GAP = 1e-11
-#: Largest error of a polynomial through values with a kink, over the largest error of the values.
+#: Largest error of a polynomial interpolant of values with a kink, over how far the values are off
+#: beyond the kink.
 _KINK_FACTOR = 3.0
 
 
@@ -50,16 +51,16 @@ class Bend(NamedTuple):
 
 
 class Misplacement(NamedTuple):
-    """Bounds of the errors by overclosures beyond the knots of their parts.
+    """Bounds of the errors where the overclosure on a part goes beyond a knot that bounds the part.
 
     Attributes
     ----------
     pressure : float
         Bound of the error of the pressure at any radius, in E'.
     load : float
-        Bound of that of the load, in E' L**2.
+        Bound of the error of the load, in E' L**2.
     stiffness : float
-        Bound of that of the stiffness, in E' L.
+        Bound of the error of the stiffness, in E' L.
     """
 
     pressure: float
@@ -72,7 +73,7 @@ NO_MISPLACEMENT = Misplacement(0.0, 0.0, 0.0)
 
 
 class BendsChangedError(Exception):
-    """The knots in the contact are other ones than those at which the parts of the space end.
+    """The solution has bends at other knots than those at which the parts of its space end.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ class BendsChangedError(Exception):
     """
 
     def __init__(self, bends: tuple[Bend, ...], last: tuple[Form, LayeredFields]) -> None:
-        super().__init__("other knots of the law lie in the contact")
+        super().__init__("the solution meets other knots of the law than its parts were made for")
         self.bends = bends
         self.last = last
 
@@ -94,10 +95,7 @@ def same_knots(first: Sequence[Bend], second: Sequence[Bend]) -> bool:
 
 
 class _Samples(NamedTuple):
-    """Values of an overclosure at radii from the centre outward.
-
-    The radii are the sampling points, the centre, and estimates of where w has an extremum between
-    sampling points.
+    """The overclosure at sampling points, the centre and estimated extrema, outward.
 
     Attributes
     ----------
@@ -106,13 +104,14 @@ class _Samples(NamedTuple):
     w : ndarray
         The overclosure, in the unit of length of the profile.
     sample : ndarray
-        Number of the next sampling point.
+        Index of the sampling point itself, or of the one nearest to the centre or extremum.
     width : ndarray
-        Extent in ``s**2`` that the value represents: that of the panel, or to its neighbours.
+        Extent in ``s**2`` for which the value stands: that of its panel, or, at an extremum, up to
+        both neighbours.
     drop, power : ndarray
-        From an extremum on w changes by `drop` over the extent. It has changed by a fraction of
-        this over that fraction of the extent to the `power`: 1 at the centre, where w is linear in
-        ``s**2``, and 1/2 elsewhere. Both are 0 at sampling points.
+        Next to an extremum w changes by ``drop * x**(1/power)`` over the fraction x of `width`:
+        `power` is 1 at the centre, where w is linear in ``s**2``, and 1/2 elsewhere. At sampling
+        points both are 0, and the whole width counts.
     """
 
     y: Array
@@ -135,7 +134,8 @@ class _Samples(NamedTuple):
 
     def widths_beyond(self, excess: Array) -> Array:
         """Return the extents in ``s**2`` on which w is beyond a knot, for excesses there."""
-        fraction = np.minimum(excess / np.maximum(self.drop, np.finfo(float).tiny), 1.0)
+        fraction = np.ones_like(excess)
+        np.divide(excess, self.drop, out=fraction, where=excess < self.drop)
         return np.asarray(self.width * fraction**self.power)
 
 
@@ -222,7 +222,11 @@ def bends_of(
 def _separate_bends(
     setting: LayeredSetting, crossings: list[tuple[float, float]]
 ) -> tuple[Bend, ...]:
-    """Return the bends, given as y and knot, that are not too close to each other or to an end."""
+    """Return the bends at these crossings (y, knot).
+
+    Bends closer than `_LEAST_GAP` to the centre, the edge, a break of the profile or a bend before
+    are left out.
+    """
     radii = [bend.radius for bend in setting.bends]
     bends: list[Bend] = []
     ends = [1.0, 0.0]
@@ -236,10 +240,14 @@ def _separate_bends(
 
 
 def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields) -> Misplacement:
-    """Return bounds of the errors of a solution whose parts do not end at the bends of the law."""
+    """Return bounds of the errors of a solution whose parts do not end exactly at its bends.
+
+    On every part w is compared with the two knots between which it should lie.
+    """
     a = setting.radius
     origin = setting.origin
     all_samples = _samples(setting, form, fields.overclosure)
+    sampled_w = origin + a * form.sampling.values(fields.overclosure)
     rate = np.abs(form.sampling.values(fields.rate))
     boundaries = form.at_boundaries(fields.overclosure)
     pressure = load = stiffness = 0.0
@@ -250,33 +258,37 @@ def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields
         )
         end = origin + a * at_boundary
         low, high = _neighbouring_knots(setting, samples.w)
-        excess = np.maximum(np.maximum(low - samples.w, samples.w - high), 0.0)
-        end_excess = max(low - end, end - high, 0.0)
-        largest = max(float(excess.max()), end_excess)
-        if largest == 0.0:
-            continue
-        below = max(low - float(samples.w.min()), low - end) == largest
-        knot = low if below else high
-        step = max(largest, float(np.spacing(abs(knot))))
-        slopes = setting.layer._slope(np.array([knot - step, knot + step]))
-        jump = abs(float(slopes[1] - slopes[0]))
-        # a panel with samples beyond a knot counts with its whole extent, and once
-        beyond = excess > 0.0
-        width = _KINK_FACTOR * float(np.unique(samples.widths_beyond(excess)[beyond]).sum())
-        rates = rate[samples.sample[beyond]] if beyond.any() else rate[part.samples][-1:]
-        if end_excess > 0.0:
-            last_distance = float(part.distances[-1])
-            last_w = origin + a * float(form.sampling.values(fields.overclosure)[part.samples][-1])
-            width += last_distance * min(end_excess / max(abs(last_w - end), end_excess), 1.0)
-        max_rate = float(rates.max())
-        pressure = max(pressure, _KINK_FACTOR * jump * largest)
-        load += pi * a**2 * width * jump * largest * max_rate
-        stiffness += pi * a**2 * width * jump * max_rate**2
+        # beyond the lower knot w is too small, beyond the upper one too large
+        for knot, sense in ((low, -1.0), (high, 1.0)):
+            excess = np.maximum(sense * (samples.w - knot), 0.0)
+            end_excess = max(sense * (end - knot), 0.0)
+            largest = max(float(excess.max()), end_excess)
+            if largest == 0.0:
+                continue
+            step = max(largest, float(np.spacing(abs(knot))))
+            slopes = setting.layer._slope(np.array([knot - step, knot + step]))
+            jump = abs(float(slopes[1] - slopes[0]))
+            # a panel with samples beyond a knot counts with its whole extent, and once
+            beyond = excess > 0.0
+            width = float(np.unique(samples.widths_beyond(excess)[beyond]).sum())
+            max_rate = float(rate[samples.sample[beyond]].max(initial=0.0))
+            if end_excess > 0.0:
+                last_w = float(sampled_w[part.samples][-1])
+                fraction = end_excess / max(abs(last_w - end), end_excess)
+                width += float(part.distances[-1]) * fraction
+                max_rate = max(max_rate, float(rate[part.samples][-1]))
+            area = pi * a**2 * _KINK_FACTOR * width
+            pressure = max(pressure, _KINK_FACTOR * jump * largest)
+            load += area * jump * largest * max_rate
+            stiffness += area * jump * max_rate**2
     return Misplacement(pressure, load, stiffness)
 
 
 def _neighbouring_knots(setting: LayeredSetting, w: Array) -> tuple[float, float]:
-    """Return the two neighbouring knots that overclosures exceed least, or infinities."""
+    """Return the neighbouring knots that the overclosures exceed least.
+
+    Below the first knot and above the last one they are infinite.
+    """
     knots = np.array([-inf, *setting.layer.knots, inf])
     first, last = np.searchsorted(knots, [w.min(), w.max()])
     pieces = [(float(knots[k - 1]), float(knots[k])) for k in range(first, last + 1)]

@@ -1,10 +1,11 @@
 r"""Normal contact under a flat punch of any radius a, in the units of a scene with a profile.
 
-The contact is the face of the punch under any load P, so that all results are linear in P. They are
-those of `normal` for unit load and radius, scaled. With adhesion load and approach may be negative
-until the energy release rate at the edge is the work of adhesion w, at the *pull-off*. With a layer
-of compliance alpha the pressure at the edge is ``-sqrt(2 w / alpha)`` then, and on a smooth surface
-``P = -4 a**(3/2) sqrt(2 pi w)`` (docs/theory, adhesion; Kendall, 1971).
+The contact is the whole face of the punch at every load P, so that approach and pressure are linear
+in P: they are those of `normal` for unit load and radius, scaled. With adhesion, load and approach
+may be negative, down to the *pull-off*, where the energy release rate at the edge reaches the work
+of adhesion w. With a layer of compliance alpha the pressure at the edge is ``-sqrt(2 w / alpha)``
+then, and on a smooth surface ``P = -4 a**(3/2) sqrt(2 pi w)`` (docs/theory, adhesion; Kendall,
+1971).
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from spectral_contact.fields.series import PressureField
 
 
 class PinnedContact:
-    """The contact of a flat punch for unit load.
+    """The contact of a flat punch, solved for unit load and scaled to any other.
 
     Parameters
     ----------
@@ -34,7 +35,8 @@ class PinnedContact:
     max_unknowns : int
         Most unknowns of a space.
     pointwise : bool
-        Whether the pressure is wanted; with adhesion it is solved for in any case.
+        Whether the pressure is wanted. With adhesion it is solved for in any case, as the pull-off
+        needs it at the edge.
     """
 
     def __init__(
@@ -52,14 +54,14 @@ class PinnedContact:
         goal = "pressure" if pointwise or adhesion else "approach"
         self._solved = solve_normal(compliance / radius, tolerance, max_unknowns, goal=goal)
         normal = self._normal
-        #: approach for unit load
-        self._unit_approach = normal.approach / radius
-        #: the most negative load, and its relative error
+        #: approach over load
+        self._flexibility = normal.approach / radius
+        #: the most negative load (minus infinity without adhesion), and its relative error
         self.pull_off_load = -inf
         self.pull_off_error = 0.0
         if adhesion and compliance:
-            suction = sqrt(2.0 * adhesion / compliance)
-            self.pull_off_load = -(radius**2) * suction / normal.pressure.value(0.0)
+            edge_suction = sqrt(2.0 * adhesion / compliance)
+            self.pull_off_load = -(radius**2) * edge_suction / normal.pressure.value(0.0)
             self.pull_off_error = normal.pressure_error
         elif adhesion:
             self.pull_off_load = -4.0 * radius * sqrt(2.0 * pi * radius * adhesion)
@@ -67,25 +69,26 @@ class PinnedContact:
 
     @property
     def _normal(self) -> NormalContact:
-        """The contact for unit load and radius."""
+        """The contact for unit load on a punch of unit radius."""
         solved = self._solved
         return solved.best.value if isinstance(solved, Refinement) else solved
 
     @property
     def pull_off_approach(self) -> float:
         """The most negative approach."""
-        return self.pull_off_load * self._unit_approach
+        return self.pull_off_load * self._flexibility
 
     def load_of(self, approach: float) -> float:
-        """Return the load of an approach."""
-        return approach / self._unit_approach
+        """Return the load at an approach."""
+        return approach / self._flexibility
 
     def under(
         self, load: float, approach: float | None = None
     ) -> Indentation | Refinement[Indentation]:
         """Return the contact under a load.
 
-        If the approach is given too, it is exact, and the load is that of this approach.
+        If the approach is given, too, it counts as exact, and `load` has to be `load_of` it. The
+        errors are those of the load then.
         """
         normal = self._normal
         a = self.radius
@@ -96,10 +99,10 @@ class PinnedContact:
         series = None if field.series is None else field.series.times(factor)
         contact = Indentation(
             a,
-            load * self._unit_approach if approach is None else approach,
+            load * self._flexibility if approach is None else approach,
             load,
-            load**2 * self._unit_approach / 2.0,
-            1.0 / self._unit_approach,
+            load**2 * self._flexibility / 2.0,
+            1.0 / self._flexibility,
             inf,
             PressureField(weight, series) if self._pointwise else None,
             None,

@@ -1,11 +1,12 @@
-r"""Contact under a profile on a smooth surface, where the half-integral is known: no system.
+r"""Contact under a profile on a smooth surface: the half-integral of the pressure is known.
 
 s is the radius over that of the contact, and H the transform of the height (`indented`). The
 half-integral of the pressure is ``F = H(1) - H(t)``, and ``p(s) = (2/pi) int_s^1 H'(t) dt /
-sqrt(t^2 - s^2)``: a multiple of the half-integral of ``H'(t)/t``. This *density* is expanded on
-panels graded to the breaks of the profile and to its tip. Its half-integral on the same part and on
-the other half of an annulus is a product with matrices that depend on the panels alone, and are
-kept. That over parts farther out is regular and integrated by a quadrature rule.
+sqrt(t^2 - s^2)``: a multiple of the half-integral of ``H'(t)/t``, so that no system is solved. This
+*density* is expanded on panels graded to the breaks of the profile and to its tip. Its
+half-integral over the part itself, and over the other half of an annulus, is a product with
+matrices that depend on the panels alone, and are kept. That over parts farther out is regular and
+integrated by a quadrature rule.
 """
 
 from __future__ import annotations
@@ -36,11 +37,11 @@ Array = NDArray[np.float64]
 _ROUNDED_INCREMENT = 1e-13
 #: The pressure goes like a logarithm if the ratio of the increments of two panels is at least this.
 _LOGARITHMIC_RATIO = 1.0 - 1e-6
-#: Degree on a panel: the square root at the edge is ln 2 in ``x`` before the first panel of the
-#: other half of an annulus.
+#: Degree on a panel. The singularity at the far end of an annulus lies ln 2 in ``x`` outside the
+#: first panel of the other half, which sets the rate of convergence.
 _DEGREE = 24
-#: Panels to a tip, down to 4e-18 of the radius; and to any other boundary, down to the rounding of
-#: its square.
+#: Number of panels toward a tip: they end at 4e-18 of the contact radius, and nearer to it the
+#: pressure is that of the tail. And toward any other boundary, down to the rounding of its square.
 _TIP_PANELS, _PANELS = 40, 20
 #: Panels that the density has beyond these, as it goes like 1/sqrt(d) past a corner and at a tip.
 _FURTHER_PANELS = 32
@@ -233,7 +234,7 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
             series = sampled_series(panels, 2.0 / pi * values / np.sqrt(distances))
             pressure = replace(series, power=0.5)
             pressures.append(pressure)
-            # the truncation on a panel is an error there and farther in, where p is larger
+            # the truncation on a panel is compared with p at its inner end, or with the mean
             least = np.maximum(pressure.at_ends()[1:], max(mean, TINY))
             truncation_error = 2.0 / pi * float((density.truncation / least).max())
             error = max(error, _unresolved(series), truncation_error)
@@ -263,10 +264,10 @@ def _unresolved(series: LogSeries) -> float:
 def _with_limit(series: LogSeries) -> tuple[LogSeries, float]:
     """Return a series with its limit at a break or tip as tail, and the error of the limit.
 
-    Next to the tip of a power law the pressure approaches its limit like a power of the distance,
-    which may be small. So the limit is extrapolated from the increments over the last two panels,
-    as that of a geometric series; the larger their ratio, the larger is its relative error. If the
-    ratio is 1, the tail is a logarithm of the distance.
+    Next to the tip of a power law the pressure approaches its limit like a small power of the
+    distance. So the limit is extrapolated from the increments over the last two panels, as that of
+    a geometric series; the closer their ratio is to 1, the larger is its relative error. From
+    `_LOGARITHMIC_RATIO` on the tail is a logarithm of the distance.
     """
     before, middle, end = series.at_ends()[-3:].tolist()
     series = replace(series, tail=np.array([end]))
@@ -281,7 +282,7 @@ def _with_limit(series: LogSeries) -> tuple[LogSeries, float]:
     return replace(series, logarithm=slope), 0.0
 
 
-@bounded_cache("plain rules", 8)
+@bounded_cache("quadrature rules", 8)
 def _quadrature_rule(panels: LogPanels, reaches_centre: bool) -> _QuadratureRule:
     """Return a rule on these panels and the tail (cached).
 

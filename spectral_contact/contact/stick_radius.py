@@ -43,7 +43,7 @@ class NoStickDiskError(ArithmeticError):
 def enclosed_root(
     function: Callable[[float], float],
     guess: float,
-    error: float = ROUNDING,
+    error: float,
     *,
     least: float = MIN_LOGIT,
 ) -> tuple[float, float]:

@@ -12,16 +12,19 @@ From the centre outward there are these zones:
 
 - stick, where the surface has never slipped, and q follows the load;
 - *forward* slip in the sense of loading, q = +f p. This zone is narrow and lies around the boundary
-  of slip at the largest load: q is close to f p there, and f p falls with the load;
+  of slip at the largest load: q equals f p at that boundary, and f p falls with the load faster
+  than q;
 - stick with memory, where the surface has slipped under growing load;
 - below the *reverse ratio* of loads, slip back, q = -f p: at the edge, or in an annulus with stick
   on both sides.
 
-Such a state does not depend on the way from the largest load as long as both slip zones have only
-grown: then no point that slips has stuck in between, and no point that sticks has slipped in
-between. The largest load ratio at which a boundary of a slip zone reverses its motion is the
-*turning ratio*, which is below the reverse ratio. At smaller loads the state depends on the loads
-in between.
+Where the edge sticks at the largest load, too, there is forward slip around both boundaries of the
+slip that was, and the outermost zone has never slipped.
+
+The state does not depend on the loads in between as long as all slip zones have only grown: then no
+point that slips now has stuck in between, and no point that sticks has slipped in between. The
+largest load ratio at which a boundary of a slip zone reverses its motion is the *turning ratio*,
+which is below the reverse ratio. At smaller loads the state depends on the loads in between.
 
 Symbols are those of docs/theory.md: p and q are pressure and traction, f is friction, and f_crit
 the least friction under which the largest load sticks everywhere. Tractions are divided by kappa,
@@ -36,7 +39,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
-from math import copysign, exp, log, pi, sqrt
+from itertools import pairwise
+from math import copysign, exp, inf, log, pi, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -102,7 +106,7 @@ class UnloadedSearch(ZoneSearch):
     contact : NormalContact
         Normal contact, whose pressure is known.
     before : KnownDisplacement
-        What slip has displaced the surface by at the largest load, over the load ratio. It counts
+        The slip displacement at the largest load, divided by the load ratio. It counts
         where the surface sticks with memory.
     load_ratio : float
         Below 1. It determines which zones are tried first; in the equations it is in `before`.
@@ -116,15 +120,21 @@ class UnloadedSearch(ZoneSearch):
 
     @cached_property
     def _zones_on_rings(self) -> Layout:
-        """The zones by an active set on rings, at this load ratio or at 3/4, if that is less.
+        """The zones by an active set on rings, at this load ratio or at 3/4 if the ratio is larger.
 
-        At ratios close to 1 the zone of forward slip is narrower than a ring.
+        At larger ratios the zone of forward slip is narrower than a ring. Where it is at this one,
+        the ratio is halved, down to the ratio at which cycles shake down.
         """
         from spectral_contact.contact.active_set import ring_layout
 
         load_ratio = min(self.load_ratio, 3.0 / 4.0)
-        rings = ring_layout(self.parameters, coupled=False, splits=3, unloaded_to=load_ratio)
-        return Layout(tuple(radius.logit for radius in rings.boundaries), rings.states)
+        least = _shakedown_ratio(self.stick.critical, self.parameters.friction)
+        while True:
+            rings = ring_layout(self.parameters, coupled=False, splits=3, unloaded_to=load_ratio)
+            zones = Layout(tuple(radius.logit for radius in rings.boundaries), rings.states)
+            if self._is_possible(zones) or load_ratio <= least:
+                return zones
+            load_ratio = max(load_ratio / 2.0, least)
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: the zones at a similar load, and those that rings show."""
@@ -136,7 +146,9 @@ class UnloadedSearch(ZoneSearch):
         ):
             yield Candidate(zones, reason)
             if self.solved and (missing := _with_missing_slip(self.solved)):
-                yield Candidate(missing, "the zones before, with the slip missing there")
+                yield Candidate(
+                    missing, "the zones solved last, with slip where friction is exceeded"
+                )
 
     @property
     def forward_zones(self) -> Layout:
@@ -146,9 +158,11 @@ class UnloadedSearch(ZoneSearch):
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: at least three, with stick at the centre.
 
-        Beyond the zone that has not slipped there is forward slip, and stick with memory.
+        The zone that has not slipped is surrounded by forward slip and by stick with memory. One of
+        two neighbours sticks.
         """
-        return zones.states[0] == 0 and len(zones.states) >= 3
+        states = zones.states
+        return states[0] == 0 and len(states) >= 3 and all(0 in pair for pair in pairwise(states))
 
     def problem(self, zones: Layout, tolerance: float) -> FreeBoundaryProblem:
         """Return the equations on these zones."""
@@ -190,7 +204,8 @@ class UnloadedSearch(ZoneSearch):
     def followed(self, zones: Layout | None) -> ZoneSolution:
         """Return the solution on zones near those at a similar load, if there are such zones.
 
-        Else, or without such zones, it is that of the search.
+        Else, or without such zones, it is that of the search, after which the friction law is
+        checked.
 
         Raises
         ------
@@ -211,7 +226,8 @@ class UnloadedSearch(ZoneSearch):
         ------
         NoZonesError
         """
-        raise NoZonesError("; ".join(trial.text for trial in self._trials))
+        tried = "; ".join(trial.text for trial in self._trials)
+        raise NoZonesError(tried or "forward slip is narrower than a ring")
 
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
@@ -225,12 +241,20 @@ class UnloadedSearch(ZoneSearch):
         the pressure and is the same at all loads, J1 from the displacement that is kept. The
         derivative by ``-ln(lambda)`` is ``J1/lambda``. At this load, where the jump is zero, that
         is ``-J0``, which is found by solving without the displacement.
+
+        Raises
+        ------
+        NoZonesError
+            If that has no solution.
         """
         zones = solved.layout
         logits = np.array(zones.logits)
-        undisplaced = FreeBoundaryProblem(self.parameters, zones, COARSE_TOL, known=self.contact)
-        system = undisplaced.system(undisplaced.spaces(COARSE_TOL, logits), logits)
-        factors = factored(system)
+        without_memory = FreeBoundaryProblem(self.parameters, zones, COARSE_TOL, known=self.contact)
+        try:
+            system = without_memory.system(without_memory.spaces(COARSE_TOL, logits), logits)
+            factors = factored(system)
+        except (np.linalg.LinAlgError, ArithmeticError) as error:
+            raise NoZonesError(str(error)) from None
         values = factors.unit_solutions[:, 0]
         coarse_difference = factors.coarse_differences(values, system)[0]
         states = np.array(zones.states)
@@ -242,16 +266,16 @@ class UnloadedSearch(ZoneSearch):
         i = int(np.argmin(changes))
         # the slope of |q|/f - p by a logit is of the size of the mean pressure, 1/pi for unit load
         by_boundaries = float(solved.logit_errors.max()) / pi
-        error = abs(float(jumps[i] @ coarse_difference)) + by_boundaries
-        return ZoneGrowth(changes, float(changes[i]), error)
+        least_error = abs(float(jumps[i] @ coarse_difference)) + by_boundaries
+        return ZoneGrowth(changes, float(changes[i]), least_error)
 
 
 def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
-    """Return the zones with one slip zone more, where ``|q| > f p`` in what sticks with memory.
+    """Return the zones with one more slip zone, where ``|q| > f p`` in what sticks with memory.
 
     The outermost zone with memory in which the traction exceeds friction is divided. The slip zone
     reaches from the largest ``|q|/(f p)`` to the next sampled places where it is at most 1, or to
-    the edge. None if the traction exceeds friction nowhere, or up to a zone that slips already.
+    the edge. None if the traction exceeds friction nowhere, or only next to a zone that slips.
     """
     system = solved.system
     logits = [radius.logit for radius in system.radii]
@@ -309,8 +333,8 @@ class Unloading:
     loaded : PartialSlip
         Its outcome, on zones that were solved for.
     tolerance : float
-        Bound on the relative errors of states. The tolerance of `search` is tighter, and bounds
-        those of the reverse and turning ratios.
+        Bound on the relative errors of states. The tolerance of `search` is tighter; the reverse
+        ratio is solved for to it.
     """
 
     def __init__(self, search: UncoupledSearch, loaded: PartialSlip, tolerance: float) -> None:
@@ -399,7 +423,7 @@ class Unloading:
         logs = list[float]()
         margins = list[float]()
         critical, friction = self._stick.critical, self._parameters.friction
-        log_load = log((critical - friction) / (critical + friction))
+        log_load = log(_shakedown_ratio(critical, friction))
         zones = self._search(exp(log_load)).forward_zones
         for _ in range(MAX_STEPS):
             solved = self._search(exp(log_load)).solve_zones(zones)
@@ -409,7 +433,10 @@ class Unloading:
             if len(logs) == 1:
                 log_load -= COARSE_TOL
                 continue
-            step = margins[-1] * (logs[-1] - logs[-2]) / (margins[-2] - margins[-1])
+            fall = margins[-2] - margins[-1]
+            if not abs(fall) > 0.0:
+                raise NoZonesError("the least traction in what sticks does not follow the load")
+            step = margins[-1] * (logs[-1] - logs[-2]) / fall
             if abs(step) < self._tolerance:
                 error = 2.0 * (solved.traction_error + solved.pressure_error)
                 # the slope of the first two points: the last ones are too close together
@@ -420,13 +447,14 @@ class Unloading:
 
     @cached_property
     def turning_ratio(self) -> LoadRatio:
-        """The load ratio at which a slip zone ceases to grow at one of its boundaries.
+        """The load ratio below which a slip zone shrinks at one of its boundaries.
 
         It is looked for below the reverse ratio, since above that the forward slip grows, in all
         cases that were tried. With ``x = ln(reverse ratio/load)``, the width of the slip back is
         proportional to x where it begins at the edge, and to ``sqrt(x)`` where it begins inside.
-        `ZoneGrowth.least` changes in proportion to that width, so that it is nearly a parabola in
-        ``sqrt(x)``, which is called the place here. Its zero is found by Muller's method.
+        The change of `ZoneGrowth.least` is proportional to that width, so that `least` is nearly a
+        parabola in ``sqrt(x)``, which is called the place here. Its zero is found by Muller's
+        method.
         """
         reverse, solved = self._onset_of_reverse_slip
         tolerance = max(self._tolerance, JACOBIAN_FIELD_TOL)
@@ -465,6 +493,11 @@ def _step_to_zero(places: list[float], values: list[float]) -> tuple[float, floa
     return float(-2.0 * values[-1] / (slope + copysign(root, slope))), float(slope)
 
 
+def _shakedown_ratio(critical: float, friction: float) -> float:
+    """Return the load ratio at which slip back would begin if there were no slip in between."""
+    return (critical - friction) / (critical + friction)
+
+
 def _unrecorded(name: str, result: Any, begin: float) -> Any:
     """Return the value of a result; keep no record of the work that it took (see `ZoneSearch`)."""
     return result.best.value if isinstance(result, Refinement) else result
@@ -473,7 +506,7 @@ def _unrecorded(name: str, result: Any, begin: float) -> Any:
 def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
     """Return ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
 
-    The places are `DISTANCES`, and three times more around the least ratio: slip back may begin
+    The places are `DISTANCES`, and in three passes more around the least ratio: slip back may begin
     between two of `DISTANCES`. Where q exceeds +f p, it does so next to a boundary, to which the
     places are graded.
     """
@@ -497,6 +530,6 @@ def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array
 
 
 def _reverse_margin(solved: ZoneSolution) -> float:
-    """Return the least ``q/(f p) + 1`` in the zones that stick with memory."""
-    ratios = [_friction_ratios(solved, k)[1] for k in solved.system.known_displacement]
-    return float(np.concatenate(ratios).min()) + 1.0
+    """Return the least ``q/(f p) + 1`` in zones that stick with memory; infinity without any."""
+    displaced = solved.system.known_displacement
+    return min((float(_friction_ratios(solved, k)[1].min()) for k in displaced), default=inf) + 1.0

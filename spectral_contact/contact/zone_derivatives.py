@@ -4,12 +4,17 @@ With v the vector of the fields, b the boundaries (as logits) and m a parameter,
 
     residual(v, b, m) = 0,      boundary residual(v, b, m) = 0.
 
+E is the residual of the tangential equation. Its *defect* at a boundary is the number that has to
+be added to E(b) there for the traction to be continuous; the boundary residual is minus the defect
+over the stick target ``kappa R`` (`contact.free_boundary`).
+
 At given boundaries they are linear in v, and each parameter multiplies a term of them. So the
 derivative of a residual by a parameter is its difference to the residual for a larger parameter,
 over the increase: this is exact, and takes no second solution. With it as right-hand side, the
-factors of the system give ``dv/dm`` for boundaries that do not move. Its traction has a jump at
-every boundary. The boundaries move by ``-J^-1`` times the derivative of the boundary residual, with
-the Jacobian J. This is the derivative of polynomials through residuals at nearby boundaries.
+factors of the system give ``dv/dm`` for boundaries that do not move. The traction of this
+derivative jumps at every boundary, because a moving boundary shifts a kink of the traction. The
+boundaries move by ``-J^-1`` times the derivative of the boundary residual. The Jacobian J is found
+by differentiating polynomials through the residuals at nearby boundaries.
 """
 
 from __future__ import annotations
@@ -22,7 +27,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.contact.error_estimate import relative_size, stick_zone_sources
+from spectral_contact.contact.error_estimate import stick_zone_sources
 from spectral_contact.contact.free_boundary import FieldSolution, corrected
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import NormalContact
@@ -51,8 +56,10 @@ Array = NDArray[np.float64]
 
 #: Name of the logarithm of the factor of a known displacement, as a parameter.
 LOG_DISPLACEMENT = "ln displacement"
-#: Nodes on (-1, 1), which JACOBIAN_RANGE scales, and the matrix from values at them to Chebyshev
-#: coefficients. A function of a boundary is singular where a zone has no width.
+#: Chebyshev nodes on (-1, 1), and the matrix from values at them to Chebyshev coefficients. A
+#: boundary is moved by a node times JACOBIAN_RANGE times the width of the narrowest zone. What
+#: depends on it is singular where that zone vanishes, at the node ``1/JACOBIAN_RANGE``, which sets
+#: the number of nodes.
 _NODES, _FIT = chebyshev_interpolation(interpolation_points(1.0 / JACOBIAN_RANGE))
 #: From values at the scaled nodes to the derivative in the middle.
 _DERIVATIVE = (
@@ -78,7 +85,8 @@ class ZoneDerivatives:
         Derivatives of the approach delta, if the pressure is unknown, and of the total shear Q.
     pressure, traction : list of ZonalField
         Derivatives by each parameter of the pressure, if it is unknown, and of the traction in
-        stick; in slip the latter is left at 0.
+        stick; in slip the latter is left at 0. Without tangential compliance they are those at
+        fixed boundaries, except for one stick disk under a known pressure.
     slip : list of ZonalField
         Derivatives by each parameter of ``u_r / kappa``, if they were asked for.
     """
@@ -109,20 +117,23 @@ def differentiated(
     parameters : Parameters
         As for `FreeBoundaryProblem`.
     layout : Layout
-        The zones, to all digits of the solution; boundaries with a Jacobian stay where they are.
+        The zones of the solution. A Newton step corrects the boundaries to rounding, unless they
+        have a Jacobian: then they are given (`layout.fixed_disk`).
     names : sequence of str
-        Names of the parameters by which to differentiate. They must not be 0. Under a known
-        pressure alpha enters through that pressure only. LOG_DISPLACEMENT is one of them.
+        Names of the parameters by which to differentiate, LOG_DISPLACEMENT perhaps among them.
+        The parameters must not be 0. Under a known pressure alpha enters through that pressure
+        only.
     tolerance : float
         Relative error for which the spaces are made.
     known : sequence of NormalContact
         If the pressure is known, the normal contact and its derivative by alpha.
     displacement : KnownDisplacement, optional
-        That of what sticks, if the pressure is known.
+        The displacement u_r that earlier slip has left where the surface sticks; under a known
+        pressure only.
     displaced_by : mapping of str to KnownDisplacement, optional
         Its derivatives, by the names of the parameters.
     slip : bool
-        Whether to differentiate the displacement in slip.
+        Whether to differentiate the displacement in slip, which needs a known pressure.
     """
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
@@ -180,7 +191,8 @@ class _SolutionDerivatives:
     names : sequence of str
         Names of the parameters of the derivatives.
     jacobian : ndarray, optional
-        In place of that of the boundary residual by the logits (`layout.fixed_disk`).
+        Used in place of that of the boundary residual by the logits (`layout.fixed_disk`). The
+        boundaries are not corrected then.
     displaced_by : mapping of str to KnownDisplacement
         As of `differentiated`.
     """
@@ -217,13 +229,14 @@ class _SolutionDerivatives:
     def _solution(self, logits: Array) -> FieldSolution:
         """Return the fields for given boundaries, to rounding."""
         factors = factored(self.system_at(self.parameters, logits))
-        return corrected(FieldSolution.first(factors), _FIELD_TOLERANCE, relative_size).fields
+        return corrected(FieldSolution.first(factors), _FIELD_TOLERANCE).fields
 
     def _boundary_derivatives(self, logits: Array) -> Array:
         """Return the derivatives of boundary residual, approach and shear by every logit.
 
-        They are those of polynomials through values at nodes around the logit. The factors of the
-        middle serve for all nodes unless a compliance of the matrix is small.
+        They are those of polynomials through values at nodes around the logit. The factors at the
+        boundaries that are not moved are the preconditioner for all nodes, unless a compliance of
+        the matrix is small.
         """
         compliances = self.parameters[int(self.fields.system.pressure_known) : 2]
         reuse_factors = min(1.0, *compliances) > UNCORRECTED_COMPLIANCE
@@ -236,7 +249,7 @@ class _SolutionDerivatives:
                 moved = replace(self.fields, system=system)
                 if not reuse_factors:
                     moved = moved.refactored()
-                moved = corrected(moved, _FIELD_TOLERANCE, relative_size).fields
+                moved = corrected(moved, _FIELD_TOLERANCE).fields
                 shear = moved.approach * moved.system.total_shear(moved.values)
                 values.append([*moved.boundary_residual, moved.approach, shear])
             rows.append(_DERIVATIVE @ np.array(values) / self.min_width)
@@ -247,9 +260,9 @@ class _SolutionDerivatives:
         system = self.system
         fields = self.fields
         count = len(self.names)
-        solved, partial = self._at_given_boundaries()
-        values: Array = solved[:, :count]  # at fixed boundaries: the traction has jumps
-        responses: Array = solved[:, count:]
+        derivatives, partial = self._at_given_boundaries()
+        values: Array = derivatives[:, :count]  # at fixed boundaries: the traction has jumps
+        responses: Array = derivatives[:, count:]
         rigid = system.parameters.beta == 0.0
         singular = np.zeros(count)
         defects: Array = np.asarray(
@@ -289,8 +302,8 @@ class _SolutionDerivatives:
     def _noise(self, logits: Array) -> Array:
         """Return the errors of the derivatives of the logits by rounding of the boundary residual.
 
-        One part is that by rounding in the Jacobian. The other is by the error of the boundaries,
-        because the Jacobian varies over the width of a zone.
+        The first part comes from rounding in the Jacobian. The second comes from the error of the
+        boundaries: the Jacobian changes by its own size over JACOBIAN_RANGE of the width of a zone.
         """
         inverse = np.abs(np.linalg.inv(self.by_logits[:, :-2])).T
         in_jacobian = ROUNDING / self.min_width * float(np.abs(_DERIVATIVE).sum())
@@ -335,7 +348,7 @@ class _SolutionDerivatives:
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
-            # rounding of the other terms is not divided by a parameter that is small
+            # an increase of at least 1: rounding of the other terms is not divided by a small one
             increased, increase = self._increased(name)
             after = self._evaluated(increased)
             residual, jumps_by, residuals_by, shear_by = (

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spectral_contact.contact.error_estimate import ZoneEstimate, ZoneSolution, relative_size
+from spectral_contact.contact.error_estimate import ZoneEstimate, ZoneSolution
 from spectral_contact.contact.free_boundary import (
     FieldSolution,
     FreeBoundary,
@@ -165,9 +165,7 @@ class FreeBoundaryProblem:
 
     def _newton(self, spaces: Sequence[DiscreteSpace], *, changes: bool = False) -> FreeBoundary:
         """Return Newton's method in these spaces."""
-        return FreeBoundary(
-            lambda logits: self.system(spaces, logits, changes=changes), relative_size
-        )
+        return FreeBoundary(lambda logits: self.system(spaces, logits, changes=changes))
 
     # the first boundaries, in small spaces
 
@@ -175,7 +173,7 @@ class FreeBoundaryProblem:
         """Return the fields with one given boundary in the smallest space, that of COARSE_TOL."""
         logits = np.array([logit])
         system = self.system(self.spaces(COARSE_TOL, logits), logits)
-        return corrected(FieldSolution.first(factored(system)), COARSE_TOL, relative_size).fields
+        return corrected(FieldSolution.first(factored(system)), COARSE_TOL).fields
 
     def initial_layout(self) -> Layout:
         """Return the boundaries to begin with in a space, and their Jacobian.
@@ -229,11 +227,11 @@ class FreeBoundaryProblem:
         The `fraction` is that of the usual step.
         """
         factors = factored(self.system(spaces, logits))
-        centre = corrected(FieldSolution.first(factors), tolerance, relative_size).fields
+        centre = corrected(FieldSolution.first(factors), tolerance).fields
 
         def residual(moved_logits: Array) -> Array:
             moved = replace(centre, system=self.system(spaces, moved_logits))
-            return corrected(moved, tolerance, relative_size).fields.boundary_residual
+            return corrected(moved, tolerance).fields.boundary_residual
 
         return fd_jacobian(residual, logits, fraction)
 
@@ -331,7 +329,7 @@ class _GivenRadius(FreeBoundaryProblem):
             # the friction is in the right-hand sides only
             factors = factors or factored(system)
             start = FieldSolution.first(factors, system)
-            fields = corrected(start, RESIDUAL_NOISE, relative_size).fields
+            fields = corrected(start, RESIDUAL_NOISE).fields
             residuals.append(float(fields.boundary_residual[0]))
         without_friction, unit_friction = residuals
         if not (without_friction > 0.0 and without_friction > unit_friction):
@@ -341,7 +339,7 @@ class _GivenRadius(FreeBoundaryProblem):
         assert factors is not None
         system = self.system(spaces, logits, changes=True)
         start = FieldSolution.first(factors, system)
-        fields, remaining = corrected(start, RESIDUAL_NOISE, relative_size)
+        fields, remaining = corrected(start, RESIDUAL_NOISE)
         iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
         return self.estimate(iterate, spaces)
 

@@ -107,11 +107,14 @@ class Candidate:
         Whether boundaries and Jacobian are predicted from scenes that were solved before
         (`solving.sharing`). Newton's method then starts from them, and no search for better ones
         comes before it.
+    closed_edge : bool
+        Whether narrow stick at a smooth edge is added to them in closed form.
     """
 
     zones: Layout
     reason: str
     predicted: bool = False
+    closed_edge: bool = False
 
 
 class NoZonesError(ArithmeticError):
@@ -492,12 +495,9 @@ class CoupledSearch(ZoneSearch):
         # closer to the onset full stick may stand for slip (`solving.coupled_run`)
         if 1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND:
             yield violated
-        logits = violated.zones.logits
-        if logits:
-            disk = Layout(logits[:1], _DISK_STATES)
-            yield Candidate(disk, "one stick disk, up to where full stick exceeds the friction")
-        else:
-            yield Candidate(_WIDE_DISK, "one stick disk")
+        # up to where full stick exceeds the friction, if it does
+        logits = violated.zones.logits[:1] or _WIDE_DISK.logits
+        yield Candidate(Layout(logits, _DISK_STATES), "one stick disk")
 
     @property
     def _edge_stick_width(self) -> float:
@@ -540,17 +540,21 @@ class CoupledSearch(ZoneSearch):
         try:
             if not candidate.predicted:
                 # first boundaries, from a small space
-                problem = FreeBoundaryProblem(self.parameters, zones, self.tolerance)
-                zones = problem.initial_layout()
+                zones = FreeBoundaryProblem(self.parameters, zones, self.tolerance).initial_layout()
         except NoStickDiskError as error:
-            if error.at_centre:
+            if error.at_centre and not candidate.closed_edge:
                 return self._full_slip()
             raise
         refinement = solve_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
         if not refinement.best.error < 0.5:
             raise NoZonesError("no digit of the fields is known")
         solved = perf_counter()
-        outcome = zones_outcome(refinement.best.value, self.parameters)
+        verified: Callable[..., PartialSlip] = zones_outcome
+        if candidate.closed_edge:
+            from spectral_contact.contact.edge_stick import with_edge_stick
+
+            verified = with_edge_stick
+        outcome = verified(refinement.best.value, self.parameters)
         if not outcome.violation_text:
             # without the time of the verdict
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
@@ -562,32 +566,18 @@ class CoupledSearch(ZoneSearch):
 
         It is tried only where the closed form is expected to be accurate.
         """
-        from spectral_contact.contact.edge_stick import expected_error, with_edge_stick
+        from spectral_contact.contact.edge_stick import expected_error
 
-        if not self._smooth_edge_sticks or self._stick_disk_below_range:
+        if (
+            not self._smooth_edge_sticks
+            or self._stick_disk_below_range
+            or expected_error(self.parameters) > EDGE_MATCHING_ERROR
+        ):
             return None
-        expected = expected_error(self.parameters)
-        if expected > EDGE_MATCHING_ERROR:
-            return None
-        begin = perf_counter()
-        outcome = None
-        try:
-            with np.errstate(all="ignore"):
-                problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-                zones = problem.initial_layout()
-                refinement = solve_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
-                solved = perf_counter()
-                outcome = with_edge_stick(refinement.best.value, self.parameters)
-                verdict = outcome.verdict
-        except (np.linalg.LinAlgError, ArithmeticError) as error:
-            verdict = str(error)
         reason = "one stick disk, with narrow stick at the edge in closed form"
-        self._trials.append(Trial(_WIDE_DISK, reason, verdict))
-        if outcome is None or not outcome.verified:
-            return None
-        self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
-        self.record(SLIP_FIELD, outcome, solved)
-        return outcome
+        with np.errstate(all="ignore"):
+            outcomes = self._try(Candidate(_WIDE_DISK, reason, closed_edge=True))
+        return next((outcome for outcome in outcomes if outcome.verified), None)
 
     def larger_radii(self, logit: float) -> list[float]:
         """Return stick radii, larger than that of a solution, that may be solutions as well.

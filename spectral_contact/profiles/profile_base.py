@@ -127,11 +127,15 @@ class Profile(ABC):
         """
 
     def _relative_error(self, radius: float) -> float:
-        """Return a bound on the relative error of ``H`` at a radius by that of the slope."""
-        slope_error = self._slope_error(radius)
-        if slope_error == 0.0:
+        """Return a bound on the relative error of ``H`` at a radius by that of the slope.
+
+        It is infinite where the error may be as large as ``H`` itself.
+        """
+        error = pi * radius * self._slope_error(radius)
+        if error == 0.0:
             return 0.0
-        return pi * radius * slope_error / float(self._transform(np.array([radius]))[0])
+        least = abs(float(self._transform(np.array([radius]))[0])) - error
+        return error / least if least > 0.0 else inf
 
     def _slope_error(self, radius: float) -> float:
         """Return a bound on the error of the slope up to a radius; a formula has none."""

@@ -28,7 +28,7 @@ _CLOSER, _LOOSE = 1e-3, 1e-11
 def asked_quantities(
     quantities: Iterable[str] | None,
     *,
-    shaped: bool = False,
+    has_profile: bool = False,
     adhesive: bool = False,
     unloaded: bool = False,
 ) -> frozenset[str]:
@@ -36,7 +36,7 @@ def asked_quantities(
 
     The default is everything but the thresholds of the load, which cost more than all of that.
     """
-    known = (*PROFILE_QUANTITIES * shaped, *ADHESION_QUANTITIES * adhesive, *QUANTITIES)
+    known = (*PROFILE_QUANTITIES * has_profile, *ADHESION_QUANTITIES * adhesive, *QUANTITIES)
     if quantities is None:
         return frozenset(known)
     return frozenset(names("quantities", quantities, known + UNLOADED_QUANTITIES * unloaded))

@@ -1,4 +1,7 @@
-"""What a scene calls for: a pure function from scene and quantities to the list of steps."""
+"""The plan of a solve: which steps a scene and the quantities asked for need, and why.
+
+Nothing is computed here.
+"""
 
 from __future__ import annotations
 
@@ -35,6 +38,8 @@ from spectral_contact.solution import (
 from spectral_contact.solving.asked import asked_quantities
 
 _NO_FRICTION = "the scene has no friction coefficient"
+#: What is proportional to the load as long as nothing slips.
+_PROPORTIONAL_TO_LOAD = frozenset({"approach", "pressure", "traction", "slip", "total_shear"})
 
 
 @suggesting()
@@ -45,9 +50,10 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     ----------
     scene : Scene
     quantities : iterable of str, optional
-        Names out of `QUANTITIES`, with a profile out of `PROFILE_QUANTITIES`, with adhesion out of
-        `ADHESION_QUANTITIES`, too, and below the largest load out of `UNLOADED_QUANTITIES`; the
-        default is everything that the scene has but these.
+        Names out of `QUANTITIES`; with a profile also out of `PROFILE_QUANTITIES`, with adhesion
+        also out of `ADHESION_QUANTITIES`, and below the largest load also out of
+        `UNLOADED_QUANTITIES`. The default is everything that the scene has except
+        `UNLOADED_QUANTITIES`, which cost more than all the rest.
 
     Returns
     -------
@@ -57,73 +63,84 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     Raises
     ------
     SceneError
-        For a name that is no quantity.
+        If a name is not one of these, or `scene` is not a `Scene`.
     """
-    shaped = instance("scene", scene, Scene).profile is not None
+    has_profile = instance("scene", scene, Scene).profile is not None
     adhesive = scene.work_of_adhesion is not None
     unloaded = scene.unloaded_to < 1.0
-    asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive, unloaded=unloaded)
-    missing: dict[str, str] = {
-        name: "it was not asked for" for name in _present(scene) if name not in asked
-    }
+    asked = asked_quantities(
+        quantities, has_profile=has_profile, adhesive=adhesive, unloaded=unloaded
+    )
+    possible = _possible_quantities(scene)
+    missing = {name: "it was not asked for" for name in possible if name not in asked}
     if scene.friction is None:
-        for name in ("slip", *sorted(FULL_STICK_RATIOS)):
+        for name in {"slip", *FULL_STICK_RATIOS, *UNLOADED_QUANTITIES}.intersection(possible):
             missing[name] = _NO_FRICTION
-        if unloaded:
-            missing.update(dict.fromkeys(UNLOADED_QUANTITIES, _NO_FRICTION))
-    elif scene.profile is not None:
-        flat = isinstance(scene.profile, Flat)
-        kind = "under profiles" if flat else "of growing contacts"
-        lacking = ("slip",) if flat or scene.friction == 0.0 else ()
-        for name in (*lacking, *sorted(FLAT_QUANTITIES)):
-            missing[name] = f"it is not computed {kind}"
+    elif has_profile:
+        reason = "it is not computed for growing contacts"
+        if isinstance(scene.profile, Flat):
+            reason = "it is not computed under a flat punch that is given as a profile"
+            missing["slip"] = reason
+        elif scene.friction == 0.0:
+            missing["slip"] = "it is not computed at friction 0 under a profile"
+        missing.update(dict.fromkeys(FLAT_QUANTITIES, reason))
     elif scene.couples:
+        # a scene with friction 0 or kappa 0 does not couple: the ratio is 1 or 0, exactly
         missing["shakedown_ratio"] = "with elastic coupling its law is only approximate"
     if endless(scene):
         missing["contact_radius"] = "the layer law has no contact edge"
-    present = tuple(name for name in _present(scene) if name not in missing)
-    # full stick on an area that does not change depends on no history
-    grows = not isinstance(scene.profile, Flat | None)
-    last = (_growth if grows else _full_stick)(scene, present)
-    steps = *_coupling(scene, present), _normal(scene, present), last
-    if scene.profile is None:
-        steps += _partial_slip(scene, present)
-    if scene.unloaded_to < 1.0:
-        steps += _unloading(steps[-1], present)
+    present = tuple(name for name in possible if name not in missing)
+    steps = *_coupling(scene, present), _normal(scene, present), _tangential(scene, present)
+    if not has_profile:
+        slip_steps = _partial_slip(scene, present)
+        steps += slip_steps
+        if unloaded:
+            steps += _unloading(slip_steps[0], present)
     return Plan(present, steps, tuple(sorted(missing.items())))
 
 
-def _present(scene: Scene) -> tuple[str, ...]:
-    """Return what scenes of this kind may have."""
+def _possible_quantities(scene: Scene) -> tuple[str, ...]:
+    """Return the names of all quantities that a scene of this kind can have."""
     if scene.profile is None:
         return QUANTITIES + UNLOADED_QUANTITIES * (scene.unloaded_to < 1.0)
     more = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
     return (*PROFILE_QUANTITIES, *more, *QUANTITIES)
 
 
-def _undriven(scene: Scene) -> str:
-    """Return where the pressure drives no traction, for a reason; "" if it does."""
+def _no_traction_condition(scene: Scene) -> str:
+    """Return the condition, as text, under which the pressure drives no traction.
+
+    It is empty if the pressure drives one, or without friction.
+    """
     if scene.friction is None or scene.kappa != 0.0:
         return ""
     return "at nu = 0.5" if scene.mismatch is None else "at kappa = 0"
 
 
-def _affected(scene: Scene) -> frozenset[str]:
-    """Return the quantities that depend on the traction."""
+def _traction_dependent(scene: Scene) -> frozenset[str]:
+    """Return the quantities that depend on the traction.
+
+    With coupling these are all quantities, those of adhesion excepted.
+    """
     return frozenset((*QUANTITIES, *PROFILE_QUANTITIES)) if scene.couples else TANGENTIAL_QUANTITIES
 
 
 def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
-    """Say whether the traction acts back on the pressure; without a word in the paper's model."""
+    """Return the step of elastic coupling, with its reason.
+
+    There is no step if the scene does not ask for coupling.
+    """
     if not scene.coupling:
         return ()
     state = StepState.SKIPPED
     if scene.friction is None:
         reason = f"{_NO_FRICTION}: no traction acts back on the pressure"
-    elif _undriven(scene):
-        reason = f"{_undriven(scene)} pressure and traction do not move each other"
-    elif scene.friction == 0.0 and not FULL_STICK_RATIOS.intersection(present):
+    elif _no_traction_condition(scene):
+        reason = f"{_no_traction_condition(scene)} the pressure drives no traction"
+    elif scene.friction == 0.0:
         reason = "at friction 0 no traction acts back on the pressure"
+        if not FULL_STICK_RATIOS.isdisjoint(present):
+            state, reason = StepState.RUN, "the ratios q/p are those of coupled full stick"
     elif not _needs_tangential(scene, present):
         reason = "nothing asked for depends on the traction"
     else:
@@ -132,68 +149,78 @@ def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]
 
 
 def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
-    """Whether anything asked depends on a traction that is not zero by definition."""
-    if scene.friction is None or _undriven(scene):
+    """Return whether anything asked for needs the tangential problem solved.
+
+    If not, all that depends on the traction is known in advance, or there is no friction.
+    """
+    if scene.friction is None or _no_traction_condition(scene):
         return False
-    asked = _affected(scene).intersection(present)
+    asked = _traction_dependent(scene).intersection(present)
     if scene.friction == 0.0:
         return bool(asked & (FULL_STICK_RATIOS | {"slip"}))
     if scene.friction == math.inf:
-        return bool(asked - {"zones", "stick_radius", "slip"})
+        return bool(asked - {"zones", "stick_radius", "slip", *UNLOADED_QUANTITIES})
     return bool(asked)
 
 
 def _normal(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
-    bare = scene.normal_compliance == 0.0 and scene.layer is None
-    smooth = "; closed form, the surface is smooth" if bare else ""
+    """Return the step of normal contact, with its reason."""
+    smooth_surface = scene.normal_compliance == 0.0 and scene.layer is None
+    remark = "; closed form, the surface is smooth" if smooth_surface else ""
     if scene.work_of_adhesion is not None:
-        smooth += "; adhesion pulls at the edge"
-    if scene.couples and _needs_tangential(scene, present):
+        remark += "; adhesion pulls at the edge"
+    needs_tangential = _needs_tangential(scene, present)
+    if scene.couples and needs_tangential:
         return PlannedStep(NORMAL, StepState.SKIPPED, "the pressure is found with the traction")
     if "pressure" in present:
-        return PlannedStep(NORMAL, StepState.RUN, "the pressure is asked for" + smooth)
-    if _needs_tangential(scene, present):
-        return PlannedStep(NORMAL, StepState.RUN, "the pressure drives the traction" + smooth)
-    if {"approach", *PROFILE_QUANTITIES, *ADHESION_QUANTITIES}.intersection(present):
-        what = "the approach" if scene.profile is None else "integrals"
-        return PlannedStep(NORMAL, StepState.RUN, f"{what} alone, at low degree" + smooth)
-    return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")
+        reason = "the pressure is asked for"
+    elif needs_tangential:
+        reason = "the pressure drives the tangential displacement"
+    elif {"approach", *PROFILE_QUANTITIES, *ADHESION_QUANTITIES}.intersection(present):
+        reason = "the approach alone" if scene.profile is None else "integrals alone"
+        if not smooth_surface:
+            reason += ", at low degree"
+    else:
+        return PlannedStep(NORMAL, StepState.SKIPPED, "nothing asked for depends on the pressure")
+    return PlannedStep(NORMAL, StepState.RUN, reason + remark)
 
 
-def _growth(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
+def _tangential(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
+    """Return the step that finds the traction, with its reason: full stick, or a growing contact.
+
+    On a contact area that does not change, full stick does not depend on the history.
+    """
+    grows = not isinstance(scene.profile, Flat | None)
+    state = StepState.SKIPPED
     if scene.friction is None:
-        return PlannedStep(GROWTH, StepState.SKIPPED, _NO_FRICTION)
-    if scene.friction == 0.0:
-        return PlannedStep(GROWTH, StepState.SKIPPED, "at friction 0 everything slips")
-    if not _needs_tangential(scene, present):
-        return PlannedStep(GROWTH, StepState.SKIPPED, "nothing asked for depends on the traction")
-    reason = "the traction is a superposition of flat punches over the contact radius"
-    return PlannedStep(GROWTH, StepState.RUN, reason)
-
-
-def _full_stick(scene: Scene, present: tuple[str, ...]) -> PlannedStep:
-    def step(state: StepState, reason: str) -> PlannedStep:
-        return PlannedStep(FULL_STICK, state, reason)
-
-    asked = _affected(scene).intersection(present)
-    if scene.friction is None:
-        return step(StepState.SKIPPED, _NO_FRICTION)
-    if _undriven(scene):
-        told = "the surface does not move: all stick, q = 0"
-        return step(StepState.SKIPPED, f"{_undriven(scene)} {told}")
-    if scene.friction == 0.0:
-        if asked & FULL_STICK_RATIOS:
-            return step(StepState.RUN, "a ratio q/p of full stick is asked for")
-        return step(StepState.SKIPPED, "at friction 0 everything slips")
-    if not _needs_tangential(scene, present):
-        return step(StepState.SKIPPED, "nothing asked for depends on the traction")
-    if scene.friction == math.inf:
-        return step(StepState.RUN, "friction is infinite: no slip")
-    return step(StepState.RUN, "decides whether there is slip")
+        reason = _NO_FRICTION
+    elif _no_traction_condition(scene):
+        reason = (
+            f"{_no_traction_condition(scene)} the pressure drives no traction: all stick, q = 0"
+        )
+    elif scene.friction == 0.0 and FULL_STICK_RATIOS.isdisjoint(present):
+        reason = "at friction 0 everything slips"
+    elif not _needs_tangential(scene, present):
+        reason = "nothing asked for depends on the traction"
+    else:
+        state = StepState.RUN
+        if grows:
+            reason = "the traction is a superposition of flat punches over the contact radius"
+        elif (
+            scene.friction == 0.0
+            or _traction_dependent(scene).intersection(present) <= FULL_STICK_RATIOS
+        ):
+            reason = "a ratio q/p of full stick is asked for"
+        elif scene.friction == math.inf:
+            reason = "friction is infinite: no slip"
+        else:
+            reason = "decides whether there is slip"
+    return PlannedStep(GROWTH if grows else FULL_STICK, state, reason)
 
 
 def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
-    friction, asked = scene.friction, _affected(scene).intersection(present)
+    """Return the steps of partial slip, of its zones and of its slip, with their reasons."""
+    friction, asked = scene.friction, _traction_dependent(scene).intersection(present)
 
     def skipped(reason: str) -> tuple[PlannedStep, ...]:
         names = (PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
@@ -203,8 +230,8 @@ def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, 
         return skipped(_NO_FRICTION)
     if friction == math.inf:
         return skipped("friction is infinite: no slip")
-    if _undriven(scene):
-        return skipped(f"{_undriven(scene)} there is nothing to slip")
+    if _no_traction_condition(scene):
+        return skipped(f"{_no_traction_condition(scene)} nothing slips")
     if not asked - FULL_STICK_RATIOS:
         return skipped("nothing asked for depends on slip")
     if friction == 0.0:
@@ -212,31 +239,35 @@ def _partial_slip(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, 
         if "slip" in present:
             third = PlannedStep(SLIP_FIELD, StepState.RUN, "the slip is asked for")
         return first, second, third
-    reason = "only if the friction is below the critical one"
     if scene.tangential_compliance == 0.0:
-        partial = PlannedStep(
-            PARTIAL_SLIP, StepState.RUN, "without tangential compliance the edge always slips"
+        state = StepState.RUN
+        reason = "without tangential compliance the edge slips at any finite friction"
+    else:
+        state = StepState.CONDITIONAL
+        reason = "only if the friction is below the critical one"
+    partial = PlannedStep(PARTIAL_SLIP, state, reason)
+    reason = "only if partial slip with one central stick disk violates the friction law"
+    search = PlannedStep(ZONE_SEARCH, StepState.CONDITIONAL, reason)
+    reason = "only if there is slip; it also checks that slip opposes the traction"
+    return partial, search, PlannedStep(SLIP_FIELD, StepState.CONDITIONAL, reason)
+
+
+def _unloading(slip_step: PlannedStep, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
+    """Return the steps of unloading, given the planned step of partial slip at the largest load."""
+    if slip_step.state is StepState.SKIPPED:
+        reason = slip_step.reason
+        if not _PROPORTIONAL_TO_LOAD.isdisjoint(present):
+            reason += "; what is proportional to the load is multiplied by the load ratio"
+        return tuple(
+            PlannedStep(name, slip_step.state, reason) for name in (UNLOADING, LOAD_RATIOS)
         )
-    else:
-        partial = PlannedStep(PARTIAL_SLIP, StepState.CONDITIONAL, reason)
-    search = PlannedStep(
-        ZONE_SEARCH, StepState.CONDITIONAL, "only if one stick disk breaks the friction law"
-    )
-    slip = PlannedStep(SLIP_FIELD, StepState.CONDITIONAL, "only if there is slip; checks its sense")
-    return partial, search, slip
-
-
-def _unloading(slip: PlannedStep, present: tuple[str, ...]) -> tuple[PlannedStep, ...]:
-    """Return the steps below the largest load, after the last one that is about slip there."""
-    if slip.state is StepState.SKIPPED:
-        reason = f"{slip.reason}: all is that of the largest load times the load ratio"
-        return tuple(PlannedStep(name, slip.state, reason) for name in (UNLOADING, LOAD_RATIOS))
-    unloading = PlannedStep(
-        UNLOADING, StepState.CONDITIONAL, "only if there is slip at the largest load"
-    )
+    reason = "only if there is slip at the largest load"
+    unloading = PlannedStep(UNLOADING, StepState.CONDITIONAL, reason)
     if set(UNLOADED_QUANTITIES).isdisjoint(present):
-        ratios = PlannedStep(LOAD_RATIOS, StepState.SKIPPED, "they are not asked for")
+        load_ratios_step = PlannedStep(LOAD_RATIOS, StepState.SKIPPED, "no load ratio is asked for")
     else:
-        reason = "only if there is slip at the largest load; where slip back begins, and turns"
-        ratios = PlannedStep(LOAD_RATIOS, StepState.CONDITIONAL, reason)
-    return unloading, ratios
+        reason += (
+            ": the load ratios at which slip back begins and at which a slip zone begins to shrink"
+        )
+        load_ratios_step = PlannedStep(LOAD_RATIOS, StepState.CONDITIONAL, reason)
+    return unloading, load_ratios_step

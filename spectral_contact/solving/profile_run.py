@@ -25,12 +25,11 @@ from spectral_contact.solution import (
     PROFILE_QUANTITIES,
     Ending,
     Plan,
-    PlannedStep,
     Solution,
     StepState,
 )
 from spectral_contact.solving.run import Run
-from spectral_contact.solving.sharing import StepCache, extrapolate
+from spectral_contact.solving.sharing import StepCache, value_at, well_spaced
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
@@ -43,17 +42,22 @@ if TYPE_CHECKING:
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import FlatPunches, Stages
 
-#: The radius is extrapolated from so many scenes before, whose loads, or approaches, differ by at
-#: most so much in the logarithm.
+#: A first guess of the radius is extrapolated from at most `_POINTS` earlier scenes; the logarithm
+#: of their load (or approach) differs from that of this scene by less than `_FARTHEST`.
 _POINTS, _FARTHEST = 5, 1.0
-#: Tolerance of normal contact without coupling, whose radius tells how far a history has to go.
-_ROUGH = 1e-4
-#: A history is followed to a radius that is larger by this share, to be sure to contain the load.
-_ROOM = 1e-3
-#: Where the slope of a law jumps, the traction is off by up to this times the error of the pressure
-#: that drives it: the errors of the pressure oscillate there.
-_BENT_TRACTION = 10.0
-_BEYOND = "with coupling it is not reached at the radius that normal contact has without coupling"
+#: Tolerance of the normal contact without coupling that bounds the radius up to which a history
+#: with coupling is followed.
+_ROUGH_TOLERANCE = 1e-4
+#: A history is followed to a radius that is larger by this relative amount, so that the given load
+#: or approach is certainly reached.
+_RADIUS_MARGIN = 1e-3
+#: Where the slope of the law of a layer jumps, the series of the pressure that drives the traction
+#: has errors that oscillate. The traction may be off by up to this factor times that error.
+_KINK_TRACTION_FACTOR = 10.0
+_NOT_REACHED = (
+    "the given load or approach is not reached up to the contact radius without coupling, "
+    "where the search ends"
+)
 
 
 class ProfileRun(Run):
@@ -62,12 +66,13 @@ class ProfileRun(Run):
     Normal contact is solved at once. With friction the contact has a history: as it grows by a
     ring, the surface inside is displaced as by a flat punch of its radius, and pressure and
     traction grow by those of that punch. So fields today are integrals over flat punches of all
-    radii before (docs/theory, growing contacts), and the zones are those of the latest punch.
+    radii before (docs/internals), and the zones are those of the latest punch.
 
-    Parameters are those of `Run`, and what solves the flat punches of a history, see `Stages`.
+    Parameters are those of `Run`, and `flat`, the function that solves a flat punch of the history
+    (see `Stages`).
     """
 
-    #: the traction is not among them: it is as certain as the flat punches of the history are
+    #: without the traction: its error is that of the flat punches of the history, and not bounded
     bounded: tuple[str, ...] = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
     _driving: NormalContact | None = None
 
@@ -85,38 +90,40 @@ class ProfileRun(Run):
 
     def run_steps(self, states: dict[str, StepState]) -> None:
         """Run normal contact, and friction if there is any."""
-        if states[NORMAL] is StepState.RUN or (self._grows(states) and not self.scene.couples):
+        if states[NORMAL] is StepState.RUN or (
+            self._has_growth_step(states) and not self.scene.couples
+        ):
             fields = {"pressure", "traction"}.intersection(self.plan.quantities)
             sticks = states.get(FULL_STICK) is StepState.RUN
             self._indent(pointwise=bool(fields) or sticks, drives=sticks)
         self.tangential(states, None)
         if states.get(FULL_STICK) is StepState.RUN:
             self._stick_on_layer()
-        if self._grows(states):
+        if self._has_growth_step(states):
             from spectral_contact.solving.stages import NoFlatPunchError
 
             with ProgressLine(self.cache.progress) as tell:
-                history = self._history(self.scene, tell)
+                history = self._stages(self.scene, tell)
                 if not self.scene.couples:
-                    self._grow(history)
+                    self._grow_uncoupled(history)
                     return
                 try:
-                    self._grow_together(history)
+                    self._grow_coupled(history)
                 except NoFlatPunchError as error:
                     self._grow_stuck(str(error), tell)
 
-    def _history(self, scene: Scene, tell: Callable[[str], None]) -> Stages:
+    def _stages(self, scene: Scene, tell: Callable[[str], None]) -> Stages:
         """Return the flat punches of the history of a scene; `tell` as of `Stages`."""
         from spectral_contact.solving.stages import Stages
 
         return Stages(scene, self.rtol, self.max_unknowns, tell, self._fields(), self._flat)
 
     def _grow_stuck(self, refusal: str, tell: Callable[[str], None]) -> None:
-        """Store a history of full stick where no zones of a flat punch obey the friction law.
+        """Store a history of full stick: some flat punch has no zones that obey the friction law.
 
         All errors are infinite, except that of the load, approach or radius that is given.
         """
-        self._grow_together(self._history(self.scene.replace(friction=math.inf), tell))
+        self._grow_coupled(self._stages(self.scene.replace(friction=math.inf), tell))
         assert self.history is not None
         self.history = replace(self.history, errors=np.full_like(self.history.errors, math.inf))
         for name in (*self.errors, "violation"):
@@ -124,10 +131,10 @@ class ProfileRun(Run):
                 self.errors[name] = math.inf
         self.refusal = refusal
         reason = f"full stick at all times; {refusal}"
-        self.updated_steps[GROWTH] = PlannedStep(GROWTH, StepState.RUN, reason)
+        self.ran(reason, GROWTH)
         self.endings.append(Ending.ZONES)
 
-    def _grows(self, states: dict[str, StepState]) -> bool:
+    def _has_growth_step(self, states: dict[str, StepState]) -> bool:
         return states.get(GROWTH) is StepState.RUN
 
     def _indent(self, *, pointwise: bool, drives: bool = False) -> None:
@@ -186,11 +193,11 @@ class ProfileRun(Run):
         self._add_data_errors(found)
 
     def _add_data_errors(self, found: Indentation) -> None:
-        """Add the errors of a profile or a law that is given by functions, and kept as a series.
+        """Add the errors of a profile or a law that was given by functions and is kept as a series.
 
-        The error of the profile is relative to the half-integral of its slope at the edge, that of
-        the law to the mean pressure. The relative errors of load, approach and radius are about as
-        large, except for the one that is given.
+        The error of the profile is relative to H at the contact radius, that of the law to the mean
+        pressure. Both count in full in every quantity, except in the load, approach or radius that
+        is given.
         """
         scene = self.scene
         assert scene.profile is not None
@@ -202,16 +209,17 @@ class ProfileRun(Run):
             self.errors["stiffness"] += law.stiffness
             self.errors["indentation_work"] += law.energy * area / found.work
         for name in ("contact_radius", "load", "approach"):
-            if getattr(scene, name) is None:
+            exact = name == "contact_radius" and isinstance(scene.profile, Flat)
+            if getattr(scene, name) is None and not exact:
                 self.errors[name] += unknown
         for name in ("stiffness", "indentation_work", "pressure"):
             self.errors[name] += unknown
 
     def _adhere(self, found: Indentation, adhesion: float) -> Indentation:
-        """Return a state with the work of the curve, and store what adhesion adds to it."""
+        """Return the contact with the surface energy in its work; store what adhesion adds."""
         from spectral_contact.solving.adhesive import CONTROLS_HELD, stability, with_surface_energy
 
-        if isinstance(self.scene.profile, Flat):  # linear, and its area stays what it is
+        if isinstance(self.scene.profile, Flat):  # linear in the approach, with a constant area
             self.values.update(stable_under=CONTROLS_HELD, stiffness_on_branch=found.stiffness)
             self.errors["stiffness_on_branch"] = found.stiffness_error
             return found
@@ -249,10 +257,15 @@ class ProfileRun(Run):
         self.values["total_shear"] = kappa * radius**2 * stick.total_shear
         # Traction and shear are linear in the pressure, whose error they have. If the slope of the
         # law jumps, the series of the pressure that drives them has an error of its own.
-        bent = self._driving.pressure_error
+        series_error = self._driving.pressure_error
         self.errors.update(
-            traction=stick.traction_error + self.errors["pressure"] + _BENT_TRACTION * bent,
-            total_shear=stick.shear_error + self.errors["load"] + self.errors["stiffness"] + bent,
+            traction=stick.traction_error
+            + self.errors["pressure"]
+            + _KINK_TRACTION_FACTOR * series_error,
+            total_shear=stick.shear_error
+            + self.errors["load"]
+            + self.errors["stiffness"]
+            + series_error,
         )
 
     @property
@@ -264,7 +277,7 @@ class ProfileRun(Run):
 
     @property
     def _along(self) -> float:
-        """Where on the path it is: its load, or its approach from where the contact begins."""
+        """The load, or the approach beyond its value at first contact."""
         scene = self.scene
         if scene.load is not None:
             return scene.load
@@ -310,7 +323,7 @@ class ProfileRun(Run):
         return solve_indentation(*given, pointwise=pointwise, adhesion=adhesion)
 
     def _check(self, found: Indentation) -> None:
-        """Refuse what a layer's law does not know."""
+        """Raise if the overclosure exceeds the limit of the layer's law."""
         layer = self.scene.layer
         if layer is None or found.overclosure <= layer.limit:
             return
@@ -319,8 +332,8 @@ class ProfileRun(Run):
         told += f"it becomes {found.overclosure:.6g}"
         raise SceneError(name, getattr(self.scene, name), told)
 
-    def _grow(self, history: Stages) -> None:
-        """Add up the flat punches of the history, whose load is known."""
+    def _grow_uncoupled(self, history: Stages) -> None:
+        """Superpose the flat punches of the history with the known increments of the load."""
         begin, scene = perf_counter(), self.scene
         radius = self.values["contact_radius"]
         least = history.least(radius, self.values["load"])
@@ -337,25 +350,28 @@ class ProfileRun(Run):
         known = self.errors["load"] + self.errors["approach"]
         self._take_history(growth, begin, known)
 
-    def _grow_together(self, history: Stages) -> None:
-        """Follow the contact while it grows: with coupling nothing is known beforehand."""
+    def _grow_coupled(self, history: Stages) -> None:
+        """Build the history with coupling, where the load at a radius depends on the history."""
         begin, scene = perf_counter(), self.scene
         assert scene.friction is not None
-        radius, load = self._without_coupling()
+        radius, load = self._uncoupled_bound()
         least = history.least(radius, load)
         grower = history.grower(least, radius)
         growth = grower.grown(least, radius, load)
-        error = growth.weight_error
         given = "loads" if scene.approach is None else "approaches"
         value = scene.load if scene.approach is None else scene.approach
-        moved = 0.0
+        radius_error = 0.0
         if value is not None:
             at = growth.radius_of(given, value)
             if at is None:
-                raise NotComputedError("contact_radius", _BEYOND)
+                raise NotComputedError("contact_radius", _NOT_REACHED)
             growth = grower.until(growth, at)
-            error, moved = growth.weight_error, growth.moved(given, value)
         radius = scene.contact_radius or math.exp(growth.log_radius)
+        assert scene.profile is not None
+        profile_error = scene.profile._relative_error(radius)
+        error = growth.weight_error + profile_error
+        if value is not None:
+            radius_error = growth.moved(given, value) + profile_error
         self.values.update(
             contact_radius=radius,
             load=scene.load or growth.load,
@@ -363,16 +379,16 @@ class ProfileRun(Run):
             indentation_work=growth.work,
         )
         self.errors.update(
-            contact_radius=moved,
-            load=0.0 if scene.load else error + growth.load_rate * moved,
-            approach=0.0 if scene.approach else error + growth.approach_rate * moved,
-            indentation_work=2.0 * error + (growth.load_rate + growth.approach_rate) * moved,
+            contact_radius=radius_error,
+            load=0.0 if scene.load else error + growth.load_rate * radius_error,
+            approach=0.0 if scene.approach else error + growth.approach_rate * radius_error,
+            indentation_work=2.0 * error + (growth.load_rate + growth.approach_rate) * radius_error,
         )
         today = self._take_zones(history, growth)
         self.errors["total_shear"] += error
         self.values["stiffness"] = radius / today.approach
-        # grows like the radius on a smooth surface, like its square in a layer
-        self.errors["stiffness"] = (today.error.approach or 0.0) + 2.0 * moved
+        # the stiffness grows like the radius on a smooth surface, like its square on a soft layer
+        self.errors["stiffness"] = (today.error.approach or 0.0) + 2.0 * radius_error
         if {"pressure", "traction"}.intersection(self.plan.quantities):
             self._take_fields(growth, today, error)
         self._take_slip(growth, today, error)
@@ -391,10 +407,10 @@ class ProfileRun(Run):
             self.values["opening"] = opened = opening(pressed.field)
             if opened is not None:
                 told = f"one history; the contact would open within {opened:.3g} of the edge"
-                self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
+                self.ran(told, COUPLING)
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
-        # what is left is relative to the pressure itself, or as good as
+        # `left` is taken to be relative to the pressure; 2 is for its ratio to the mean
         self.errors["pressure"] = pressed.lost / mean + 2.0 * left
         found = fields.traction(friction, pressed.field)
         self.traction = found.field
@@ -409,8 +425,8 @@ class ProfileRun(Run):
             found = self._superposed(growth, today).slip()
             self.slip = found.field
             left = growth.slip_error / found.largest + found.share_lost
-            moved = growth.load_rate * self.errors["contact_radius"]
-            self.errors["slip"] = left + load_error + moved
+            by_radius = growth.load_rate * self.errors["contact_radius"]
+            self.errors["slip"] = left + load_error + by_radius
 
     def _take_history(self, growth: Growth, begin: float, known: float | None = None) -> None:
         """Keep what the contact was like on its way, and note the work."""
@@ -427,26 +443,29 @@ class ProfileRun(Run):
         layer = min(compliances) / math.exp(growth.log_radius)
         return GrownFields(growth, stick_radius(today), layer, self.rtol)
 
-    def _without_coupling(self) -> tuple[float, float]:
-        """Return radius and load of normal contact: not far away, and a little more than needed."""
+    def _uncoupled_bound(self) -> tuple[float, float]:
+        """Return radius and load of normal contact without coupling.
+
+        A radius that is sought is enlarged a little, to bound that with coupling.
+        """
         scene = self.scene
         assert scene.profile is not None
         if scene.contact_radius is not None:
-            found = self._at(scene.contact_radius, _ROUGH, pointwise=False)
+            found = self._at(scene.contact_radius, _ROUGH_TOLERANCE, pointwise=False)
         else:
             found, _ = find_radius(
                 scene.profile,
                 self._at,
-                _ROUGH,
+                _ROUGH_TOLERANCE,
                 load=scene.load,
                 approach=scene.approach,
                 pointwise=False,
             )
         value = value_of(found)
         radius = value.radius
-        # with coupling the radius is smaller, or near nu = 0.5 the same, but this one has an error
+        # coupling lowers the radius; near nu = 0.5 by less than the error of this one
         if scene.contact_radius is None:
-            radius += min(_ROOM * radius, (scene.profile.reach - radius) / 2.0)
+            radius += min(_RADIUS_MARGIN * radius, (scene.profile.reach - radius) / 2.0)
         return radius, value.load
 
     def _take_zones(self, history: Stages, growth: Growth) -> Solution:
@@ -455,12 +474,12 @@ class ProfileRun(Run):
         self.values.update(
             zones=today.zones, stick_radius=today.stick_radius, total_shear=growth.total_shear
         )
-        moved = self.errors["contact_radius"]
-        of_stick = growth.stick_rate * moved
+        radius_error = self.errors["contact_radius"]
+        of_stick = growth.stick_rate * radius_error
         self.errors.update(
             zones=(today.error.zones or 0.0) + of_stick,
             stick_radius=(today.error.stick_radius or 0.0) + of_stick,
-            total_shear=growth.shear_error + growth.shear_rate * moved,
+            total_shear=growth.shear_error + growth.shear_rate * radius_error,
         )
         return today
 
@@ -485,11 +504,17 @@ class _RadiusPath:
         self._known = [*self._known, (math.log(value), math.log(radius))][-_POINTS:]
 
     def near(self, value: float) -> float | None:
-        """Return where the radius may be: a polynomial in logarithms through the last scenes."""
-        at = math.log(value)
-        known = [one for one in self._known if 0.0 < abs(one[0] - at) < _FARTHEST]
-        # `extrapolate` returns the value at 1; of equal places the last one counts
-        by_place = {1.0 + place - at: np.array(log_radius) for place, log_radius in known}
-        if len(by_place) < 2:
+        """Return a guess of the radius, or None if fewer than two scenes are known.
+
+        It is a polynomial in the logarithms.
+        """
+        target = math.log(value)
+        known = [one for one in self._known if 0.0 < abs(one[0] - target) < _FARTHEST]
+        # the latest first: of equal places the first one counts
+        places = [place for place, _ in known[::-1]]
+        log_radii = [np.array(log_radius) for _, log_radius in known[::-1]]
+        chosen = well_spaced(places, target)
+        if len(chosen) < 2:
             return None
-        return math.exp(float(extrapolate(list(by_place), list(by_place.values()))))
+        guess = value_at(target, [places[i] for i in chosen], [log_radii[i] for i in chosen])
+        return math.exp(float(guess))

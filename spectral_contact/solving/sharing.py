@@ -1,4 +1,4 @@
-"""What scenes that are solved one after another reuse: outcomes of steps, and first zones."""
+"""What scenes solved one after another share: outcomes of steps, and zones to start from."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
     from spectral_contact.spectral.parameters import Parameters
 
-#: Scenes are on one line if they are off it by less than this part of their largest distance.
+#: Scenes are on one line if their distance from it is less than this fraction of that along it.
 _COLLINEARITY = float(np.sqrt(np.finfo(float).eps))
 
 _T = TypeVar("_T")
@@ -36,7 +36,7 @@ class StepCache:
         self._steps: dict[str, tuple[tuple[object, ...], Any]] = {}
 
     def get(self, step: str, key: tuple[object, ...], make: Callable[[], _T]) -> _T:
-        """Return the outcome of a step, made anew if the latest one has another key.
+        """Return the outcome of a step, made anew unless the latest one has the same key.
 
         Parameters
         ----------
@@ -56,7 +56,10 @@ class StepCache:
 
 
 def log_parameters(parameters: Parameters) -> LogParameters:
-    """Return ``(ln alpha, ln beta, ln f)``, with minus infinity for 0."""
+    """Return ``(ln alpha, ln beta, ln f)``, with minus infinity where a parameter is 0.
+
+    f is f/kappa without elastic coupling.
+    """
     alpha, beta, _, friction = parameters
     log_alpha, log_beta, log_friction = (
         math.log(x) if x > 0.0 else -math.inf for x in (alpha, beta, friction)
@@ -68,15 +71,18 @@ class ZonePath:
     """The zones of the latest scenes of a path, and a prediction of those of the next one.
 
     Between neighbouring scenes the logits of the boundaries are smooth functions of the logarithms
-    of compliances and friction, or of the load ratio: along a line in these, a polynomial through
-    up to `PATH_POINTS` scenes is extrapolated. Only scenes with zones of the same states are kept.
+    of compliances and friction, or of the load ratio. Along a line in these, a polynomial through
+    up to `PATH_POINTS` scenes is extrapolated. Only scenes whose zones have the states of the
+    latest are kept.
     """
 
     def __init__(self) -> None:
         self._scenes: list[tuple[LogParameters, Layout]] = []
 
     def predict(self, target: LogParameters) -> Layout | None:
-        """Return zones to start from, or None if no scene is close enough.
+        """Return zones to start from.
+
+        None without a scene, or if a parameter changes by more than a factor of e.
 
         Parameters
         ----------
@@ -92,33 +98,37 @@ class ZonePath:
             return layout
         if not abs(longest) <= 1.0:  # a factor of e
             return None
-        times, logits = self._collinear_scenes(step)
-        predicted = extrapolate(times, logits)
-        if (np.diff(predicted) <= 0.0).any():  # boundaries would cross
+        times, layouts = self._collinear_scenes(step)
+        predicted = value_at(1.0, times, [np.array(one.logits) for one in layouts])
+        if not (np.diff(predicted) > 0.0).all():  # boundaries would cross
             return layout
-        jacobians = [scene.jacobian for _, scene in self._scenes[-2:] if scene.jacobian is not None]
-        if len(times) > 1 and len(jacobians) == 2:
-            layout = layout._replace(jacobian=extrapolate(times[:2], jacobians[::-1]))
+        jacobians = [one.jacobian for one in layouts[:2] if one.jacobian is not None]
+        if len(jacobians) == 2:
+            layout = layout._replace(jacobian=value_at(1.0, times[:2], jacobians))
         return layout._replace(logits=tuple(predicted.tolist()))
 
-    def _collinear_scenes(self, step: LogParameters) -> tuple[list[float], list[Array]]:
-        """Return times and boundaries of the latest scenes on the line of the next step, backward.
+    def _collinear_scenes(self, step: LogParameters) -> tuple[list[float], list[Layout]]:
+        """Return times and zones of the latest scenes on the line to the next one, latest first.
 
-        Time is 0 at the last scene, 1 at the next one, and negative before.
+        Time is 0 at the last scene, 1 at the next one, and negative before. Scenes that are too
+        close to each other are left out (`well_spaced`).
         """
         last, layout = self._scenes[-1]
         longest = max(step, key=abs)
         times = [0.0]
-        logits = [np.array(layout.logits)]
+        layouts = [layout]
         for parameters, earlier in reversed(self._scenes[:-1]):
             back = _difference(last, parameters)
+            if not all(map(math.isfinite, back)):  # a compliance is 0 in one scene only
+                break
             time = back[step.index(longest)] / longest
             off_line = max(abs(b - time * a) for a, b in zip(step, back, strict=True))
             if off_line > _COLLINEARITY * max(map(abs, back)) or time >= times[-1]:
                 break
             times.append(time)
-            logits.append(np.array(earlier.logits))
-        return times, logits
+            layouts.append(earlier)
+        chosen = well_spaced(times, 1.0)
+        return [times[i] for i in chosen], [layouts[i] for i in chosen]
 
     def add(self, parameters: LogParameters, layout: Layout | None) -> None:
         """Keep the zones of a scene; without zones all that was kept is dropped."""
@@ -130,12 +140,11 @@ class ZonePath:
 
 
 class StickPath:
-    """The stick radii of a growing contact, and a prediction of others between them.
+    """The stick radii of a growing contact, and a prediction at other contact radii.
 
-    A contact that grows changes ``alpha*`` and ``beta*``, which are compliances over the contact
-    radius, so that the coordinate of the path is the logarithm of the contact radius; once the
-    onset of slip is known, that of the distance from the onset. The logit of the stick radius is a
-    smooth function of it.
+    ``alpha*`` and ``beta*`` are compliances over the contact radius, so that the coordinate of the
+    path is the logarithm of that radius; or, once the onset of slip is known, that of the relative
+    distance from the onset. The logit of the stick radius is a smooth function of it.
 
     Parameters
     ----------
@@ -145,7 +154,7 @@ class StickPath:
     Attributes
     ----------
     onset : float or None
-        The contact radius at which slip begins, if it is known.
+        The contact radius at which slip begins; None or 0 if there is none or it is not known.
     """
 
     def __init__(self, alpha: float, beta: float) -> None:
@@ -155,7 +164,7 @@ class StickPath:
         self.onset: float | None = None
 
     def _coordinate(self, parameters: LogParameters) -> float | None:
-        """Return the coordinate of a scene; None before the onset, or if there is no compliance."""
+        """Return the coordinate of a scene; None up to the onset, or without compliance."""
         log_radius = self._log_compliance - (parameters[0] if self._uses_alpha else parameters[1])
         if not self.onset:
             return log_radius if math.isfinite(log_radius) else None
@@ -169,20 +178,19 @@ class StickPath:
             self._layouts[coordinate] = layout
 
     def predict(self, parameters: LogParameters) -> Layout | None:
-        """Return zones to start from, or None if fewer than two scenes are kept."""
+        """Return zones to start from; None up to the onset, or with fewer than two scenes."""
         coordinate = self._coordinate(parameters)
         if coordinate is None or len(self._layouts) < 2:
             return None
-        chosen: list[float] = []
-        for other in sorted(self._layouts, key=lambda other: abs(other - coordinate)):
-            # a polynomial through radii that differ by their errors alone leads anywhere
-            distance = abs(other - coordinate)
-            if all(4.0 * abs(other - nearer) >= distance for nearer in chosen):
-                chosen.append(other)
-        chosen = chosen[:PATH_POINTS]
-        logits = [np.array(self._layouts[other].logits) for other in chosen]
-        predicted = extrapolate([1.0 + other - coordinate for other in chosen], logits)
-        return self._layouts[chosen[0]]._replace(logits=tuple(predicted.tolist()))
+        kept = list(self._layouts)
+        coordinates = [kept[i] for i in well_spaced(kept, coordinate)][:PATH_POINTS]
+        nearest = self._layouts[coordinates[0]]
+        coordinates = [one for one in coordinates if self._layouts[one].states == nearest.states]
+        logits = [np.array(self._layouts[one].logits) for one in coordinates]
+        predicted = value_at(coordinate, coordinates, logits)
+        if not (np.diff(predicted) > 0.0).all():  # boundaries would cross
+            return nearest
+        return nearest._replace(logits=tuple(predicted.tolist()))
 
 
 def _difference(start: LogParameters, end: LogParameters) -> LogParameters:
@@ -190,13 +198,28 @@ def _difference(start: LogParameters, end: LogParameters) -> LogParameters:
     return tuple(0.0 if a == b else b - a for a, b in zip(start, end, strict=True))
 
 
-def extrapolate(times: list[float], values: list[Array]) -> Array:
-    """Return the polynomial through values at these times, at the time 1 (Neville)."""
+def well_spaced(places: list[float], target: float) -> list[int]:
+    """Return numbers of places from which to interpolate at a target, nearest first.
+
+    Errors of values at two places close to each other are amplified far from there. So a place is
+    left out if it is closer to a chosen one than a fraction of its distance from the target: half
+    of that at which as many equally spaced places as are used would be kept.
+    """
+    chosen: list[int] = []
+    for i in sorted(range(len(places)), key=lambda i: abs(places[i] - target)):
+        distance = abs(places[i] - target)
+        if all(2.0 * PATH_POINTS * abs(places[i] - places[j]) >= distance for j in chosen):
+            chosen.append(i)
+    return chosen
+
+
+def value_at(target: float, places: list[float], values: list[Array]) -> Array:
+    """Return the value at a target of the polynomial through values at places (Neville)."""
     values = list(values)
     for order in range(1, len(values)):
         for i in range(len(values) - order):
-            first = times[i]
-            last = times[i + order]
-            numerator = (1.0 - last) * values[i] - (1.0 - first) * values[i + 1]
+            first = places[i]
+            last = places[i + order]
+            numerator = (target - last) * values[i] - (target - first) * values[i + 1]
             values[i] = numerator / (first - last)
     return values[0]

@@ -1,4 +1,4 @@
-"""The one entry: plan, run the steps that the scene calls for, return the solution."""
+"""The entry point `solve`, and `Continuation` for many scenes: make a plan, and run its steps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from spectral_contact.solving.uncoupled_run import RadiusFriction, UncoupledRun
 from spectral_contact.threads import one_thread
 from spectral_contact.view.progress import ProgressLine
 
-#: Where no zones are found, they are looked for at tolerances that are looser by these factors.
+#: Factors by which the tolerance is loosened where no zones are found.
 _LOOSER = 10.0, 100.0
 
 
@@ -44,16 +44,15 @@ def solve(
         the edge included; from 1e-12 to 1e-2, and down to 1e-13 where only approach, total shear
         and stick radius are asked for.
     quantities : iterable of str, optional
-        What to compute, from `QUANTITIES`; by default everything the scene has but the thresholds
-        of the load, `reverse_ratio` and `turning_ratio`. The refinement
-        adapts to these quantities.
+        What to compute, from `QUANTITIES`; by default everything the scene has except the load
+        ratios `reverse_ratio` and `turning_ratio`. The refinement adapts to these quantities.
     max_unknowns : int
         Largest number of unknowns of one linear system.
     strict : bool
         Raise an error if the tolerance cannot be met (default); else return the best solution.
     progress : bool, optional
-        Whether long solves, as with friction under a profile, show progress (extra: progress);
-        by default on a terminal and in notebooks.
+        Whether long solves, such as friction under a profile, show a progress bar (needs the extra
+        `progress`); by default on a terminal and in notebooks.
 
     Returns
     -------
@@ -67,7 +66,8 @@ def solve(
         If the tolerance cannot be met, or no zones are found that obey the friction law; it carries
         the best solution and says what to do.
     NotComputedError
-        With a profile, if the contact cannot be followed as it grows; the message says why.
+        With a profile, if the contact cannot be followed as it grows; below the largest load, if
+        the state depends on its history or no zones are found. The message says why.
     MissingDependencyError
         If progress is wanted and tqdm is not installed.
     """
@@ -80,7 +80,7 @@ def solve(
     strict = checks.flag("strict", strict)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     if progress is not None:
-        # raises the errors of this argument before any work
+        # check this argument before any work
         ProgressLine(progress)
     run = _run(scene, todo, rtol, max_unknowns, StepCache(progress))
     with one_thread():
@@ -95,7 +95,7 @@ def solve(
 
 
 def _unmet(run: Run, solution: Solution) -> str:
-    """Return what is not within the tolerance: the largest estimate, or the friction law."""
+    """Return why a solution did not converge: no zones were found, or a tolerance is not met."""
     broken = solution.error.violation
     if solution.ending is Ending.ZONES and run.refusal:
         return run.refusal
@@ -107,7 +107,7 @@ def _unmet(run: Run, solution: Solution) -> str:
 
 
 def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -> Solution:
-    """Return the solution of a run, or one to a tighter tolerance if that knows more.
+    """Return the solution of a run, or one to a tighter tolerance that knows slip or zones better.
 
     The slip in a narrow zone is smaller than the fields by a power of its width, and may be less
     than their errors. So the scene is solved to tighter tolerances until a digit of the slip is
@@ -126,7 +126,7 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
     if solution.ending is Ending.UNKNOWNS or (run.refusal and run.scene.profile is not None):
         return solution
     rtol = tolerance = solution.rtol
-    least_unknown = _unknown(run)
+    least_unresolved = _unresolved(run)
     while closer_for_zones or run.slip_unresolved:
         closer = closer_tolerance(tolerance)
         if closer >= tolerance:
@@ -136,15 +136,17 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
         run = _run(run.scene, run.plan, tolerance, run.max_unknowns, shared)
         try:
             found = run.solution(rtol)
-        except NotComputedError:  # no zones are found at this tolerance
+        except NotComputedError:  # none at this tolerance: the one at hand is kept
             break
-        if found.converged and _unknown(run) < least_unknown:
-            least_unknown, solution = _unknown(run), found
+        unresolved = _unresolved(run)
+        if found.converged and (not solution.converged or unresolved < least_unresolved):
+            least_unresolved = unresolved
+            solution = found
         closer_for_zones = False
     return solution
 
 
-def _unknown(run: Run) -> tuple[bool, float]:
+def _unresolved(run: Run) -> tuple[bool, float]:
     """Return what a tighter tolerance should improve, to be compared in this order.
 
     First comes whether no digit of the slip is known, then the error of the zones.
@@ -157,15 +159,18 @@ def _from_looser(
 ) -> Solution | None:
     """Return the solution with zones that are found at a looser tolerance, if any are.
 
-    Next to a threshold of friction a search may fail by accident of rounding. The zones that a
-    looser tolerance finds are where the search at `rtol` begins then. If it fails again, the looser
-    solution is returned, which has converged only if its estimates meet `rtol`. Of 16 scenes whose
-    friction is within 1e-12 of a threshold, and that fail at rtol 1e-9 or 1e-12, all are solved.
+    Next to a threshold of friction a search may fail by accident of rounding. The search at `rtol`
+    then starts from the zones that a looser tolerance found. If it fails again, the looser solution
+    is returned, which has converged only if its estimates meet `rtol`. Of 16 scenes whose friction
+    is within 1e-12 of a threshold, and that fail at rtol 1e-9 or 1e-12, all are solved this way.
     """
     known = None
     for tolerance in sorted({min(factor * rtol, 1e-2) for factor in _LOOSER} - {rtol}):
         shared = StepCache(progress)
-        looser = _run(scene, todo, tolerance, max_unknowns, shared).solution(rtol)
+        try:
+            looser = _run(scene, todo, tolerance, max_unknowns, shared).solution(rtol)
+        except NotComputedError:  # none at this tolerance
+            continue
         if looser.ending is not Ending.ZONES:
             found = _run(scene, todo, rtol, max_unknowns, shared).solution()
             if found.ending is not Ending.ZONES:
@@ -186,7 +191,7 @@ def _zone_unknown(solution: Solution) -> bool:
 
 
 def _zone_missing(solution: Solution) -> bool:
-    """Return whether the error of the zones is that of a zone that is missing or too many."""
+    """Return whether the error of the zones is at least 1: one may be missing or superfluous."""
     zones = solution.error.zones
     return zones is not None and zones >= 1.0
 
@@ -215,7 +220,10 @@ class Continuation:
         self._shared = StepCache()
 
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
-        """Return the solution of the next scene, converged or not, and more quantities of it."""
+        """Return the solution of the next scene, converged or not, with `more` quantities.
+
+        Raises `NotComputedError` as `solve` does.
+        """
         asked = scene
         scene = with_positive_kappa(asked)
         todo = plan(scene, (*self._quantities, *more))

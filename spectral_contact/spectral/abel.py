@@ -207,13 +207,31 @@ def abel_right_far_blocks(
     """
     g, _ = gauss_rule(degree + EXTRA)
     start = to_end[:, None] + width * np.arange(1, max(panels - 1, 1))
-    # u is so large that 1 - exp(-u) loses no digits, and exp(-u) is a product of two factors
     step = width * (1.0 + g) / 2.0
-    values = np.exp(-start)[:, :, None] * np.exp(-step)
-    np.sqrt(np.subtract(1.0, values, out=values), out=values)
-    np.divide((width / 4) * np.exp(-(1.0 + power) * step), values, out=values)
-    values *= np.exp(-(1.0 + power) * start)[:, :, None]
-    return np.asarray(values @ legendre_projection_matrix(len(g), degree))
+    rate = 1.0 + power
+    blocks = _smooth_blocks(start, step, width / 4 * np.exp(-rate * step), degree)
+    return np.asarray(np.exp(-rate * start)[:, :, None] * blocks)
+
+
+def _smooth_blocks(start: Array, step: Array, weights: Array, degree: int) -> Array:
+    """Return sums of Legendre polynomials times ``weights / sqrt(1 - exp(-u))`` over Gauss points.
+
+    The distance ``u = start + step`` is so large that ``1 - exp(-u)`` loses no digits, and
+    ``exp(-u)`` is a product of two factors.
+
+    Parameters
+    ----------
+    start : ndarray, shape (n, panels)
+        Distance in ``x`` from each point to each panel.
+    step, weights : ndarray, shape (degree + EXTRA,)
+        Further distance to each Gauss point, and what the kernel is multiplied by there.
+    degree : int
+        Highest Legendre degree.
+    """
+    kernel = np.exp(-start)[:, :, None] * np.exp(-step)
+    np.sqrt(np.subtract(1.0, kernel, out=kernel), out=kernel)
+    np.divide(weights, kernel, out=kernel)
+    return np.asarray(kernel @ legendre_projection_matrix(len(step), degree))
 
 
 def abel_left_blocks(
@@ -249,13 +267,11 @@ def abel_left_blocks(
         ends = 2.0 * offset / width, 2.0 * end / width
         blocks[:, k] = legendre_sums_between(values, *ends, degree)
         lower, upper = upper, upper + width
-    if panels > 2:  # smooth kernels, as in `abel_right_far_blocks`
+    if panels > 2:
         offset = width * (1.0 + g) / 2.0
         start = from_start[:, None] + width * np.arange(2, panels)
-        values = np.exp(-start)[:, :, None] * np.exp(offset)
-        np.sqrt(np.subtract(1.0, values, out=values), out=values)
-        np.divide((width / 4) * np.exp(-(0.5 + power) * offset), values, out=values)
-        blocks[:, 2:] = values @ legendre_projection_matrix(len(g), degree)
+        far_weights = width / 4 * np.exp(-(0.5 + power) * offset)
+        blocks[:, 2:] = _smooth_blocks(start, -offset, far_weights, degree)
     return blocks
 
 

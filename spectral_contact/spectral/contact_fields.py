@@ -433,12 +433,11 @@ class ContactFields:
 
         The load of all parts has to be 1, and each is taken to have the same relative error.
         """
-        loads = [
-            2.0 * np.pi * float(load @ pressure[:, 0])
-            for load, pressure in zip(self.loads, self.known_pressure, strict=True)
-        ]
-        slip = [load for load, part in zip(loads, self.parts, strict=True) if not part.sticks]
-        return abs(sum(loads) - 1.0) * sum(self.parameters.friction * load for load in slip)
+        pairs = zip(self.loads, self.known_pressure, strict=True)
+        loads = 2.0 * np.pi * np.array([load @ pressure[:, 0] for load, pressure in pairs])
+        slips = [not part.sticks for part in self.parts]
+        in_slip = (self.parameters.friction * loads)[slips].sum()
+        return float(in_slip * abs(loads.sum() - 1.0))
 
     # rows that act on vectors
 

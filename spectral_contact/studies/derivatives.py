@@ -454,7 +454,20 @@ class _Slopes:
         if scene.normal_compliance == 0.0:
             return self._constant(math.nan, _SINGULAR if couples else _NOT_AT_ZERO)
         known = self._by_itself(name) if couples else None
-        return self._constant(*known) if known else self._compared("pressure", name)
+        if known is not None:
+            return self._constant(*known)
+        if couples and self._boundaries_move_rigidly:
+            return self._constant(math.nan, _RIGID)
+        return self._compared("pressure", name)
+
+    @property
+    def _boundaries_move_rigidly(self) -> bool:
+        """Whether boundaries move without tangential compliance.
+
+        The derivatives of the fields are then singular at the boundary. `ZoneDerivatives` has them
+        at fixed boundaries, except for one stick disk under a known pressure.
+        """
+        return len(self.kinds) > 1 and self.scene.tangential_compliance == 0.0
 
     def _traction(self, name: str) -> FieldDerivative:
         assert self.places is not None
@@ -468,7 +481,7 @@ class _Slopes:
         smooth = scene.normal_compliance == 0.0
         if smooth and scene.couples:
             return self._constant(math.nan, _SINGULAR)
-        if len(self.kinds) > 1 and scene.tangential_compliance == 0.0 and (smooth or scene.couples):
+        if self._boundaries_move_rigidly and (smooth or scene.couples):
             return self._constant(math.nan, _RIGID)
         return self._compared("traction", name)
 

@@ -107,7 +107,9 @@ def requested(
         scalars = _PROFILE_SCALARS if shaped else SCALARS
         asked = frozenset((*scalars, *ADHESION_QUANTITIES * adhesive))
     else:
-        asked = asked_quantities(quantities, shaped=shaped, adhesive=adhesive, unloaded=unloaded)
+        asked = asked_quantities(
+            quantities, has_profile=shaped, adhesive=adhesive, unloaded=unloaded
+        )
     if not asked:
         raise SceneError("quantities", [], "at least one name")
     chosen = tuple(one.name for one in OUTPUTS if one.name in asked)

@@ -23,6 +23,7 @@ ZONES = {
     "free_boundary",
     "layout",
     "pressure_loads",
+    "relative_changes",
     "slip_displacement",
     "stick_radius",
     "zone_problem",

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spectral_contact.contact.error_estimate import relative_size
 from spectral_contact.contact.free_boundary import (
     FieldSolution,
     FreeBoundary,
@@ -52,7 +51,7 @@ CASES = [
 def newton_of(problem, logits):
     """Return Newton's method in the first space of a problem."""
     spaces = problem.spaces(TOLERANCE, logits)
-    return FreeBoundary(lambda at: problem.system(spaces, at), relative_size)
+    return FreeBoundary(lambda at: problem.system(spaces, at))
 
 
 def residual_at(problem, logits):
@@ -61,7 +60,7 @@ def residual_at(problem, logits):
 
     def residual(at):
         fields = FieldSolution.first(factored(problem.system(spaces, at)))
-        return corrected(fields, 1e-12, relative_size).fields.boundary_residual
+        return corrected(fields, 1e-12).fields.boundary_residual
 
     return residual
 
@@ -146,7 +145,7 @@ def test_boundaries_stay_in_order():
         seen.append(at)
         return problem.system(spaces, at)
 
-    newton = FreeBoundary(system_at, relative_size)
+    newton = FreeBoundary(system_at)
     start = newton.start(logits, np.diag([1e-3, -1e-3]))  # steps of a hundred, to each other
     newton.solve(start, 1e-8, 1e-8)
     assert len(seen) > 2
@@ -185,11 +184,11 @@ def test_fields_are_corrected_with_the_factors_of_other_boundaries(make, known):
     system = problem.system(spaces, logits)
     own = FieldSolution.first(factored(system))
     other = FieldSolution.first(factored(problem.system(spaces, logits + 0.02)))
-    exact = corrected(own, 1e-12, relative_size)
-    found = corrected(replace(other, system=system), 1e-9, relative_size)
+    exact = corrected(own, 1e-12)
+    found = corrected(replace(other, system=system), 1e-9)
     assert found.remaining < 1e-9
     change = found.fields.values - exact.fields.values
-    assert relative_size(exact.fields, change) < 1e-9
+    assert exact.fields.relative_size(change) < 1e-9
     assert found.fields.boundary_residual == pytest.approx(
         exact.fields.boundary_residual, rel=1e-7, abs=1e-9
     )

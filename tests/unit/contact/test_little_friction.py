@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from spectral_contact.contact.error_estimate import relative_changes
 from spectral_contact.contact.little_friction import full_slip_problem
+from spectral_contact.contact.relative_changes import relative_changes
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.parameters import Parameters

@@ -35,7 +35,7 @@ def test_no_root_is_an_error_that_says_on_which_side():
 
 def test_a_function_that_only_nears_zero_has_no_root():
     with pytest.raises(NoStickDiskError):
-        enclosed_root(lambda x: -math.exp(-x), 11.2)
+        enclosed_root(lambda x: -math.exp(-x), 11.2, 1e-5)
 
 
 #: ``1 - c`` at alpha* = 1, beta* = 0.5, nu = 0.3, by `reference` to 20 digits.

@@ -1,11 +1,13 @@
 """Zones below the largest load: candidates, growth, and the loads at which something changes."""
 
+import math
+from copy import copy
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from spectral_contact import Scene
+from spectral_contact import NotComputedError, Scene, solve
 from spectral_contact.contact import unloading
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.unloading import HistoryError, LoadRatio, Unloading
@@ -124,3 +126,27 @@ def test_the_reverse_ratio_is_just_below_where_cycles_shake_down(from_largest_lo
     assert isinstance(found, LoadRatio)
     assert abs(found.value / 0.2221247691538 - 1.0) <= found.error
     assert found.error < 1e-6
+
+
+def test_a_margin_that_does_not_follow_the_load_has_no_reverse_ratio(
+    from_largest_load, monkeypatch
+):
+    monkeypatch.setattr(unloading, "_reverse_margin", lambda solved: 1e-3)
+    fresh = copy(from_largest_load)
+    vars(fresh).pop("_onset_of_reverse_slip", None)
+    with pytest.raises(NoZonesError, match="does not follow the load"):
+        _ = fresh.reverse_ratio
+
+
+def test_forward_slip_narrower_than_a_ring_is_found_at_lower_loads():
+    """Next to the critical friction rings show no slip at 3/4 of the load."""
+    stick = Scene(0.1, 0.5, 0.5, math.inf)
+    critical = solve(stick, 1e-9, ["critical_friction"]).critical_friction
+    scene = stick.replace(friction=0.99 * critical, unloaded_to=0.6)
+    found = solve(scene, 1e-6, ["total_shear", "zones"])
+    assert [zone.kind for zone in found.zones] == ["stick", "slip", "stick"]
+    closer = solve(scene, 1e-8, ["total_shear", "zones"])
+    assert abs(found.total_shear / closer.total_shear - 1.0) <= found.error.total_shear
+    # next to 1 the zone is too narrow to be found, and the refusal says what was tried
+    with pytest.raises(NotComputedError, match="on rings"):
+        solve(scene.replace(unloaded_to=0.9), 1e-6, ["total_shear"])

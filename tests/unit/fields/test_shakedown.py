@@ -53,7 +53,7 @@ def test_limits_are_exact(scene, ratio):
         (SCENE.replace(friction=None), "the scene has no friction coefficient"),
         (
             Scene(0.1, friction=0.1, profile=Parabola(1.0), load=0.1),
-            "it is not computed of growing contacts",
+            "it is not computed for growing contacts",
         ),
     ],
 )

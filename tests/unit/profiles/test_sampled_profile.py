@@ -174,3 +174,44 @@ def test_the_hull_of_convex_points_is_these_points():
     assert line.heights[1] == pytest.approx(line.radii[1])
     with pytest.raises(SceneError, match="above 0 where the profile ends"):
         profiles.hull_of_points([0.0, 1.0, 2.0], [0.0, -1.0, -2.0])
+
+
+def steep_sample():
+    """Return a profile whose slope at the reach is 1e12 times that next to the centre."""
+    return profiles.Sampled.from_functions(
+        lambda r: (np.cosh(30.0 * r) - 1.0) / 30.0,
+        lambda r: np.sinh(30.0 * r),
+        reach=1.0,
+        rounded=True,
+    )
+
+
+def test_no_digit_is_known_where_the_slope_is_below_its_error():
+    """The error of the series of the slope is relative to its largest value."""
+    found = solve(Scene(0.3, profile=steep_sample(), contact_radius=1e-4), 1e-6, strict=False)
+    assert not found.converged
+    assert found.error.pressure == np.inf
+
+
+def test_with_coupling_the_error_of_a_sampled_profile_is_part_of_the_estimates():
+    scene = Scene(0.3, 0.01, 0.01, np.inf, profile=steep_sample(), contact_radius=0.3)
+    uncoupled = solve(scene, 1e-3, ["load"])
+    coupled = solve(scene.replace(coupling=True), 1e-3, ["load"])
+    by_profile = steep_sample()._relative_error(0.3)
+    assert by_profile > 1e-6
+    assert uncoupled.error.load >= by_profile
+    assert coupled.error.load >= by_profile
+
+
+def test_heights_next_to_the_centre_and_to_a_break_have_digits():
+    """A difference of integrals has none there, and contacts that grow were refused."""
+    smooth = profiles.Sampled.from_functions(
+        lambda r: np.cosh(r) - 1.0, np.sinh, reach=1.0, rounded=True
+    )
+    for radius in (1e-8, 1e-4, 0.5):
+        expected = 2.0 * np.sinh(radius / 2.0) ** 2
+        assert smooth.height(radius) == pytest.approx(expected, rel=1e-15 / radius + 1e-15)
+    coupled = Scene(0.2, friction=0.3, coupling=True, profile=smooth, contact_radius=0.1)
+    found = solve(coupled, 1e-5, ["load"])
+    parabola = solve(coupled.replace(profile=profiles.Parabola(1.0)), 1e-5, ["load"])
+    assert found.load == pytest.approx(parabola.load, rel=0.1**2)

@@ -16,7 +16,9 @@ from spectral_contact import (
     StepState,
     cache_sizes,
     clear_caches,
+    layers,
     plan,
+    profiles,
     solve,
 )
 from spectral_contact.quantities import FULL_STICK_RATIOS
@@ -46,6 +48,11 @@ def states(scene, quantities=None):
     steps = plan(scene, quantities).steps
     assert tuple(step.name for step in steps) == STEPS
     return tuple(step.state for step in steps)
+
+
+def reason_of(a_plan, name):
+    [reason] = [step.reason for step in a_plan.steps if step.name == name]
+    return reason
 
 
 @pytest.mark.parametrize(
@@ -106,14 +113,32 @@ def test_every_step_has_a_reason(name):
         ("full stick", "partial slip", "infinite"),
         ("friction zero", "partial slip", "everything slips"),
         ("Coulomb", "partial slip", "below the critical"),
-        ("Coulomb, no tangential compliance", "partial slip", "always slips"),
+        ("Coulomb, no tangential compliance", "partial slip", "at any finite friction"),
         ("smooth", "normal contact", "closed form"),
         ("incompressible", "full stick", "nu = 0.5"),
     ],
 )
 def test_reasons_say_why(name, step, words):
-    reasons = {one.name: one.reason for one in plan(SCENES[name]).steps}
-    assert words in reasons[step]
+    assert words in reason_of(plan(SCENES[name]), step)
+
+
+def test_full_stick_decides_on_slip_only_where_something_depends_on_it():
+    for asked, reason in (
+        (("traction",), "decides whether there is slip"),
+        (("critical_friction", "approach"), "a ratio q/p of full stick is asked for"),
+    ):
+        assert reason_of(plan(SCENES["Coulomb"], asked), "full stick") == reason
+
+
+@pytest.mark.parametrize(
+    ("compliance", "reason"),
+    [
+        (0.0, "the approach alone; closed form, the surface is smooth"),
+        (0.5, "the approach alone, at low degree"),
+    ],
+)
+def test_only_the_series_of_a_surface_that_is_not_smooth_has_a_degree(compliance, reason):
+    assert reason_of(plan(Scene(0.1, compliance), ("approach",)), "normal contact") == reason
 
 
 @every_scene
@@ -293,3 +318,88 @@ def test_the_plan_says_which_model_runs_and_why(scene, words):
 def test_slip_with_coupling_has_all_fields():
     solution = solve(COUPLED, 1e-3)
     assert set(dict(solution.plan.missing)) == {"shakedown_ratio"}
+
+
+def test_at_friction_0_the_ratios_are_those_of_coupled_full_stick():
+    frictionless = Scene(0.3, 0.5, 0.5, 0.0, coupling=True)
+    for asked in (None, ("critical_friction",)):
+        reason = reason_of(plan(frictionless, asked), "elastic coupling")
+        assert reason == "the ratios q/p are those of coupled full stick"
+    assert "no traction acts back" in reason_of(plan(frictionless, ("slip",)), "elastic coupling")
+
+
+# --- profiles -------------------------------------------------------------------------------------
+
+
+def sphere(poisson_ratio, friction, **options):
+    profile = profiles.Sphere(1.0)
+    return Scene(poisson_ratio, 0.5, 0.5, friction=friction, profile=profile, load=0.01, **options)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3, math.inf])
+@pytest.mark.parametrize("coupling", [False, True])
+def test_where_the_pressure_drives_no_traction_no_contact_grows_with_friction(friction, coupling):
+    planned = plan(sphere(0.5, friction, coupling=coupling))
+    reason = "at nu = 0.5 the pressure drives no traction: all stick, q = 0"
+    assert reason_of(planned, "growing contact") == reason
+    assert planned.steps[-1].state is NO
+    assert {"traction", "zones"} <= set(planned.quantities)
+
+
+def test_a_growing_contact_says_why_friction_is_skipped():
+    assert "everything slips" in reason_of(plan(sphere(0.3, 0.0)), "growing contact")
+    alone = plan(sphere(0.3, 0.3), ("approach",))
+    assert "depends on the traction" in reason_of(alone, "growing contact")
+    assert plan(sphere(0.3, 0.3)).steps[-1].state is RUN
+
+
+def test_slip_of_a_growing_contact_is_missing_at_friction_0_alone():
+    missing = dict(plan(sphere(0.3, 0.0)).missing)
+    assert missing["slip"] == "it is not computed at friction 0 under a profile"
+    assert missing["edge_ratio"] == "it is not computed for growing contacts"
+    assert "slip" in plan(sphere(0.3, 0.3)).quantities
+
+
+def test_a_flat_punch_given_as_a_profile_has_no_slip():
+    layer = layers.Exponential(1.0, 0.1)
+    scene = Scene(0.3, friction=math.inf, profile=profiles.Flat(1.0), load=0.01, layer=layer)
+    missing = dict(plan(scene).missing)
+    reason = "it is not computed under a flat punch that is given as a profile"
+    assert missing["slip"] == missing["critical_friction"] == reason
+
+
+# --- below the largest load -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("step", ["unloading", "load ratios"])
+def test_only_what_is_proportional_to_the_load_is_multiplied_by_the_load_ratio(step):
+    scene = Scene(0.3, 0.5, 0.5, 0.05, unloaded_to=0.5)
+    reason = "nothing asked for depends on slip"
+    assert reason_of(plan(scene, ("critical_friction",)), step) == reason
+    both = reason_of(plan(scene, ("critical_friction", "approach")), step)
+    assert both == f"{reason}; what is proportional to the load is multiplied by the load ratio"
+
+
+@pytest.mark.parametrize("friction", [0.0, math.inf])
+def test_without_a_limit_of_stick_no_load_ratio_takes_a_solve(friction):
+    scene = Scene(0.3, 0.5, 0.5, friction, unloaded_to=0.5)
+    planned = plan(scene, ("reverse_ratio",))
+    assert {step.state for step in planned.steps} == {NO}
+    solution = solve(scene, 1e-4, ("reverse_ratio",))
+    assert not solution.work.steps
+    assert "reverse_ratio" in dict(solution.plan.missing)
+
+
+def test_at_friction_0_there_is_no_unloading_although_the_slip_is_asked_for():
+    planned = plan(Scene(0.3, 0.5, 0.5, 0.0, unloaded_to=0.5), ("slip", "reverse_ratio"))
+    assert reason_of(planned, "slip displacement") == "the slip is asked for"
+    for name in ("unloading", "load ratios"):
+        assert reason_of(planned, name).startswith("at friction 0 everything slips")
+
+
+def test_the_load_ratios_are_planned_where_they_are_asked_for():
+    scene = Scene(0.3, 0.5, 0.5, 0.05, unloaded_to=0.5)
+    assert reason_of(plan(scene), "load ratios") == "no load ratio is asked for"
+    asked = plan(scene, ("turning_ratio",)).steps[-1]
+    assert asked.state is IF
+    assert "a slip zone begins to shrink" in asked.reason

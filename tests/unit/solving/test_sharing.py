@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact import QUANTITIES, Scene, SceneError, solve
+from spectral_contact import QUANTITIES, Scene, SceneError, profiles, solve, sweep
 from spectral_contact.contact import zone_problem
 from spectral_contact.contact.layout import Layout
 from spectral_contact.solving.sharing import StickPath, ZonePath
@@ -188,6 +188,31 @@ def test_the_path_is_a_polynomial_through_its_last_scenes():
     # zones of another kind begin anew
     path.add((0.0, 0.0, 0.0), Layout((0.0,), (0, 1), slopes[:1, :1]))
     assert path.predict((0.0, 0.0, 0.1)).logits == (0.0,)
+
+
+def test_a_compliance_that_was_zero_is_on_no_line():
+    """Its logarithm is infinite; scenes after it were said to have boundaries that are NaN."""
+    path = ZonePath()
+    for beta, logit in ((0.0, -1.0), (0.05, 0.3)):
+        path.add((0.0, math.log(beta) if beta else -math.inf, 0.0), Layout((logit,), (0, 1)))
+    assert path.predict((0.0, math.log(0.06), 0.0)).logits == (0.3,)
+    # nor is one on the line of friction
+    assert path.predict((0.0, math.log(0.05), 0.2)).logits == (0.3,)
+    frictions = Scene(0.3, 0.3, friction=0.1)
+    found = sweep(frictions, tangential_compliance=[0, 0.05, 0.06, 0.07], rtol=1e-6)
+    assert (found.ending == "converged").all()
+
+
+def test_scenes_next_to_each_other_do_not_lead_far_away():
+    path = ZonePath()
+    for k, friction in enumerate([0.1, 0.2, 0.2 * (1.0 + 1e-9)]):
+        path.add(place(friction), Layout((math.log(friction) + (-1) ** k * 1e-6,), (0, 1)))
+    assert path.predict(place(0.3)).logits[0] == pytest.approx(math.log(0.3), abs=1e-4)
+    d = 1e-12
+    loads = [1.0, 1.0 + d, 1.0 + 3 * d, 1.0 + 7 * d, 1.0 + 13 * d, 2.0]
+    scene = Scene(0.3, 0.3, friction=0.0, profile=profiles.Parabola(1.0), load=1.0)
+    found = sweep(scene, load=loads, quantities=["approach"], rtol=1e-5)
+    assert (found.ending == "converged").all()
 
 
 def test_radii_of_a_growing_contact_that_differ_by_their_errors_lead_nowhere():

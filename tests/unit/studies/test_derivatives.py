@@ -399,6 +399,12 @@ def test_where_those_of_fields_are_not_known_they_say_so():
         one = smooth.fields[quantity, "normal_compliance"]
         assert one.value.shape == ()
         assert (math.isnan(one.value), one.error, one.note) == (True, math.inf, "not computed at 0")
+    # the traction is singular where a stick boundary moves, and moves the pressure with coupling
+    rigid = Scene(0.0, 0.3, 0.0, 0.4, coupling=True)
+    own = solve(rigid, 1e-3).sensitivity(["friction", "normal_compliance"], s=[0.05, 0.9])
+    for one in own.fields.values():
+        assert np.isnan(one.value).all()
+        assert "where zones move" in one.note
     slides = solve(Scene(0.3, 0.5, 0.5, 0.0), 1e-3).sensitivity(["friction"], from_edge=[0.5, 0.1])
     one = slides.fields["traction", "friction"]
     np.testing.assert_allclose(one.value, solve(Scene(0.3, 0.5), 1e-12).pressure([0.5, 0.9]), 1e-12)

@@ -1,0 +1,80 @@
+"""Changes of the fields of a contact, relative to the fields themselves, on every panel."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spectral_contact.contact.resolution import relative_panel_changes
+from spectral_contact.contact.tuning import ROUNDING
+from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
+from spectral_contact.fields.series import Array
+from spectral_contact.spectral.transforms import series_of
+
+if TYPE_CHECKING:
+    from spectral_contact.spectral.contact_system import ContactSystem
+
+
+def relative_changes(system: ContactSystem, values: Array, change: Array) -> list[Array]:
+    """Return a change of the unknown fields on every panel, relative to the fields there.
+
+    Parameters
+    ----------
+    system : ContactSystem
+    values, change : ndarray, shape (unknowns,)
+        The vector of the system, and a change of it.
+    """
+    alpha, beta, _, _ = system.parameters
+    # in a part where one field is singular at the edge, both are their leading terms deep down
+    singular_parts = {field.part for field in system.fields if field.panels.power}
+    changes = []
+    for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
+        part = system.parts[field.part]
+        extent = part.mesh.extent
+        leading = inf
+        if field.part in singular_parts:
+            leading = leading_depth(alpha, beta, extent)
+        cutoff = inf
+        if part.boundary >= 0:
+            cutoff = rounding_depth(part.mesh.boundary, extent)
+        changes.append(
+            relative_panel_changes(
+                field.panels,
+                field.coefficients(change),
+                size,
+                leading_depth=leading,
+                cutoff_depth=cutoff,
+            )
+        )
+    return changes
+
+
+def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
+    """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
+
+    The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
+    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. Where slip that is
+    over has displaced what sticks, u changes sign, too, and the size is ``f p/s``, the most that u
+    can be. The traction in a regularising disk, which has the compliance ``1/eps``, is rounding
+    that changes no other field: the size of this field, the last one, is infinite.
+    """
+    _, beta, kappa, friction = system.parameters
+    sizes = [
+        series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
+    ]
+    changes_sign = any((size * size[0] <= 0.0).any() for size in sizes)
+    if changes_sign and not (system.pressure_known or system.radii):  # in full stick
+        pressure, shear = sizes
+        sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
+    if beta == 1.0 / ROUNDING:
+        sizes[-1][:] = inf
+    if system.known_displacement:
+        pressures, _ = system.series(values)
+        for i, field in enumerate(system.fields):
+            if field.part in system.known_displacement:
+                series = pressures[field.part]
+                radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
+                sizes[i] = friction * series.at_ends() / radii
+    return sizes
