@@ -156,8 +156,6 @@ def test_a_layer_and_a_spring_fill_the_total_overclosure(layer, total):
         (layers.CalculixExponential(1e-3, 0.01), PUNCH, {"load": 1e-305}),
         (layers.Exponential(1e-3, 0.01), profiles.Parabola(10.0), {"load": 1e-30}),
         (layers.PowerLaw(1.0, 10.0), BALL, {"contact_radius": 1e-16}),
-        (layers.PowerLaw(1.0, 10.0), BALL, {"approach": 1e-30}),
-        (layers.PowerLaw(1.0, 10.0), PUNCH, {"approach": 1e-31}),
     ],
 )
 def test_a_pressure_below_rounding_is_refused_by_the_name_of_what_is_given(layer, profile, given):
