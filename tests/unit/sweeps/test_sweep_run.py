@@ -1,5 +1,6 @@
 """Sweeps: the same numbers as `solve`, in named dimensions, whatever happens to single scenes."""
 
+import itertools
 import math
 
 import numpy as np
@@ -107,12 +108,6 @@ def test_one_scene_is_a_dataset_without_dimensions():
     assert float(found.approach) == pytest.approx(0.2929597969104781, rel=1e-8)
 
 
-def test_an_array_without_dimensions_is_one_number():
-    found = sweep(BASE, normal_compliance=np.array(1.0), quantities=["approach"])
-    assert found.approach.dims == ()
-    assert float(found.approach) == pytest.approx(0.452701390869753, rel=1e-8)
-
-
 def test_a_scene_that_fails_is_recorded_and_the_rest_goes_on(monkeypatch):
     original = Continuation.solve
 
@@ -188,6 +183,7 @@ def test_bad_input_is_named(arguments, message):
     [
         ([], {}, "scenes = []: must be at least one Scene"),
         ([BASE, 3], {}, "scenes[1] = 3: must be a Scene"),
+        (itertools.repeat(3), {}, "scenes[0] = 3: must be a Scene"),  # without end
         (3, {}, "scenes = 3: must be a Scene or a list of them"),
         ([BASE], {"friction": [0.1]}, "friction = [0.1]: must be None with a list of scenes"),
     ],
