@@ -48,5 +48,5 @@ def test_large_exponents():
 
 @pytest.mark.parametrize("exponent", [0.5001, 0.51])
 def test_a_pull_off_beyond_all_radii_is_refused_by_name(exponent):
-    with pytest.raises(ValueError, match="coefficient, exponent, work_of_adhesion = .*radius"):
+    with pytest.raises(ValueError, match=r"coefficient, exponent, work_of_adhesion = .*radius"):
         cf.power_law_pull_off(1.0, exponent, 1e10)
