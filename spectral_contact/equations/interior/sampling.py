@@ -19,7 +19,7 @@ from spectral_contact.equations.interior.mesh import (
     Grading,
     Rule,
 )
-from spectral_contact.equations.interior.patches import Relative, interpolate
+from spectral_contact.equations.interior.patches import Relative, interpolate, narrow_intervals
 from spectral_contact.fields import Array
 
 #: Down to these tolerances rules, and polynomials of so many nodes where points are many, serve.
@@ -141,7 +141,8 @@ class Sampler:
             return sums
 
         sums = Integrals.empty(len(points.r))
-        left = interpolate(points, rtol, order, at_nodes, measure, sums)
+        narrow = narrow_intervals(self._ends.places)
+        left = interpolate(points, rtol, order, at_nodes, measure, sums, narrow)
         sums.put(left, direct(self.mesh(rules), points[left]))
         missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
         if missed.any() and rules is not TIGHT:
