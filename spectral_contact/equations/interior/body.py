@@ -489,7 +489,8 @@ class Inside:
         ------
         NotComputedError
             If the approach or the slip was not asked for; with friction under a profile, as it
-            dissipates while the contact grows; of one of two elastic bodies.
+            dissipates while the contact grows; below the largest load after slip; of one of two
+            elastic bodies.
         """
         if self._solution.scene.mismatch is not None:
             raise NotComputedError("energies", "the load does work on both bodies together")
