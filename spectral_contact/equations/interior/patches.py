@@ -35,8 +35,8 @@ _WIDTH = np.array([3.0, np.pi / 2.0])
 _SMALLEST = 2.0**-9
 #: A cell is cut in both directions if the better one has this share of what the worse one lacks.
 _ALSO = 0.05
-#: Nodes of a cell resolve an interval between two boundaries of zones that is this share of it; of a
-#: narrower one, points within so many times its width are not interpolated.
+#: Nodes of a cell resolve an interval between two boundaries of zones that is this share of it;
+#: next to a narrower one, points within so many times its width are not interpolated.
 _RESOLVED, _AROUND = 0.25, 8.0
 #: Cells whose nodes are evaluated together, which bounds the memory.
 _TOGETHER = 64
