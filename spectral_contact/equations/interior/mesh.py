@@ -27,8 +27,8 @@ AXIS = 1e-30
 _NEAR = 1.0
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
-#: Depths below are none. Next to an infinite pressure stress varies over the distance from it, which
-#: is at least 1e-16, and like a power of it down to -3/2. Fourth powers of depths must not
+#: Depths below are none. Next to an infinite pressure stress varies over the distance from it,
+#: which is at least 1e-16, and like a power of it down to -3/2. Fourth powers of depths must not
 #: underflow.
 _SHALLOWEST = 1e-40
 #: Points served at a time, for the memory; on the surface each has many nodes: for the cache.
