@@ -154,7 +154,7 @@ class Sampler:
         on = points.on_surface
         pressure, traction = self._surface(points[on])
         sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += np.maximum(pressure, self._floors[0])
+        sums.of_pressure[0, on] += np.maximum(np.abs(pressure), self._floors[0])
         sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
         return sums
 
