@@ -23,7 +23,6 @@ from spectral_contact.solution import (
     SLIP_FIELD,
     ZONE_SEARCH,
     Ending,
-    PlannedStep,
     StepState,
 )
 from spectral_contact.solving.asked import closer_tolerance
@@ -78,10 +77,9 @@ class CoupledRun(Run):
         if "pressure" in self.plan.quantities:
             self.values["opening"] = stick.opening
         if stick.opening is not None:
-            self.updated_steps[COUPLING] = PlannedStep(
-                COUPLING,
-                StepState.RUN,
+            self.ran(
                 f"one system; the contact would open within {stick.opening:.3g} of the edge",
+                COUPLING,
             )
         if states[PARTIAL_SLIP] is StepState.SKIPPED:
             return
@@ -145,7 +143,7 @@ class CoupledRun(Run):
             if larger_radii:
                 radii = ", ".join(f"{radius:.3g}" for radius in larger_radii)
                 reason += f"; a larger stick radius may satisfy the friction law, too: {radii}"
-        self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, reason)
+        self.ran(reason, COUPLING)
 
     def _searched_zones(
         self, search: CoupledSearch, max_onset_distance: float
@@ -200,9 +198,7 @@ class CoupledRun(Run):
         else:
             violation = best.violation
             self.store(replace(best, consistent=False), 1.0)
-            self.updated_steps[PARTIAL_SLIP] = PlannedStep(
-                PARTIAL_SLIP, StepState.RUN, self.refusal
-            )
+            self.ran(self.refusal, PARTIAL_SLIP)
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * violation
         self.errors.update(

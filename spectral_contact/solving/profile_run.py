@@ -13,6 +13,7 @@ import numpy as np
 from spectral_contact.contact.contact_radius import Contact, find_radius, value_of
 from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
+from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles import Flat
@@ -25,7 +26,6 @@ from spectral_contact.solution import (
     PROFILE_QUANTITIES,
     Ending,
     Plan,
-    PlannedStep,
     Solution,
     StepState,
 )
@@ -132,7 +132,7 @@ class ProfileRun(Run):
                 self.errors[name] = math.inf
         self.refusal = refusal
         reason = f"full stick at all times; {refusal}"
-        self.updated_steps[GROWTH] = PlannedStep(GROWTH, StepState.RUN, reason)
+        self.ran(reason, GROWTH)
         self.endings.append(Ending.ZONES)
 
     def _has_growth_step(self, states: dict[str, StepState]) -> bool:
@@ -326,7 +326,10 @@ class ProfileRun(Run):
     def _check(self, found: Indentation) -> None:
         """Raise if the overclosure exceeds the limit of the layer's law."""
         layer = self.scene.layer
-        if layer is None or found.overclosure <= layer.limit:
+        if layer is None:
+            return
+        # a separation may put the overclosure at the limit, to rounding
+        if found.overclosure - layer.limit <= ROUNDING * found.approach_size:
             return
         [name] = [one for one in ALL_CONTROLS if getattr(self.scene, one) is not None]
         told = f"such that the overclosure stays below the end of the law, {layer.limit:.6g}; "
@@ -408,7 +411,7 @@ class ProfileRun(Run):
             self.values["opening"] = opened = opening(pressed.field)
             if opened is not None:
                 told = f"one history; the contact would open within {opened:.3g} of the edge"
-                self.updated_steps[COUPLING] = PlannedStep(COUPLING, StepState.RUN, told)
+                self.ran(told, COUPLING)
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
         # `left` is taken to be relative to the pressure; 2 is for its ratio to the mean

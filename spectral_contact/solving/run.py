@@ -504,18 +504,16 @@ class Run:
     def store(self, solved: PartialSlip, scale: float) -> None:
         """Store partial slip, with all that is tangential scaled as in `store_full_stick`."""
         reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
-        self.updated_steps[PARTIAL_SLIP] = PlannedStep(PARTIAL_SLIP, StepState.RUN, reason)
+        self.ran(reason, PARTIAL_SLIP)
         states = [zone.kind for zone in solved.zones]
         if len(states) > 2 or states == ["slip", "stick"]:
             reason = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
             if len(solved.trials) > 1:
                 reason += f"; tried: {'; '.join(trial.text for trial in solved.trials)}"
-            self.updated_steps[ZONE_SEARCH] = PlannedStep(ZONE_SEARCH, StepState.RUN, reason)
+            self.ran(reason, ZONE_SEARCH)
         else:
             self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        self.updated_steps[SLIP_FIELD] = PlannedStep(
-            SLIP_FIELD, StepState.RUN, "there is slip; its sense is checked"
-        )
+        self.ran("there is slip; its sense is checked", SLIP_FIELD)
         self.values.update(
             approach=solved.approach,
             zones=solved.zones,
@@ -538,6 +536,10 @@ class Run:
         self.slip = solved.slip.times(scale)
         if not solved.consistent:
             self.endings.append(Ending.ZONES)
+
+    def ran(self, reason: str, name: str) -> None:
+        """Note that a step was run, and why."""
+        self.updated_steps[name] = PlannedStep(name, StepState.RUN, reason)
 
     def skip(self, reason: str, *names: str) -> None:
         """Note that steps were not needed, and why."""

@@ -15,8 +15,6 @@ from spectral_contact.solution import (
     UNLOADED_QUANTITIES,
     UNLOADING,
     ZONE_SEARCH,
-    PlannedStep,
-    StepState,
 )
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import ZonePath, log_parameters
@@ -155,9 +153,7 @@ class UncoupledRun(Run):
         path.add(place, solved.layout)
         self.store(solved, self.scene.kappa)
         self.skip("the step unloading has found the zones", ZONE_SEARCH)
-        self.updated_steps[UNLOADING] = PlannedStep(
-            UNLOADING, StepState.RUN, "; ".join(trial.text for trial in solved.trials)
-        )
+        self.ran("; ".join(trial.text for trial in solved.trials), UNLOADING)
         if set(UNLOADED_QUANTITIES).isdisjoint(self.plan.quantities):
             return
         begin = perf_counter()
@@ -170,6 +166,4 @@ class UncoupledRun(Run):
                 self.values[name] = ratio.value
                 self.errors[name] = ratio.error
         self.record(LOAD_RATIOS, None, begin)
-        self.updated_steps[LOAD_RATIOS] = PlannedStep(
-            LOAD_RATIOS, StepState.RUN, "where slip back begins, and a slip zone begins to shrink"
-        )
+        self.ran("where slip back begins, and a slip zone begins to shrink", LOAD_RATIOS)
