@@ -497,7 +497,7 @@ class _ComparedScene:
             return np.full(len(true), largest)
         sizes = np.abs(true)
         if name == "traction" and _unloaded(self.scene):
-            sizes = self.scene.friction * field_of(self.truth, "pressure", "truth")(places)
+            sizes = field_of(self.truth, "pressure", "truth")(places) * (self.scene.friction or 0.0)
         if self.scene.profile is not None:
             if name == "traction":
                 return np.full(len(true), largest)
