@@ -13,6 +13,9 @@ from .indentation import SmoothContact, _exponent, _moderate, power_law_contact
 
 Checked: TypeAlias = tuple[SmoothContact, float, float]
 
+#: Logarithm of the largest contact radius, and of one over the smallest.
+_LARGEST_LOG = math.log(1e30)
+
 
 @dataclass(frozen=True)
 class PullOff:
@@ -115,7 +118,7 @@ def power_law_pull_off(
     Raises
     ------
     ValueError
-        If a parameter is out of range.
+        If a parameter, or the contact radius that follows, is out of range.
 
     References
     ----------
@@ -130,6 +133,11 @@ def power_law_pull_off(
     unit = power_law_contact(1.0, coefficient, exponent).approach
     # δ' = 0 and P' = 0, with δ = B aⁿ − √(πaw/2)
     ratio = math.sqrt(math.pi * w / 2.0) * (1.0 if by_approach else 3.0) / (2.0 * unit * n)
+    log_radius = math.log(ratio) / (n - 0.5)
+    if abs(log_radius) > _LARGEST_LOG:
+        told = "such that the contact comes off at a radius in [1e-30, 1e30]"
+        given = coefficient, exponent, work_of_adhesion
+        raise refusal("coefficient, exponent, work_of_adhesion", given, told)
     a = ratio ** (1.0 / (n - 0.5))
     found = adhesive_contact(power_law_contact(a, coefficient, exponent), a, w)
     return PullOff(a, found.approach, found.load)

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy import special
 
 from ._inputs import Array, Values, check_positive, real_numbers, refusal
+from .coupled_punch import _bessel_ratio
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,9 @@ def _above(contact_radius: float, flat_radius: float) -> float:
     flat_radius = _moderate("flat_radius", flat_radius)
     if contact_radius < flat_radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be at least {flat_radius!r}")
-    return math.acos(flat_radius / contact_radius)
+    # without the cancellation of acos next to 1
+    apart, together = contact_radius - flat_radius, contact_radius + flat_radius
+    return 2.0 * math.atan2(math.sqrt(apart), math.sqrt(together))
 
 
 def parabola_contact(contact_radius: float, radius: float) -> SmoothContact:
@@ -139,10 +143,12 @@ def sphere_contact(contact_radius: float, radius: float) -> SmoothContact:
     radius = _moderate("radius", radius)
     if contact_radius >= radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be less than {radius!r}")
-    a, whole = contact_radius, radius
-    growth = math.log((whole + a) / (whole - a))
-    load = 4.0 * ((whole**2 + a**2) / 2.0 * growth - a * whole)
-    return SmoothContact(a / 2.0 * growth, load)
+    a, share = contact_radius, contact_radius / radius
+    rest = (radius - a) / radius * (1.0 + share)  # 1 - share**2
+    # artanh(x) = x R_C(1, 1 - x**2), and artanh(x) - x = x**3 R_D(1 - x**2, 1 - x**2, 1)/3
+    growth = share * special.elliprc(1.0, rest)
+    excess = share**2 * growth + share**3 / 3.0 * special.elliprd(rest, rest, 1.0)
+    return SmoothContact(float(a * growth), float(4.0 * radius**2 * excess))
 
 
 def cone_contact(contact_radius: float, half_angle: float) -> SmoothContact:
@@ -190,8 +196,9 @@ def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Val
     half_angle = _angle(half_angle)
     at = _inside(r, contact_radius)
     with np.errstate(divide="ignore", over="ignore"):
-        ratio = contact_radius / at
-    return np.asarray(2.0 / math.tan(half_angle) * np.arccosh(ratio))
+        excess = (contact_radius - at) / (2.0 * at)
+    # arcosh(a/r), without its cancellation next to the edge
+    return np.asarray(4.0 / math.tan(half_angle) * np.arcsinh(np.sqrt(excess)))
 
 
 def power_law_contact(contact_radius: float, coefficient: float, exponent: float) -> SmoothContact:
@@ -217,7 +224,7 @@ def power_law_contact(contact_radius: float, coefficient: float, exponent: float
     coefficient = _moderate("coefficient", coefficient)
     exponent = _exponent(exponent, contact_radius)
     n = exponent
-    ratio = math.exp(math.lgamma(n / 2.0 + 1.0) - math.lgamma((n + 1.0) / 2.0))
+    ratio = math.gamma(n / 2.0 + 1.0) / math.gamma((n + 1.0) / 2.0)
     approach = coefficient * contact_radius**n * math.sqrt(math.pi) * ratio
     return SmoothContact(approach, 8.0 * contact_radius * approach * n / (n + 1.0))
 
@@ -275,11 +282,10 @@ def rounded_flat_contact(contact_radius: float, flat_radius: float, radius: floa
     """
     angle = _above(contact_radius, flat_radius)
     radius = _moderate("radius", radius)
-    sine, cosine = math.sin(angle), math.cos(angle)
-    load = sine * (4.0 - cosine**2) - 3.0 * angle * cosine
+    bent = angle**3 * float(_bessel_ratio(np.array(angle)))  # sin - angle cos
     return SmoothContact(
-        contact_radius**2 / radius * (sine - angle * cosine),
-        4.0 * contact_radius**3 / (3.0 * radius) * load,
+        contact_radius**2 / radius * bent,
+        4.0 * contact_radius**3 / (3.0 * radius) * (3.0 * bent + math.sin(angle) ** 3),
     )
 
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 #: Panels that shrink by this factor towards edge, breaks and centre; so many, with so many points:
 #: the last point next to a break is as far off as its rounding.
 _RATIO, _PANELS, _POINTS = 0.3, 24, 16
+#: Farther out profiles have no height.
+_FARTHEST = 1e100
 
 
 def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | None) -> Any:
@@ -38,7 +40,7 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     past = (places - least).ravel()
     profile, a = solution.scene.profile, solution.contact_radius
     assert profile is not None
-    most = profile.reach / a
+    most = min(profile.reach, _FARTHEST) / a
     if (1.0 + past > most).any():
         worst = float(places.ravel()[past.argmax()])
         raise SceneError(name, worst, f"such that the radius is in [1, {most:.6g}]")
@@ -50,17 +52,18 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     if apart is not None:
         field = replace(field, weight=None)
     graded, weights = _graded()
+    outside = 1.0 + past[:, None]
     for inner, outer in pairwise([0.0, *(b / a for b in profile.breaks if b < a), 1.0]):
         half = (outer - inner) / 2.0
         above, below = inner + half * graded, (1.0 - outer) + half * graded
         for eta, inward in ((above, 1.0 - above), (1.0 - below, below)):
             strength = eta * (half * weights) * field(eta, inward)
-            m1 = (past[:, None] + inward) * (1.0 + past[:, None] + eta) / (1.0 + past[:, None]) ** 2
+            m1 = (past[:, None] + inward) / outside * ((outside + eta) / outside)
             moved += ellipkm1(m1) @ strength
     moved /= pi * (1.0 + past)
     if apart is not None:
         # a pressure A/sqrt(1 - s**2) moves the surface by A arcsin(1/s)/2 of the radius
-        moved += apart.amplitude / 2.0 * np.arctan2(1.0, np.sqrt(past * (2.0 + past)))
+        moved += apart.amplitude / 2.0 * np.arctan2(1.0, np.sqrt(past) * np.sqrt(2.0 + past))
     gap = profile.height(a * (1.0 + past)) - solution.approach + a * moved
     return gap.reshape(places.shape)[()]
 

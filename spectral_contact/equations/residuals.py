@@ -26,6 +26,7 @@ _T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
 _U = np.pi / 2.0 * np.sinh(_T)
 _LEFT = 1.0 / (1.0 + np.exp(-2.0 * np.clip(_U, -340.0, 340.0)))
 _RIGHT = 1.0 / (1.0 + np.exp(2.0 * np.clip(_U, -340.0, 340.0)))
+_TINY = float(np.finfo(float).tiny)
 _WEIGHT = np.pi * np.cosh(_T) * _LEFT * _RIGHT / 32.0
 
 
@@ -91,7 +92,7 @@ def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] =
     outside = 1.0 + past
 
     nodes = _NodesBetween.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
-    complement = (past + nodes.d) * (outside + nodes.s) / outside**2
+    complement = (past + nodes.d) / outside * ((outside + nodes.s) / outside)
     total = nodes.integral(lambda: field(nodes.d) * nodes.s * ellipkm1(complement))
     return total / (np.pi * outside)
 
@@ -169,7 +170,7 @@ class _NodesBetween(NamedTuple):
         left, right = (far - near) * _LEFT, (far - near) * _RIGHT
         d = np.where(left < right, near + left, far - right)
         # at the centre the distance cannot resolve s, what is left of the interval can
-        s = np.where((far == 1.0) & (right < left), right, 1.0 - d)
+        s = np.where(far == 1.0, right, 1.0 - d)
         return cls(d.ravel(), s.ravel(), left.ravel(), right.ravel(), cuts)
 
     def from_cut(self, cut: float) -> Array:
@@ -177,7 +178,7 @@ class _NodesBetween(NamedTuple):
         apart, after = np.abs(self.d - cut), len(_T) * int(np.searchsorted(self.cuts, cut))
         before, behind = slice(after - len(_T), after), slice(after, after + len(_T))
         apart[before], apart[behind] = self.right[before], self.left[behind]
-        return apart
+        return np.maximum(apart, _TINY)  # a kernel is infinite at no distance
 
     def integral(self, integrand: Callable[[], Array]) -> float:
         """Integrate what is there at the nodes."""

@@ -196,7 +196,7 @@ def compare(
         coupling to the two together, see docs/coupling), those of the slip to its largest value.
         Errors of the displacement are relative to its largest value, too.
         With a profile pressures are relative to the mean where they are smaller, and tractions to
-        the largest.
+        the largest. Below the largest load tractions are relative to friction times pressure.
         Outside the contact they are relative to the mean over the contact, and slip is not
         compared. Radii where the reference is infinite, as at the edge of a smooth surface, are
         left out.
@@ -231,6 +231,8 @@ def compare(
     }
     fields = {"pressure": pressure, "traction": traction, "slip": slip, _SURFACE: displacement}
     given = {name: one for name, one in {**numbers, **fields}.items() if one is not None}
+    for name in (one for one in PROFILE_QUANTITIES if one in given and scene.profile is None):
+        raise NotComputedError(name, "the punch is flat: its radius and load are the units")
     if not given:
         raise SceneError("approach, pressure, …", None, "given: at least one quantity")
     if r is not None and s is not None:
@@ -248,11 +250,17 @@ __test__: Final = {"compare": compare}  # doctest passes over functions that are
 
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     """Solve for what is given, and for what its units and the sizes of its errors take."""
-    needed = {*given, "approach"} | ({"pressure", "traction"} if scene.couples else set())
+    of_both = scene.couples or _unloaded(scene)
+    needed = {*given, "approach"} | ({"pressure", "traction"} if of_both else set())
     if _SURFACE in needed:
         needed = needed - {_SURFACE} | {"pressure", "traction"}
     needed |= {*_OF_MEAN} if scene.profile is not None else set()
     return solve(scene, _RTOL, tuple(needed), strict=False)
+
+
+def _unloaded(scene: Scene) -> bool:
+    """Return whether the traction may change sign, as the load has been larger."""
+    return scene.unloaded_to < 1.0 and scene.friction is not None and np.isfinite(scene.friction)
 
 
 class _ComparedScene:
@@ -488,6 +496,8 @@ class _ComparedScene:
         if name == "slip":
             return np.full(len(true), largest)
         sizes = np.abs(true)
+        if name == "traction" and _unloaded(self.scene):
+            sizes = field_of(self.truth, "pressure", "truth")(places) * (self.scene.friction or 0.0)
         if self.scene.profile is not None:
             if name == "traction":
                 return np.full(len(true), largest)

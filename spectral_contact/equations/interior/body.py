@@ -62,7 +62,7 @@ if TYPE_CHECKING:
 #: At how many radii the largest traction is looked for.
 _LOOKS = 513
 #: What is closer to the edge, or to the surface, is at it.
-_NEAREST = 1e-100
+_NEAREST = 1e-60
 #: The most points of one call, which takes some 1 kB of memory for each.
 _MOST_POINTS = 10**8
 
@@ -182,7 +182,7 @@ class Inside:
             raise SceneError(f"number of points {name}", count, f"at most {_MOST_POINTS}")
         radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
-        # squares of what is nearer to the edge or the surface would underflow
+        # fourth powers of what is nearer to the edge or the surface would underflow
         distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
         return BodyPoints(np.maximum(radius, AXIS), distance, depth), shape
 
@@ -489,7 +489,8 @@ class Inside:
         ------
         NotComputedError
             If the approach or the slip was not asked for; with friction under a profile, as it
-            dissipates while the contact grows; of one of two elastic bodies.
+            dissipates while the contact grows; below the largest load after slip; of one of two
+            elastic bodies.
         """
         if self._solution.scene.mismatch is not None:
             raise NotComputedError("energies", "the load does work on both bodies together")

@@ -31,7 +31,8 @@ def energies(
     """Return the energies of a solution.
 
     Under a flat punch the load grows in proportion, so that each is half of what the final
-    tractions would do over the final displacements. Under a profile it does not; but without
+    tractions would do over the final displacements; so it is below the largest load if nothing has
+    slipped. Under a profile it does not; but without
     friction that is still what body and layer store, and together it is the work of the load. With
     friction they are no functions of the final state, and refused.
 
@@ -48,8 +49,8 @@ def energies(
     tell : ProgressLine
         Is told how far it is.
     """
-    if solution.scene.unloaded_to < 1.0:
-        told = "below the largest load they are no functions of the state"
+    if solution.scene.unloaded_to < 1.0 and _slipped(solution):
+        told = "below the largest load, after slip, they are no functions of the state"
         raise NotComputedError("energies", told)
     external, doubt = _external(solution)
     surface, size = _surface(solution, external)
@@ -62,10 +63,18 @@ def energies(
     return Energies(*given, surface * unit)
 
 
+def _slipped(solution: Solution) -> bool:
+    """Return whether the surface slips, or has slipped at a larger load."""
+    if solution.traction_field is None:
+        return False
+    return any(zone.kind == "slip" or zone.memory for zone in solution.zones)
+
+
 def _external(solution: Solution) -> tuple[float, float]:
     """Return the work of the load over the square of the contact radius, and its error."""
     if solution.scene.profile is None:
-        return solution.approach / 2.0, solution.error.approach or 0.0
+        load = solution.scene.unloaded_to  # over the largest one
+        return load * solution.approach / 2.0, solution.error.approach or 0.0
     if solution.traction_field is not None:
         told = "the energy that friction dissipates in a growing contact depends on its history"
         raise NotComputedError("energies", told)

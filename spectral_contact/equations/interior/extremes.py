@@ -15,12 +15,18 @@ from scipy.optimize import minimize, minimize_scalar
 
 from spectral_contact.equations.interior.charts import Chart, CoordinateLine, around
 from spectral_contact.equations.interior.mesh import AXIS, BodyPoints
-from spectral_contact.equations.interior.places import boundaries, distance, pointed, singular
+from spectral_contact.equations.interior.places import (
+    boundaries,
+    distance,
+    loaded_edge,
+    pointed,
+    singular,
+)
 from spectral_contact.equations.interior.results import Extreme, Stress
 from spectral_contact.fields import Array
+from spectral_contact.fields.series import EDGE, Radius
 
 if TYPE_CHECKING:
-    from spectral_contact.fields.series import Radius
     from spectral_contact.solution import Solution
 
 #: Stress at points, to a tolerance or to all digits.
@@ -44,6 +50,8 @@ _NARROW = 1e-9
 _WORTH = 0.8
 #: So many of a net are.
 _PEAKS = 3
+#: Why shear stress has no bound inside the contact.
+_AT_TIPS = "the pressure is infinite at a tip or a corner"
 
 
 class _Found(NamedTuple):
@@ -71,9 +79,11 @@ def largest(name: str, solution: Solution, nu: float, stress: StressAt) -> Extre
     tension = name == "surface_tension"
     reason = _tension_grows(solution) if tension else _shear_grows(solution, nu)
     if reason:
-        return Extreme(None, 1.0, 0.0, None, None, attained=False, remark=f"unbounded: {reason}")
+        place = _tips(solution)[0] if reason == _AT_TIPS else EDGE
+        remark = f"unbounded: {reason}"
+        return Extreme(None, place.value, 0.0, None, None, attained=False, remark=remark)
     best = _search(MEASURES[name], solution, stress, tension)
-    if solution.scene.profile is None:
+    if loaded_edge(solution.scene):
         edge, error = _edge(MEASURES[name], solution, stress, tension)
         if edge > best.value * (1.0 - 1e-9):
             remark = "supremum, approached at the edge"
@@ -88,7 +98,7 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     place = float(np.sqrt(drop / best.fall) + _NARROW) * best.share if drop else 0.0
     r, z = float(best.at.r[0]), float(best.at.z[0])
     r = 0.0 if r <= max(AXIS, place * float(best.at.to_edge[0])) else r
-    for tip in singular(solution):  # at nu = 0.5 stress next to it depends on the direction alone
+    for tip in _tips(solution):  # at nu = 0.5 stress next to it depends on the direction alone
         away = float(distance(best.at, tip)[0])
         if away < _AT_TIP:
             remark = "supremum, approached where the pressure is infinite"
@@ -99,28 +109,35 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
 
 def _shear_grows(solution: Solution, nu: float) -> str:
     """Return why shear stresses have no bound; nothing if they have one."""
-    if solution.scene.profile is not None:
-        # under a pressure that is locally uniform all stresses are it, or (1 + 2 nu) / 2 of it
-        infinite = singular(solution) and nu < 0.5
-        return "the pressure is infinite at a tip or a corner" if infinite else ""
-    if not np.isfinite(solution.pressure(1.0)):
-        return "the pressure of a smooth surface is infinite at the edge"
-    if solution.traction_field is not None and solution.traction(1.0) != 0.0:
-        return "the stress diverges logarithmically at the edge, where the traction jumps to 0"
+    if loaded_edge(solution.scene):
+        if not np.isfinite(solution.pressure(1.0)):
+            return "the pressure of a smooth surface is infinite at the edge"
+        if solution.traction_field is not None and solution.traction(1.0) != 0.0:
+            return "the stress diverges logarithmically at the edge, where the traction jumps to 0"
+    # under a pressure that is locally uniform all stresses are it, or (1 + 2 nu) / 2 of it
+    if nu < 0.5 and _tips(solution):
+        return _AT_TIPS
     return ""
+
+
+def _tips(solution: Solution) -> list[Radius]:
+    """Return where pressure is infinite inside the contact: at tips and corners."""
+    return [place for place in singular(solution) if place is not EDGE]
 
 
 def _tension_grows(solution: Solution) -> str:
     """Return why tension on the surface has no bound at the edge; nothing if it has one.
 
     A traction that is outward next to the edge presses on the material before and behind it. Under
-    a profile both loads go to zero at the edge.
+    a profile both loads go to zero at the edge, but with adhesion.
     """
-    if solution.scene.profile is not None:
+    if not loaded_edge(solution.scene):
         return ""
     pressure, traction = (one(1.0) for one in (solution.pressure, solution.traction))
     if np.isnan(pressure):
         return "pressure and traction change sign infinitely often towards the edge"
+    if pressure == -np.inf:
+        return "the suction on a smooth surface is infinite at the edge"
     if traction < 0.0:
         return "the traction next to the edge is inward"
     return ""
@@ -255,7 +272,8 @@ def _edge(
     there = at(np.array([best]))
     value = float(max(of(there)[0], values.max()))
     # what is left of the way to the edge changes the stress by d ln d over the layer's width
-    width = max(solution.scene.normal_compliance, 1e-300)
+    size = 1.0 if solution.scene.profile is None else solution.contact_radius
+    width = max(solution.scene.normal_compliance / size, 1e-300)
     away = _AT_EDGE * (1.0 + 40.0 / width) if np.isfinite(pressure) else np.sqrt(_AT_EDGE)
     error = float(there.error[0] * there.norm[0] / abs(value)) if value else 0.0
     return value, error + float(min(away, 1.0))

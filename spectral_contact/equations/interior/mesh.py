@@ -27,6 +27,10 @@ AXIS = 1e-30
 _NEAR = 1.0
 #: How many e-folds the panels go towards a zone boundary, beyond which radii cannot be told apart.
 _FOLDS = 34
+#: Depths below are none. Next to an infinite pressure stress varies over the distance from it,
+#: which is at least 1e-16, and like a power of it down to -3/2. Fourth powers of depths must not
+#: underflow.
+_SHALLOWEST = 1e-40
 #: Points served at a time, for the memory; on the surface each has many nodes: for the cache.
 _BLOCK, _SURFACE_BLOCK = 512, 32
 
@@ -82,8 +86,8 @@ class BodyPoints:
 
     @property
     def on_surface(self) -> NDArray[np.bool_]:
-        """Whether a point is as good as on the surface."""
-        return np.asarray(self.z <= 1e-16 * self.to_edge)
+        """Whether a point is as good as on the surface, for all loads and at any tip or corner."""
+        return np.asarray(self.z <= np.minimum(1e-16 * self.to_edge, _SHALLOWEST))
 
     def __getitem__(self, which: slice | NDArray[Any]) -> BodyPoints:
         return BodyPoints(self.r[which], self.from_edge[which], self.z[which])
@@ -274,7 +278,8 @@ class BodyMesh:
 
     def rows(self, points: BodyPoints) -> Iterator[tuple[slice, list[MeshNodes]]]:
         """Yield blocks of points, each with all of its rows of nodes, of several lengths."""
-        size = _SURFACE_BLOCK if points.on_surface.all() else _BLOCK
+        shallow = np.all(points.z <= 1e-16 * points.to_edge)
+        size = _SURFACE_BLOCK if shallow else _BLOCK
         for start in range(0, len(points.r), size):
             some = points[block := slice(start, start + size)]
             outward = self._ends.outward(some)

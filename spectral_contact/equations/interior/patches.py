@@ -9,7 +9,8 @@ cut in two where its last coefficients are too large, until too few points are l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from spectral_contact.equations.interior.charts import from_toroidal
 from spectral_contact.equations.interior.integrals import Integrals
 from spectral_contact.equations.interior.mesh import BodyPoints
 from spectral_contact.fields import Array
+from spectral_contact.fields.series import Radius
 
 Direct = Callable[[BodyPoints], Integrals]
 Relative = Callable[[BodyPoints, Array, Array], Array]
@@ -33,6 +35,9 @@ _WIDTH = np.array([3.0, np.pi / 2.0])
 _SMALLEST = 2.0**-9
 #: A cell is cut in both directions if the better one has this share of what the worse one lacks.
 _ALSO = 0.05
+#: Nodes of a cell resolve an interval between two boundaries of zones that is this share of it;
+#: next to a narrower one, points within so many times its width are not interpolated.
+_RESOLVED, _AROUND = 0.25, 8.0
 #: Cells whose nodes are evaluated together, which bounds the memory.
 _TOGETHER = 64
 
@@ -115,6 +120,28 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Itera
         yield _Fit(values, missing, sizes, tails)
 
 
+def narrow_intervals(places: Sequence[Radius]) -> Array:
+    """Return the ends, in tau, of the intervals between boundaries, shape (intervals, 2).
+
+    Those that end at the centre or at the edge are left out: the one is where loads are smooth, or
+    singular in a way that is seen from afar, and towards the other tau resolves all widths.
+    """
+    inner = places[1:-1]
+    taus = [np.log1p(4.0 * one.value / one.from_edge**2) / 2.0 for one in inner]
+    return np.array(list(pairwise(taus))).reshape(-1, 2)
+
+
+def _unseen(cell: _Cell, at: Array, narrow: Array) -> NDArray[np.bool_]:
+    """Return which points are next to intervals that the nodes of a cell do not resolve."""
+    found = np.zeros(at.shape[1], dtype=bool)
+    for low, high in narrow:
+        width = high - low
+        if width < _RESOLVED * cell.size.max():
+            apart = np.maximum(np.maximum(low - at[0], at[0] - high), np.pi - at[1])
+            found |= apart < _AROUND * width
+    return found
+
+
 def _tail(moduli: Array) -> Array:
     """Return eight times what a series lacks if it goes on falling as its last coefficients do."""
     size = moduli.sum(axis=2)
@@ -141,6 +168,7 @@ def interpolate(
     direct: Direct,
     relative: Relative,
     out: Integrals,
+    narrow: Array,
 ) -> NDArray[np.bool_]:
     """Fill in the integrals at points that many others are close to.
 
@@ -157,6 +185,8 @@ def interpolate(
         Relative error of points with given integrals and their errors.
     out : Integrals
         What to fill in.
+    narrow : ndarray
+        What `narrow_intervals` returns.
 
     Returns
     -------
@@ -173,6 +203,7 @@ def interpolate(
             which = cell.points
             missing = np.broadcast_to(fit.quadrature[:, None], fit.values.shape)
             bad = ~(relative(points[which], fit.values, missing) <= rtol)
+            bad |= _unseen(cell, at[:, which], narrow)
             good = which[~bad]
             left[good] = False
             out.values[:, good] = fit.values[:, ~bad]

@@ -19,7 +19,7 @@ from spectral_contact.equations.interior.mesh import (
     Grading,
     Rule,
 )
-from spectral_contact.equations.interior.patches import Relative, interpolate
+from spectral_contact.equations.interior.patches import Relative, interpolate, narrow_intervals
 from spectral_contact.fields import Array
 
 #: Down to these tolerances rules, and polynomials of so many nodes where points are many, serve.
@@ -141,7 +141,8 @@ class Sampler:
             return sums
 
         sums = Integrals.empty(len(points.r))
-        left = interpolate(points, rtol, order, at_nodes, measure, sums)
+        narrow = narrow_intervals(self._ends.places)
+        left = interpolate(points, rtol, order, at_nodes, measure, sums, narrow)
         sums.put(left, direct(self.mesh(rules), points[left]))
         missed = ~(measure(points, sums.values, sums.quadrature) <= rtol)
         if missed.any() and rules is not TIGHT:
@@ -153,7 +154,7 @@ class Sampler:
         on = points.on_surface
         pressure, traction = self._surface(points[on])
         sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += np.maximum(pressure, self._floors[0])
+        sums.of_pressure[0, on] += np.maximum(np.abs(pressure), self._floors[0])
         sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
         return sums
 

@@ -305,3 +305,19 @@ def test_what_cannot_be_compared_with_a_displacement_is_named(true):
 def test_numbers_next_to_zero_are_compared_as_any():
     found = sc.compare(Scene(0.1, 0.5), approach=5e-324)
     assert found.error == pytest.approx(1.0)
+
+
+def test_a_traction_that_changes_sign_is_compared_relative_to_friction():
+    """Below the largest load it vanishes at a radius inside, where no relative error means much."""
+    scene = Scene(0.1, 0.5, 0.5, 0.05, unloaded_to=0.6)
+    truth = solve(scene, 1e-9)
+    s = np.linspace(0.8, 0.85, 2001)
+    of_friction = 0.05 * truth.pressure(s)
+    assert np.ptp(np.sign(truth.traction(s))) == 2.0
+    found = sc.compare(scene, traction=truth.traction(s) + 1e-5 * of_friction, s=s, truth=truth)
+    assert found.error == pytest.approx(1e-5, rel=1e-9)
+
+
+def test_what_a_flat_punch_does_not_have_is_called_by_its_name():
+    with pytest.raises(NotComputedError, match="load not computed: the punch is flat"):
+        sc.compare(STEEL, load=5.0)

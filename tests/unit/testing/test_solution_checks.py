@@ -86,6 +86,24 @@ def test_what_is_wrong_fails(change, expected):
     assert expected in failed(Fields(PARTIAL, **change), PARTIAL)
 
 
+def test_the_friction_law_is_checked_where_quadrature_is_cut():
+    """Cuts by decades resolve layers; conditions hold there as elsewhere."""
+    off = Fields(PARTIAL, traction=lambda d: np.where(np.isclose(d, 0.1, 1e-14, 0.0), 1.01, 1.0))
+    assert failed(off, PARTIAL) == ["traction within friction"]
+
+
+def test_a_traction_that_is_no_number_fails_in_full_stick():
+    scene = Scene(0.3, 0.5, 0.5, math.inf)
+    nowhere = Fields(scene, traction=lambda d: np.full_like(d, np.nan))
+    assert failed(nowhere, scene) == ["no displacement in stick (4.2)"]
+
+
+def test_shear_without_traction_fails():
+    scene = Scene(0.3, 0.5, 0.5, 0.0)
+    told = ["total shear is that of the traction"]
+    assert failed(Fields(scene, total_shear=5.0), scene) == told
+
+
 @pytest.mark.parametrize("field", ["pressure", "traction"])
 def test_what_is_wrong_by_ten_times_the_least_tolerance_fails(field):
     """Twelve digits can be checked: quadrature and rounding leave no more than the last of them."""
