@@ -261,7 +261,9 @@ def _behind_layer(modulus: float, radius: float, compliance: float) -> tuple[flo
         """Return ``ln(x / (8 delta*(x)))`` at ``x = exp(.)``, which rises with x, and its error."""
         scene = Scene(_POISSON_RATIO, normal_compliance=math.exp(x))
         found = solve(scene, _RTOL, ("approach",))
-        return x - math.log(8.0 * found.approach), found.error.approach + _ROUNDING
+        error = found.error.approach
+        assert error is not None  # it was asked for
+        return x - math.log(8.0 * found.approach), error + _ROUNDING
 
     wanted = math.log(apparent)
     high = wanted + 1.0
