@@ -62,6 +62,8 @@ _LARGEST_ERROR: Final = 10.0
 #: Loads of more standard deviations are no noise; the start is this fraction of all depths above.
 _NOISE: Final = 3.0
 _ABOVE: Final = 0.01
+#: Largest approach of a first guess over that at which the contact is at the end of the profile.
+_SHORT_OF_END: Final = 0.999
 #: Load of the second row of a first guess over that of the deepest one.
 _SECOND_LOAD: Final = 0.25
 #: Chi square over its degrees of freedom beyond which a curve is not what was measured, if by
@@ -204,10 +206,18 @@ def _first_touch(profile: Profile, depth: Array, load: Array, sigma: Array) -> f
         loads = [curve_load(profile, one - start, 0.0, _ROUGH).value for one in (deep, middle)]
         return math.log(loads[0] / loads[1] * measured / most)
 
-    ends = 2.0 * touch - deep, touch
+    ends = max(2.0 * touch - deep, deep - _most_approach(profile)), touch
     if not excess(ends[0]) < 0.0 < excess(ends[1]):
         return touch
     return float(brentq(excess, *ends, rtol=_ROUGH))
+
+
+def _most_approach(profile: Profile) -> float:
+    """Return the approach at which a smooth contact comes close to the end of a profile."""
+    if isinstance(profile, Flat) or math.isinf(profile.reach):
+        return math.inf
+    with np.errstate(divide="ignore"):
+        return _SHORT_OF_END * float(profile._transform(np.array(profile.reach))) / 2.0
 
 
 def with_modulus(scene: Scene, data: IndentationData) -> Scene:
