@@ -612,3 +612,7 @@ class CurveProblem:
 
     def look(self) -> None:
         """Look at the start before the search."""
+
+    def revises_rows(self, y: Array) -> bool:
+        """Return whether other rows than before are in contact, after a search that ended at y."""
+        return False
