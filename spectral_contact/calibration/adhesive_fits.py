@@ -24,7 +24,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.calibration.indentation_curve import OF_INSTRUMENT, CurveProblem
+from spectral_contact.calibration.indentation_curve import (
+    OF_INSTRUMENT,
+    CurveProblem,
+    beyond_profile,
+)
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.contact.adhesion import BY_APPROACH, BY_LOAD, AdhesiveCurve, NoState
 from spectral_contact.contact.contact_radius import RadiusScale, value_of
@@ -235,9 +239,7 @@ class BranchLoads:
         try:
             high = curve.top(BY_APPROACH, float(approaches.max()))
         except NoState:
-            reach = self.profile.reach
-            told = f"such that the contact stays inside the profile, which ends at {reach:.6g}"
-            raise SceneError("depth", float(approaches.max()), told) from None
+            raise beyond_profile(self.profile, float(approaches.max())) from None
         try:
             low, _ = curve.stretch(BY_APPROACH, float(approaches.min()), 0)
         except NoState:

@@ -266,10 +266,23 @@ def _of_approach(profile: Profile, approach: float, layer: float, rtol: float) -
         )
         return value_of(punch.under(punch.load_of(approach), approach))
     solve = indenter(profile, layer, _MOST_UNKNOWNS)
-    solved, _ = find_radius(
-        profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
-    )
+    try:
+        solved, _ = find_radius(
+            profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
+        )
+    except SceneError as error:
+        if error.parameter != "approach":
+            raise
+        raise beyond_profile(profile, approach) from error
     return value_of(solved)
+
+
+def beyond_profile(profile: Profile, approach: float) -> SceneError:
+    """Return the error of a depth at which the contact would grow to the end of a profile."""
+    told = (
+        f"such that the contact stays inside the profile, which ends at {profile.reach:.6g}: the "
+    )
+    return SceneError("depth", approach, f"{told}approach, from the first touch on, is too large")
 
 
 def _derived(profile: Profile, found: Indentation, layer: float) -> _CurveLoad:

@@ -215,3 +215,13 @@ def test_a_fit_may_start_near_the_end_of_a_profile():
     load = 4.0 / 3.0 * np.maximum(depth, 0.0) ** 1.5
     data = IndentationData(depth, load, 1e-5)
     assert first_modulus(tip, data) == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize("layer", [None, layers.Linear(1e-16)])
+def test_a_depth_beyond_the_end_of_a_profile_is_named(layer):
+    """The error was of an approach, which the user of a fit does not give."""
+    ball = profiles.Sphere(1e-7)
+    scene = Scene.from_physical(reduced_modulus=2e6, profile=ball, load=1e-9, layer=layer)
+    data = IndentationData([1e-7, 2e-6], [1e-9, 1e-7], 1e-9)
+    with pytest.raises(SceneError, match=r"^depth = .* which ends at 1e-07: the approach"):
+        fit(scene, data, "reduced_modulus")
