@@ -565,8 +565,13 @@ class CurveProblem:
         for name, size in zip(self.free, searched, strict=True):
             if self._log(name) and size > _LARGEST_ERROR:
                 raise SceneError("free", self.free, f"determined by the data, as {name} is not")
-        if np.any(at_bounds):
-            raise self._alike
+        for name, side in zip(self.free, at_bounds, strict=True):
+            if side:
+                end = self.values(x)[name]
+                told = (
+                    f"without {name}, which comes to {end:.4g}, an end of its range: fix it there"
+                )
+                raise SceneError("free", self.free, told)
         covariance = self.covariance(self.turned(jacobian, x, -1.0))
         values = self.values(x)
         errors = [
