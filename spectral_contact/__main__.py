@@ -10,7 +10,7 @@ error is one line on stderr.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from spectral_contact import ConvergenceError, SceneError, SpectralContactError
@@ -33,30 +33,25 @@ from spectral_contact.view.cli.scene_options import SceneOptions
 
 __all__ = ["COMMANDS", "main"]
 
-#: What each command calls, or what it is about and its kinds.
-COMMANDS: Final[dict[str, Any]] = {
+#: What each command calls; of two words the second one is the kind of a command.
+COMMANDS: Final[dict[str, Callable[..., None]]] = {
     "solve": solve_command.run,
     "inside": inside_command.run,
     "cycle": cycle_command.run,
-    "study": (
-        "Measure the errors and times of solvers, against solutions to many digits.",
-        {
-            "convergence": study_command.run_convergence,
-            "work-precision": study_command.run_work_precision,
-        },
-    ),
+    "study convergence": study_command.run_convergence,
+    "study work-precision": study_command.run_work_precision,
     "sweep": sweep_command.run,
     "fit": fit_command.run,
     "compare": compare_command.run,
-    "benchmark": (
-        "Ten problems with numbers and fields to test other codes against.",
-        {
-            "list": benchmark_command.print_list,
-            "show": benchmark_command.show,
-            "export": benchmark_command.export,
-        },
-    ),
+    "benchmark list": benchmark_command.print_list,
+    "benchmark show": benchmark_command.show,
+    "benchmark export": benchmark_command.export,
     "explore": explore_command.run,
+}
+#: What commands of several kinds are about.
+_ABOUT: Final = {
+    "study": "Measure the errors and times of solvers, against solutions to many digits.",
+    "benchmark": "Ten problems with numbers and fields to test other codes against.",
 }
 
 
@@ -83,16 +78,16 @@ def _run(argv: Sequence[str]) -> int:
         arguments = _parser().parse_args(joined(argv))
         given = vars(arguments)
         with one_thread():
-            arguments.run(arguments)
+            arguments.run(given)
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
+    except ConvergenceError as error:
+        hint = " (--no-strict prints what was reached)" if "no_strict" in given["options"] else ""
+        return failed(f"{SceneOptions(given).worded(str(error))}{hint}", 1)
     except SceneError as error:
         return failed(SceneOptions(given).in_options(error), 2)
     except SpectralContactError as error:
-        hint = ""
-        if isinstance(error, ConvergenceError) and "no_strict" in given:
-            hint = " (--no-strict prints what was reached)"
-        return failed(f"{error}{hint}", 1 if isinstance(error, ConvergenceError | NotSolved) else 2)
+        return failed(str(error), 1 if isinstance(error, NotSolved) else 2)
     return 0
 
 
@@ -104,7 +99,7 @@ def _parser() -> Parser:
         "examples.",
     )
     parser.add_argument("--version", action="version", version=f"{PROGRAM} {VERSION}")
-    add_commands(parser, COMMANDS)
+    add_commands(parser, COMMANDS, _ABOUT)
     return parser
 
 

@@ -125,6 +125,10 @@ def _terminate(*_: object) -> NoReturn:
 # --- workers --------------------------------------------------------------------------------------
 
 
+#: Pools that an error or an interrupt has stopped.
+_STOPPED: list[Executor] = []
+
+
 @contextmanager
 def workers(count: int) -> Iterator[Executor | None]:
     """Yield an executor of so many processes, None for a single one.
@@ -148,8 +152,10 @@ def workers(count: int) -> Iterator[Executor | None]:
     try:
         yield pool
     except BaseException:
-        # the pool drops what is called off before it hears that a worker is gone: Python 3.11 has
-        # a traceback for what was called off and lost its worker, too
+        # the thread of the pool drops what is called off before it hears that a worker is gone:
+        # Python 3.11 has a traceback for what was called off and lost its worker, too. The pool is
+        # kept because the thread asks it whether to drop anything, perhaps after this has returned
+        _STOPPED.append(pool)
         pool.shutdown(wait=False, cancel_futures=True)
         for process in {*multiprocessing.active_children()}.difference(others):
             process.terminate()

@@ -56,7 +56,7 @@ def write_data(written: dict[str, Any]) -> None:
     files = {"index.json": as_json({"names": names})}
     for problem in written["problem"]:
         print(problem["name"], flush=True)
-        scene = scene_of(problem)
+        scene = Scene(**problem["scene"])
         solution = solve(scene, RTOL)
         files[f"{problem['name']}.csv"] = table(solution)
         files[f"{problem['name']}.json"] = as_json(
@@ -73,11 +73,6 @@ def write_data(written: dict[str, Any]) -> None:
 def as_json(body: dict[str, Any]) -> str:
     """Return a document as text."""
     return json.dumps(body, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def scene_of(problem: dict[str, Any]) -> Scene:
-    """Return the scene of a problem."""
-    return Scene(**problem["scene"])
 
 
 def document(

@@ -134,22 +134,11 @@ def find_radius(
         search.run(at_tolerance(tolerance, pointwise), tighter)
         contact, error = search.outcome()
     space_converged = isinstance(contact, Refinement) and contact.ending is Ending.CONVERGED
-    if space_converged and _largest_error(value_of(contact), pointwise) > tolerance:
+    if space_converged and value_of(contact).largest_error(pointwise=pointwise) > tolerance:
         # errors at a fixed radius meet the tolerance, but not with those that the radius adds
         search.run(at_tolerance(tolerance / 4, pointwise), residual_tolerance)
         contact, error = search.outcome()
     return contact, error
-
-
-def _largest_error(contact: Indentation, pointwise: bool) -> float:
-    """Return the largest relative error that the tolerance bounds."""
-    errors = (
-        contact.approach_error,
-        contact.load_error,
-        contact.work_error,
-        contact.stiffness_error,
-    )
-    return max(*errors, contact.pressure_error if pointwise else 0.0)
 
 
 class _RadiusSearch:

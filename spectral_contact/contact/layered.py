@@ -18,10 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layered_bends import NO_MISPLACEMENT, Misplacement
-from spectral_contact.contact.layered_newton import LayeredFields, LayeredNewton, LayeredSetting
+from spectral_contact.contact.layered_newton import (
+    RADII,
+    TINY,
+    LayeredFields,
+    LayeredNewton,
+    LayeredSetting,
+)
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.tuning import ROUNDING
+from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import central_value
 from spectral_contact.spectral.panels import DiscreteSpace
 
@@ -35,8 +42,6 @@ Array = NDArray[np.float64]
 _ENERGY_FACTOR, _STIFFNESS_FACTOR = 2.0, 16.0
 #: Roundings of lengths, relative to the largest of the data, and of the pressure.
 _ROUNDINGS, _FIELD_ROUNDINGS = 3.0, 60.0
-#: Radii at which the growth of the pressure with the load is sampled.
-_RADII = np.linspace(0.0, 1.0, 257)
 
 
 class Layered(ABC):
@@ -83,23 +88,38 @@ class Layered(ABC):
     def _with_errors(
         self, solver: LayeredNewton, fields: LayeredFields
     ) -> SpaceSolution[Indentation]:
-        """Return the contact with its error estimates."""
+        """Return the contact with its error estimates.
+
+        Raises
+        ------
+        SceneError
+            If the pressure is so small that it has no digits.
+        """
         setting = self.setting
         form = solver.form
         a = setting.radius
         totals = solver.integrals(fields)
+        if min(totals.load, totals.stiffness, totals.work) < TINY:
+            given = ("contact_radius", a)
+            if setting.approach is not None:
+                given = ("approach", setting.approach)
+            allowed = f"such that load, stiffness and work are above {TINY:.6g}, not rounding alone"
+            raise SceneError(*given, allowed)
         coarse = solver.coarser(fields)
         coarse_totals = solver.integrals(coarse)
         change = solver.change(
             fields.pressure, coarse.pressure, fields.overclosure, coarse.overclosure
         )
-        flat_change = solver.change(fields.flat, coarse.flat, fields.rate, coarse.rate)
+        flat_change = solver.change(
+            fields.pressure_rate, coarse.pressure_rate, fields.rate, coarse.rate
+        )
         mean = totals.load / (pi * a**2)
         indicators = form.errors(fields.pressure, change, mean)
 
-        smooth_approach = float(setting.profile._transform(np.asarray(a))) / 2.0
-        approach = setting.origin + smooth_approach + a * totals.shift
+        approach = solver.unshifted_approach + a * fields.shift
         max_overclosure = solver.max_overclosure(fields)
+        max_pressure = float(setting.layer._pressure(np.array(max_overclosure)))
+        iteration_error = fields.iteration_error * max_pressure / mean
         size = max(abs(approach), approach - max_overclosure)
         # errors of load, stiffness and work at a given shift
         energies = np.sqrt(change.energies * flat_change.energies)
@@ -113,32 +133,26 @@ class Layered(ABC):
         if setting.approach is None:
             edge_error = form.edge_bound(fields.overclosure - coarse.overclosure)
             shift_error = edge_error / form.at_edge(fields.rate)
-            shift_error = a * (shift_error + abs(totals.shift - coarse_totals.shift))
+            shift_error = a * (shift_error + abs(fields.shift - coarse.shift))
             shift_error += misplaced.load / totals.stiffness
         shift_error += _ROUNDINGS * ROUNDING * largest_length
         load_by_shift = totals.stiffness * shift_error
-        load_error = (
-            (load_by_shift + a**2 * load_part + abs(totals.load - coarse_totals.load)) / totals.load
-            + misplaced.load / totals.load
-            + fields.iteration_error
-            + ROUNDING
-        )
+        common_error = misplaced.load / totals.load + iteration_error + ROUNDING
+        load_change = abs(totals.load - coarse_totals.load)
+        load_error = (load_by_shift + a**2 * load_part + load_change) / totals.load + common_error
         work_change = abs(totals.work - coarse_totals.work)
         work_error = (
-            (totals.load * shift_error + a**3 * work_part + work_change) / totals.work
-            + misplaced.load / totals.load
-            + fields.iteration_error
-            + ROUNDING
-        )
+            totals.load * shift_error + a**3 * work_part + work_change
+        ) / totals.work + common_error
         stiffness_change = abs(totals.stiffness - coarse_totals.stiffness)
         stiffness_error = (
             (2.0 * a * stiffness_part + _STIFFNESS_FACTOR * stiffness_change) / totals.stiffness
             + (solver.edge_stiffness_error(fields) + misplaced.stiffness) / totals.stiffness
-            + fields.iteration_error
+            + iteration_error
             + 2.0 * ROUNDING
         )
         rounding = solver.condition(fields, mean) * ROUNDING * largest_length
-        pressure_error = float(indicators.max()) + fields.iteration_error
+        pressure_error = float(indicators.max()) + iteration_error
         pressure_error += _FIELD_ROUNDINGS * ROUNDING + rounding + misplaced.pressure / mean
         normal = None
         if setting.drives:
@@ -151,7 +165,7 @@ class Layered(ABC):
             totals.stiffness,
             solver.growth(fields),
             form.field(fields.pressure),
-            form.field(fields.flat) if self.pointwise else None,
+            form.field(fields.pressure_rate) if self.pointwise else None,
             shift_error / size + ROUNDING,
             load_error,
             work_error,
@@ -164,26 +178,19 @@ class Layered(ABC):
         if setting.load is not None:
             indentation = _at_load(indentation, setting.load)
         if setting.centre is not None:
-            central_error = float(indicators[: form.central].max()) + fields.iteration_error
+            central_error = float(indicators[: form.central].max()) + iteration_error
             pressure, rate = at_centre(indentation)
             indentation = _with_approach_error(
                 indentation, central_error * max(pressure, mean) / rate
             )
-        error = max(
-            indentation.approach_error,
-            indentation.load_error,
-            indentation.work_error,
-            indentation.stiffness_error,
-        )
-        if self.pointwise:
-            error = max(error, indentation.pressure_error)
-        else:
+        error = indentation.largest_error(pointwise=self.pointwise)
+        if not self.pointwise:
             by_panels = solver.stiffness_by_panels(flat_change.coefficients)
             stiffness_indicators = _STIFFNESS_FACTOR * np.abs(by_panels) / totals.stiffness
             indicators = np.maximum(indicators**2, stiffness_indicators)
         if setting.centre is not None or not self.pointwise or setting.layer.knots:
             # a part of the error that no indicator contains is attributed to the largest ones
-            indicators = indicators * max(1.0, error / float(indicators.max()))
+            indicators = indicators * max(1.0, min(error, 1.0) / float(indicators.max()))
         return SpaceSolution(indentation, error, indicators, form.space.unknowns)
 
 
@@ -219,8 +226,8 @@ def _pressure_by_load(contact: Indentation) -> float:
     """Return the largest ``dln p/dln P``, with the mean of the pressure where p is less."""
     if contact.pressure is None or contact.flat is None:
         return inf
-    p = contact.pressure(_RADII, 1.0 - _RADII)
-    flat = contact.flat(_RADII, 1.0 - _RADII)
+    p = contact.pressure(RADII, 1.0 - RADII)
+    flat = contact.flat(RADII, 1.0 - RADII)
     mean = contact.load / (pi * contact.radius**2)
     rate = flat / contact.radius * contact.load / contact.stiffness
     return float((rate / np.maximum(p, mean)).max())

@@ -1,9 +1,10 @@
 """Contact through a nonlinear layer under a given approach, load or separation.
 
-Under a flat punch, or a law with pressure at every gap, no contact radius has to be found. The load
-P is a function of the approach, with the stiffness as derivative. P is convex in it and ln P
-concave, so that Newton's method does not overshoot if it is applied to ln P from below and to P
-from above. The first spaces have panels graded to edges and tips, or cells.
+Under a flat punch, and under a law with pressure at every gap, the contact radius is not an
+unknown. The load P is a convex function of the approach, ln P a concave one, and the stiffness is
+``dP/d(approach)``. So Newton's method does not overshoot if it is applied to ln P where the load is
+too small, and to P where it is too large. The first spaces consist of panels graded to edges and
+tips, or of cells.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from spectral_contact.contact.layered_setting import setting_at_approach, with_b
 from spectral_contact.contact.layered_spaces import CellForm, Form, PanelForm
 from spectral_contact.contact.on_parts import Indentation, PartedProblem
 from spectral_contact.contact.refine import Refinement, refine, within_budget
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields.series import EDGE
 from spectral_contact.layers.layer_base import Layer
 from spectral_contact.profiles import Flat, Profile
@@ -37,24 +38,26 @@ Contact = Refinement[Indentation]
 #: A space, and the fields that solve the problem in it.
 LayeredSolution = tuple[Form, LayeredFields]
 
-#: Largest number of steps.
+#: Largest number of Newton steps, and of disks that are tried.
 _MAX_STEPS = 100
-#: Tolerance of the first solutions under a load, and the error of its logarithm at which they end.
+#: Tolerance of the solutions that estimate the approach under a given load or separation, and the
+#: error of the logarithm of the load or pressure at which they end.
 _ROUGH_TOLERANCE, _ROUGH_ERROR = 1e-3, 0.01
-#: Relative amount by which the disk of a solution may be smaller than that of its approach.
+#: Fraction by which the disk that belongs to the approach of a solution may exceed the disk
+#: that was used.
 _DISK_MARGIN = 0.01
-#: Mean displacement under an even pressure over that at its centre.
-_EVEN_MEAN = 0.85
-#: Largest radius of an even pressure, and the accuracy of the logarithm of its radius.
+#: Mean displacement under a uniform pressure, over the displacement at the centre.
+_UNIFORM_MEAN_RATIO = 0.85
+#: Largest radius of the disk of uniform pressure, and the accuracy of ln radius in the search.
 _MAX_RADIUS, _RADIUS_TOLERANCE = 1e12, 0.3
-#: Change of bends in ``s**2`` that is about their rounding.
+#: Change of a bend, in ``1 - s**2``, that is taken for rounding.
 _BEND_ROUNDING = 1e-14
-#: Largest number of solutions after which the knots in the contact are other ones.
-_MAX_CHANGES = 8
+#: How often the sequence of knots in the contact may change before the parts are kept.
+_MAX_KNOT_CHANGES = 8
 #: Degrees of the first space on a cell for each e-fold of the tolerance.
 _DEGREES_PER_EFOLD = 0.55
-#: Error of the stiffness by the tail at the edge, over the distance at which the tail begins: at
-#: most 8e-4 at the exponent 1.1 of a power law, less at others.
+#: Error of the stiffness by the tail at the edge, over the extent of the tail: at most 8e-4, which
+#: a power law of exponent 1.1 has.
 _TAIL_ERROR = 1e-3
 
 
@@ -81,8 +84,8 @@ class LayeredProblem(Layered, PartedProblem):
             depth += log(_TAIL_ERROR) - 2.0 * log(self.tolerance)
             more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)
             return DiscreteSpace(space.panels, space.degrees + (space.degrees[-1],) * more)
-        # The errors of integrals have the square of the distance at which the tail begins. Higher
-        # degrees do not lower this, so that there are spare panels.
+        # Errors of integrals go like the square of the distance at which the tail begins. A higher
+        # degree does not lower them, so further panels are added.
         spare = 2.0 if self.pointwise else 4.0
         depth += -log(self.tolerance) / 2.0 + spare
         count = min(int(depth / space.panels.width) + 1, len(space.degrees))
@@ -105,7 +108,7 @@ class BentProblem(LayeredProblem):
         A solution to begin with.
     final : bool
         Whether a solution that meets other knots than those of the setting is accepted: the
-        estimate then has the errors by this.
+        estimate then includes the error of the misplaced parts.
 
     Raises
     ------
@@ -178,7 +181,7 @@ class CellProblem(Layered):
         """Return the first space to try."""
         assert self.setting.cells is not None
         count = len(self.setting.cells.lengths)
-        # cells stand for panels in the refinement, which counts degrees on panels
+        # `refine` raises degrees panel by panel; here a panel stands for a cell
         return DiscreteSpace(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
 
     def _form(self, resolution: DiscreteSpace) -> Form:
@@ -215,7 +218,8 @@ def solve_layered_from(
     pointwise : bool
         Whether the pressure is wanted.
     """
-    # the error of a given overclosure at the centre follows from that of the pressure there
+    # with a given overclosure at the centre, the error of the approach follows from that of the
+    # central pressure
     pointwise = pointwise or setting.centre is not None
     if setting.layer.knots:
         return _solve_bent(last, setting, tolerance, max_unknowns, pointwise=pointwise)
@@ -240,12 +244,12 @@ def _solve_bent(
 
     The first bends are those of the setting, if it has them from a similar contact, or of solutions
     to a few digits. If the knots in the contact keep changing, the last parts stay, and the
-    estimate has the errors by this.
+    estimate then includes the error of the misplaced parts.
     """
     if not setting.bends:
         setting, last = _roughly_bent(setting, tolerance, max_unknowns, pointwise=pointwise)
-    for change in range(_MAX_CHANGES):
-        final = change == _MAX_CHANGES - 1
+    for change in range(_MAX_KNOT_CHANGES):
+        final = change == _MAX_KNOT_CHANGES - 1
         problem = BentProblem(setting, tolerance, pointwise=pointwise, last=last, final=final)
         try:
             return refine(problem, tolerance, max_unknowns), problem.last
@@ -259,7 +263,7 @@ def _roughly_bent(
 ) -> tuple[LayeredSetting, LayeredSolution | None]:
     """Return the setting with the bends of a solution to a few digits, and that solution."""
     last: LayeredSolution | None = None
-    for _ in range(_MAX_CHANGES):
+    for _ in range(_MAX_KNOT_CHANGES):
         problem = BentProblem(
             setting, max(tolerance, _ROUGH_TOLERANCE), pointwise=pointwise, last=last
         )
@@ -284,7 +288,7 @@ def layered_contact(
     pointwise: bool,
     drives: bool = False,
 ) -> Contact:
-    """Return the contact under a given load, approach or separation, if it has no contact radius.
+    """Return the contact under a load, approach or separation, where no radius has to be found.
 
     Parameters
     ----------
@@ -302,51 +306,53 @@ def layered_contact(
     ------
     SceneError
         If the profile ends before the pressure does.
+    ConvergenceError
+        If the approach of a load or separation, or the disk, is not found.
     """
     if approach is not None:
         setting = replace(setting_at_approach(profile, layer, approach), drives=drives)
         solved = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
-        return _at_approach(solved, approach)
+        return _with_exact_approach(solved, approach)
 
-    def roughly(approach: float) -> Contact:
+    def rough_contact(approach: float) -> Contact:
         setting = setting_at_approach(profile, layer, approach)
         return solve_layered(setting, _ROUGH_TOLERANCE, max_unknowns, pointwise=load is None)
 
-    centre = None if separation is None else -separation
-    name, value = ("load", load) if centre is None else ("separation", separation)
+    central_overclosure = None if separation is None else -separation
+    name, value = ("load", load) if separation is None else ("separation", separation)
     try:
         if load is not None:
             start = _first_approach(profile, layer, load)
             guess = _rough_approach(
-                roughly, start, load, lambda contact: (contact.load, contact.stiffness)
+                rough_contact, start, load, lambda contact: (contact.load, contact.stiffness)
             )
         else:
-            # the approach is larger than the overclosure at the centre
-            assert centre is not None
-            pressure = float(layer._pressure(np.array(centre)))
-            guess = _rough_approach(roughly, centre, pressure, at_centre)
+            # the approach exceeds the overclosure at the centre, so that this is a start from below
+            assert central_overclosure is not None
+            pressure = float(layer._pressure(np.array(central_overclosure)))
+            guess = _rough_approach(rough_contact, central_overclosure, pressure, at_centre)
         for _ in range(_MAX_STEPS):
             setting = setting_at_approach(profile, layer, guess)
-            setting = replace(setting, load=load, centre=centre, drives=drives)
+            setting = replace(setting, load=load, centre=central_overclosure, drives=drives)
             solved = solve_layered(setting, tolerance, max_unknowns, pointwise=pointwise)
             guess = solved.best.value.approach
             radius = setting_at_approach(profile, layer, guess).radius
             if radius <= (1.0 + _DISK_MARGIN) * setting.radius:
-                break
+                return solved
     except SceneError as error:
-        allowed = f"what the profile carries before it ends: {error.allowed}"
-        raise SceneError(name, value, allowed) from error
-    return solved
+        raise SceneError(name, value, error.allowed) from error
+    raise _unsettled("disk that holds the pressure")
 
 
 def _first_approach(profile: Profile, layer: Layer, load: float) -> float:
-    """Return a first approach: that of an even pressure, on the disk on which it is least."""
-    if layer.limit < inf:
-        return layer.start + layer._size
+    """Return a first approach under a load.
+
+    A uniform pressure on a disk is taken, of the radius for which the approach is least.
+    """
 
     def approach(radius: float) -> float:
         height = 0.0 if flat else float(profile._height(np.array(radius * sqrt(0.5))))
-        displacement = _EVEN_MEAN * load / (2.0 * pi * radius)
+        displacement = _UNIFORM_MEAN_RATIO * load / (2.0 * pi * radius)
         return displacement + height + layer._overclosure(load / (pi * radius**2))
 
     flat = isinstance(profile, Flat)
@@ -355,11 +361,11 @@ def _first_approach(profile: Profile, layer: Layer, load: float) -> float:
     # golden section search in the logarithm of the radius
     high = log(min(profile.reach, _MAX_RADIUS))
     low = high - 2.0 * log(_MAX_RADIUS)
-    ratio = (sqrt(5.0) - 1.0) / 2.0
+    golden = (sqrt(5.0) - 1.0) / 2.0
     with np.errstate(over="ignore"):
         while high - low > _RADIUS_TOLERANCE:
-            left = high - ratio * (high - low)
-            right = low + ratio * (high - low)
+            left = high - golden * (high - low)
+            right = low + golden * (high - low)
             low, high = (low, right) if approach(exp(left)) < approach(exp(right)) else (left, high)
         return approach(exp(0.5 * (low + high)))
 
@@ -373,19 +379,32 @@ def _rough_approach(
     """Return an approach at which a value, load or pressure, is roughly the given one.
 
     It is found by Newton's method from an approach, with the derivative of the value by it.
+
+    Raises
+    ------
+    ConvergenceError
+        If the method does not end.
     """
     for _ in range(_MAX_STEPS):
         contact = solve(approach).best.value
         value, rate = value_and_rate(contact)
+        if not 0.0 < value < inf:
+            break
         residual = log(value / given)
         missing = (given - value) if residual > 0.0 else -residual * value
         approach = contact.approach + missing / rate
         if abs(residual) <= _ROUGH_ERROR:
-            break
-    return approach
+            return approach
+    raise _unsettled("approach")
 
 
-def _at_approach(solved: Contact, approach: float) -> Contact:
-    """Return the contact with just this approach."""
+def _unsettled(quantity: str) -> ConvergenceError:
+    return ConvergenceError(
+        f"the {quantity} does not settle", "give an approach instead, and report the scene"
+    )
+
+
+def _with_exact_approach(solved: Contact, approach: float) -> Contact:
+    """Return the contact with the given approach as an exact number."""
     contact = replace(solved.best.value, approach=approach, approach_error=0.0)
     return replace(solved, best=replace(solved.best, value=contact))

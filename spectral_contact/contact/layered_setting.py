@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.contact.layered_bends import Bend
-from spectral_contact.contact.layered_newton import LayeredSetting, balanced
+from spectral_contact.contact.layered_newton import LayeredSetting, series_overclosure
 from spectral_contact.contact.on_parts import feature_depths, layer_depth, profile_parts
 from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EDGE, Radius
@@ -31,19 +31,19 @@ Array = NDArray[np.float64]
 
 #: The disk ends where the pressure is at most this fraction of that at the centre.
 _NEGLIGIBLE = 1e-18
-#: Least and largest radius, over that of the disk, of a boundary at the turn; and its least
-#: distance from a break.
-_MIN_TURN, _MAX_TURN, _MIN_DISTANCE = 0.3, 0.85, 0.05
-#: Load of a smooth contact over four times the product of radius and approach, that of a parabola.
-_LOAD_FACTOR = 2.0 / 3.0
-#: Largest radius of a bisection, and the least over the largest.
+#: Least pressure, so that it has an overclosure.
+_LEAST_PRESSURE = float(np.finfo(float).tiny)
+#: Least and largest radius of the boundary at the turn, over the radius of the disk; and its least
+#: distance from a break, in the same unit.
+_MIN_TURN, _MAX_TURN, _MIN_DISTANCE = 0.3, 0.99, 0.05
+#: Load of a smooth contact over ``4 a delta``: that of a parabola, 4/3.
+_LOAD_FACTOR = 4.0 / 3.0
+#: Largest radius of a bisection, and the ratio of its least radius to the largest.
 _MAX_RADIUS, _MIN_RATIO = 1e100, 1e-200
 #: Relative accuracy of the radius of the disk, and of a turn.
 _RADIUS_TOLERANCE, _TURN_TOLERANCE = 1e-3, 1e-12
-#: Steps of a bisection of the overclosure, and its range in sizes of the law.
-_STEPS, _RANGE = 60, 1e3
-#: Width of the cells next to the turn over the width of the turn; ratio of the widths of
-#: neighbours; largest width; and relative distance from the end at which no further cell is added.
+#: Cells next to the turn over the width of the turn; ratio of neighbouring widths; largest width in
+#: ``s**2``; and the fraction of the distance to the end that is not worth a further cell.
 _FIRST_WIDTH, _WIDTH_RATIO, _MAX_WIDTH, _END_MARGIN = 1.0, 2.5, 0.3, 0.1
 #: Largest depth of a turn in ``x = -ln d``.
 _MAX_TURN_DEPTH = 25.0
@@ -89,25 +89,26 @@ def setting_at_approach(
     """
     if isinstance(profile, Flat):
         return _to_edge(profile, layer, profile.radius, approach, bends)
-    radius = _domain(profile, layer, approach)
+    radius = _disk_radius(profile, layer, approach)
     turn = _turn(profile, layer, approach)
-    knee = min(max(turn, _MIN_TURN * radius), _MAX_TURN * radius)
-    own = profile_parts(profile, radius)
-    turns = []
-    depth = _turn_depth(profile, layer, approach, turn)
-    if len(own.ends) == 1 and not layer.knots:
-        cells = _cells(Radius(knee / radius, (radius - knee) / radius), exp(-depth))
-        return LayeredSetting(profile, layer, radius, approach, own, (), (), cells=cells)
-    if all(abs(one.value * radius - knee) >= _MIN_DISTANCE * radius for one in own.breaks):
-        turns = [Radius(knee / radius, (radius - knee) / radius)]
-    parts = _with_smooth_breaks(own, [*turns, *(bend.radius for bend in bends)])
-    central = layer._overclosure(_central(layer, approach, max(turn, layer._size)))
-    thin = 1.0 / max(float(layer._slope(np.array(central))) * radius, 1.0)
+    turn_in_disk = min(max(turn, _MIN_TURN * radius), _MAX_TURN * radius)
+    at_turn = Radius(turn_in_disk / radius, (radius - turn_in_disk) / radius)
+    depth = _turn_depth(profile, layer, approach, turn) if turn == turn_in_disk else 0.0
+    profile_breaks = profile_parts(profile, radius)
+    if len(profile_breaks.ends) == 1 and not layer.knots:
+        cells = _cells(at_turn, exp(-depth))
+        return LayeredSetting(profile, layer, radius, approach, profile_breaks, (), (), cells=cells)
+    clear = all(abs(one.value - at_turn.value) >= _MIN_DISTANCE for one in profile_breaks.breaks)
+    turn_boundary = [at_turn] if clear else []
+    parts = _with_smooth_breaks(profile_breaks, [*turn_boundary, *(bend.radius for bend in bends)])
+    central = layer._overclosure(_central_pressure(layer, approach, max(turn, layer._size)))
+    # width of the edge layer, over the radius
+    layer_width = 1.0 / max(float(layer._slope(np.array(central))) * radius, 1.0)
     depths, smooth = [], []
     for boundary, _, extent in parts.ends:
-        smooth.append(boundary in turns or boundary is EDGE)
-        known = depth if boundary in turns and turn == knee else 0.0
-        depths.append(known if smooth[-1] else layer_depth(thin, boundary, extent))
+        smooth.append(boundary in turn_boundary or boundary is EDGE)
+        known = depth if boundary in turn_boundary else 0.0
+        depths.append(known if smooth[-1] else layer_depth(layer_width, boundary, extent))
     return LayeredSetting(
         profile, layer, radius, approach, parts, tuple(depths), tuple(smooth), bends=bends
     )
@@ -127,7 +128,7 @@ def _cells(pivot: Radius, width: float) -> DiskCells:
     pivot : Radius
         The turn.
     width : float
-        Width of the turn, over the square of its radius.
+        Width of the turn in ``s**2``, over the square of its radius s.
     """
 
     def steps(reach: float) -> Array:
@@ -150,69 +151,79 @@ def _to_edge(
     bends: tuple[Bend, ...],
 ) -> LayeredSetting:
     """Return the setting of a contact that ends at a given radius, with panels graded to it."""
-    own = profile_parts(profile, radius)
-    parts = _with_smooth_breaks(own, [bend.radius for bend in bends])
+    profile_breaks = profile_parts(profile, radius)
+    parts = _with_smooth_breaks(profile_breaks, [bend.radius for bend in bends])
     setting = LayeredSetting(profile, layer, radius, approach, parts, (), ())
     if approach is None:
-        room = 2.0 * float(profile._height(np.array(radius)))
+        largest_height = 2.0 * float(profile._height(np.array(radius)))
     else:
-        room = approach - setting.origin
-    centre = np.array([room / radius])
-    slope = float(setting.slope(balanced(setting, centre, np.minimum(centre, 0.0)))[0])
-    thin = 1.0 / max(slope, 1.0)
-    depths = feature_depths(parts, thin, profile._to_pole(radius))
+        largest_height = approach - setting.origin
+    centre = np.array([largest_height / radius])
+    slope = float(setting.slope(series_overclosure(setting, centre, np.minimum(centre, 0.0)))[0])
+    layer_width = 1.0 / max(slope, 1.0)
+    depths = feature_depths(parts, layer_width, profile._to_pole(radius))
     smooth = (False,) * len(depths)
     return replace(setting, depths=depths, smooth=smooth, bends=bends)
 
 
-def _domain(profile: Profile, layer: Layer, approach: float) -> float:
-    """Return the radius beyond which the pressure is negligible."""
-    pressure = _central(layer, approach, max(_turn(profile, layer, approach), layer._size))
-    room = approach - layer._overclosure(max(_NEGLIGIBLE * pressure, float(np.finfo(float).tiny)))
+def _disk_radius(profile: Profile, layer: Layer, approach: float) -> float:
+    """Return a radius beyond which the pressure is negligible.
+
+    The height of the undeformed punch there exceeds the approach less the overclosure at a
+    negligible pressure.
+    """
+    pressure = _central_pressure(layer, approach, max(_turn(profile, layer, approach), layer._size))
+    largest_height = approach - layer._overclosure(max(_NEGLIGIBLE * pressure, _LEAST_PRESSURE))
 
     def beyond(radius: float) -> bool:
         with np.errstate(over="ignore"):
-            return float(profile._height(np.array(radius))) > room
+            return float(profile._height(np.array(radius))) > largest_height
 
     high = min(profile.reach, _MAX_RADIUS)
     if not beyond(high * (1.0 - _RADIUS_TOLERANCE)):
-        told = "such that the pressure ends before the profile does: "
-        told += f"at its end, {high:.6g}, it is not below rounding yet"
-        raise SceneError("approach", approach, told)
+        allowed = "such that the pressure is below rounding where the profile ends, "
+        allowed += f"at the radius {high:.6g}"
+        raise SceneError("approach", approach, allowed)
     return _bisected(beyond, high)
 
 
 def _bisected(
-    beyond: Callable[[float], bool], high: float, near: float = _RADIUS_TOLERANCE
+    beyond: Callable[[float], bool], high: float, tolerance: float = _RADIUS_TOLERANCE
 ) -> float:
-    """Return the least radius at which a condition holds that holds at `high`, by bisection."""
+    """Return the least radius at which a condition holds, by bisection of its logarithm.
+
+    It holds at `high`.
+    """
     low = high * _MIN_RATIO
-    while high - low > near * high:
+    while high - low > tolerance * high:
         middle = sqrt(low) * sqrt(high)
         low, high = (low, middle) if beyond(middle) else (middle, high)
     return high
 
 
-def _central(layer: Layer, approach: float, radius: float) -> float:
-    """Return an estimate of the pressure at the centre of a contact of this radius.
+def _central_pressure(layer: Layer, approach: float, radius: float) -> float:
+    """Return an estimate of the pressure at the centre of a contact of this radius, above zero.
 
-    The body is taken for a spring in series with the layer.
+    The body acts as a spring in series with the layer, as under a uniform pressure.
     """
-    low = approach - _RANGE * layer._size - radius
-    high = approach
 
     def too_large(w: float) -> bool:
         with np.errstate(over="ignore"):
             return w + 0.5 * radius * float(layer._pressure(np.array(w))) > approach
 
-    for _ in range(_STEPS):
-        middle = 0.5 * (low + high)
+    step = layer._size + radius
+    low = approach - step
+    high = approach
+    while too_large(low):
+        step *= 2.0
+        low -= step
+    while low < (middle := 0.5 * (low + high)) < high:
         low, high = (low, middle) if too_large(middle) else (middle, high)
-    return float(layer._pressure(np.array(high)))
+    return max(float(layer._pressure(np.array(high))), _LEAST_PRESSURE)
 
 
 def _turn(profile: Profile, layer: Layer, approach: float) -> float:
-    """Return the radius of the turn, or 0 if the layer is too soft for one.
+    """Return the radius of the turn; 0 if the smooth contact would reach the end of the profile.
 
     It is that of a smooth contact whose approach is the given one less the overclosure of the layer
     under the mean pressure.
@@ -220,9 +231,9 @@ def _turn(profile: Profile, layer: Layer, approach: float) -> float:
     high = min(profile.reach, _MAX_RADIUS)
 
     def beyond(radius: float) -> bool:
-        half = float(profile._transform(np.array(radius))) / 2.0
-        pressure = 4 * _LOAD_FACTOR * half / (pi * radius)
-        return pressure > float(layer._pressure(np.array(approach - half)))
+        smooth_approach = float(profile._transform(np.array(radius))) / 2.0
+        pressure = 4 * _LOAD_FACTOR * smooth_approach / (pi * radius)
+        return pressure > float(layer._pressure(np.array(approach - smooth_approach)))
 
     with np.errstate(over="ignore"):
         return (
@@ -235,14 +246,16 @@ def _turn(profile: Profile, layer: Layer, approach: float) -> float:
 def _turn_depth(profile: Profile, layer: Layer, approach: float, turn: float) -> float:
     """Return the depth ``x = -ln d`` of the turn, from its width d in ``s**2``.
 
-    Beyond the edge of a smooth contact the gap grows as ``d**(3/2)``. The turn is as wide as the
-    distance at which the gap is the overclosure over which the law falls by e.
+    Beyond the edge of a smooth contact the gap grows as ``d**(3/2)``. The width d of the turn is
+    the distance at which the gap equals the overclosure over which the pressure falls by a factor
+    of e.
     """
     if turn <= 0.0:
         return 0.0
-    half = float(profile._transform(np.array(turn))) / 2.0
-    w = np.array(approach - half)
+    smooth_approach = float(profile._transform(np.array(turn))) / 2.0
+    w = np.array(approach - smooth_approach)
     pressure, slope = float(layer._pressure(w)), float(layer._slope(w))
     if not (pressure > 0.0 and slope > 0.0):
         return 0.0
-    return float(min(max(-2.0 / 3.0 * log(pressure / slope / half), 0.0), _MAX_TURN_DEPTH))
+    depth = -2.0 / 3.0 * log(pressure / slope / smooth_approach)
+    return float(min(max(depth, 0.0), _MAX_TURN_DEPTH))

@@ -132,18 +132,7 @@ class PanelForm:
     def converted(self, coefficients: Array, old: Form) -> Array:
         """Return the coefficients here of a function of another space."""
         assert isinstance(old, PanelForm)
-        counts = [[panels.count for panels, _ in form._used] for form in (old, self)]
-        if old._parts != self._parts or counts[0] != counts[1]:
-            return self.sampling.coefficients(old.field(coefficients).evaluate(self.y))
-        rows = []
-        parts = split_parts(old._used, coefficients)
-        for (was, _), (new, degrees), own in zip(old._used, self._used, parts, strict=True):
-            table = np.zeros((new.count, new.degree + 1))
-            terms = min(was.degree, new.degree) + 1
-            table[:, :terms] = was.table(own)[:, :terms]
-            table *= np.arange(new.degree + 1) <= np.array(degrees)[:, None]
-            rows += [table.ravel(), own[-was.tail_terms :]]
-        return np.concatenate(rows)
+        return self.sampling.coefficients(old.field(coefficients).evaluate(self.y))
 
     def known_pressure(self, pressure: Array, change: Change, layer_width: float) -> NormalContact:
         """Return the pressure as the known one of a traction, on panels of one part.

@@ -120,6 +120,16 @@ class Indentation:
         """
         return self.load + 2.0 * self.stiffness * self.pull
 
+    def largest_error(self, *, pointwise: bool) -> float:
+        """Return the largest relative error of a result, that of the pressure if it is wanted."""
+        return max(
+            self.approach_error,
+            self.load_error,
+            self.work_error,
+            self.stiffness_error,
+            self.pressure_error if pointwise else 0.0,
+        )
+
 
 class PartedProblem:
     """First spaces for a pressure on a disk in parts, and the parts of a space for all of them.

@@ -29,9 +29,9 @@ RESIDUAL_NOISE = 1e-13
 TRACTION_ROUNDING = 110.0 * ROUNDING
 #: The same in full stick or on one stick disk where the tangential compliance is too small to
 #: regularise the traction (beta over the stick radius below UNCORRECTED_COMPLIANCE of
-#: `spectral.tuning`). 43 scenes against 20 digits have errors of 4.7e-13 at most:
-#: validation/honesty/honesty.py.
-RIGID_TRACTION_ROUNDING = 250.0 * ROUNDING
+#: `spectral.tuning`). Of 106 scenes against 20 digits the largest error is 5.3e-13:
+#: validation/honesty/honesty.py coupled.
+RIGID_TRACTION_ROUNDING = 300.0 * ROUNDING
 
 # Tolerances of inner steps
 

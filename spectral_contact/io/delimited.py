@@ -165,7 +165,8 @@ def read_sheet(
     first = _first_row(every, delimiter, are_headings, header)
     rows = _without_empty_ends(every[first:], every[:first])
     if not rows:
-        raise Refused("has no row of numbers")
+        below = "" if header is None else f" below line {header}, that of the headings"
+        raise Refused(f"has no row of numbers{below}")
     above = [one for one in comments if one[0] < rows[0].line]
     return Sheet(
         delimiter,

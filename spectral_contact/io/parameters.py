@@ -65,7 +65,7 @@ class Parameter:
         unit = f"[{self.unit}]" if self.unit and self.unit not in self.allowed else ""
         named = " ".join(one for one in (self.meaning, self.symbol, unit) if one)
         told = f"{named}, {self.allowed}" if self.allowed else named
-        return told.replace("math.inf", "inf").translate(_ASCII)
+        return told.replace("math.inf", "inf").replace("None", "none").translate(_ASCII)
 
     def checked(self, name: str, value: object) -> Any:
         """Return a value of the range; an angle may have a unit.

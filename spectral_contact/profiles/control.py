@@ -31,6 +31,9 @@ from spectral_contact.profiles.sums import Sum
 CONTROLS: Final = ("contact_radius", "load", "approach")
 #: The same where a layer may have pressure at every gap.
 ALL_CONTROLS: Final = (*CONTROLS, "separation")
+#: Least pressure of a layer at a given approach or separation: the load, its product with an area,
+#: has all digits of a double.
+_LEAST_PRESSURE: Final = 1e-290
 #: Profiles by the name that they have in files.
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
@@ -96,19 +99,27 @@ def _pressed(name: str, value: Any, layer: Any, adhesive: bool) -> float:
         return real(name, value, allowed="finite")
     if name == "approach" and layer is not None:
         told = f"finite and > {layer.start:.6g}, where the layer's pressure begins"
-        return real(name, value, allowed=told, low=layer.start, low_open=True)
+        number = real(name, value, allowed=told, low=layer.start, low_open=True)
+        return _with_pressure(name, number, number, layer, "finite")
     return positive(name, value)
+
+
+def _with_pressure(name: str, value: float, overclosure: float, layer: Any, allowed: str) -> float:
+    """Return a value if the layer has a pressure at this overclosure."""
+    with np.errstate(over="ignore", under="ignore"):
+        if float(layer._pressure(np.array(overclosure))) >= _LEAST_PRESSURE:
+            return value
+    told = f"{allowed}, and such that the layer has a pressure there, at least {_LEAST_PRESSURE}"
+    raise SceneError(name, value, told)
 
 
 def _separated(value: Any, layer: Any) -> float:
     if layer is None or not isinf(layer.start):
         told = "None: only a layer law without a contact edge has one; give a load or an approach"
         raise SceneError("separation", value, told)
-    told = f"finite, at least {-layer.limit:.6g}, and such that the layer has a pressure there"
-    number = real("separation", value, allowed=told, low=-layer.limit)
-    if not float(layer._pressure(np.array(-number))) > 0.0:
-        raise SceneError("separation", value, told)
-    return number
+    allowed = f"finite, at least {-layer.limit:.6g}"
+    number = real("separation", value, allowed=allowed, low=-layer.limit)
+    return _with_pressure("separation", number, -number, layer, allowed)
 
 
 def simplified(profile: Any) -> Any:

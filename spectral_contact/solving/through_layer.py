@@ -59,9 +59,13 @@ def through_layer(
         # the solution is about the last one, and the law bends about where it did
         nonlocal bends, last
         setting = setting_at_radius(profile, layer, radius, bends)
-        found, last = solve_layered_from(
-            last, setting, tolerance, max_unknowns, pointwise=pointwise
-        )
+        try:
+            found, last = solve_layered_from(
+                last, setting, tolerance, max_unknowns, pointwise=pointwise
+            )
+        except SceneError as error:
+            name, value = ("load", load) if approach is None else ("approach", approach)
+            raise SceneError(name, value, f"that of a contact radius {error.allowed}") from error
         bends = value_of(found).bends
         return found
 

@@ -116,8 +116,11 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
     source = source or f"{type(truth).__name__}, given"
     points, fields = _fields(truth, name)
     scalars = _scalars(truth, scene, name)
-    if "pressure" in fields and points[-1] == 0.0 and math.isfinite(fields["pressure"][-1]):
-        scalars["edge_pressure"] = float(fields["pressure"][-1])
+    if "pressure" in fields and points[-1] == 0.0:
+        edge = float(fields["pressure"][-1])
+        # infinite under a flat punch on a smooth surface, zero under a smooth profile
+        if math.isfinite(edge) and edge != 0.0:
+            scalars["edge_pressure"] = edge
     found = Truth(scene, source, scalars, points, fields, {})
     if not found.quantities:
         raise SceneError(name, truth, f"an object with one of {', '.join(QUANTITIES)}")

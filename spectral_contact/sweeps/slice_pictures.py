@@ -68,7 +68,7 @@ def plot_slice(
     # full stick, friction infinite, has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
     if len(left) not in (1, 2):
-        said = f"{', '.join(left) or 'none'} is left: cut all but one or two"
+        said = f"such that one or two dimensions are left, not {', '.join(left) or 'none'}"
         raise SceneError("at", dict(at or {}), said)
     with style():
         figure = new_figure(figsize=(5.6, 4.2), layout="constrained")
@@ -116,7 +116,7 @@ def _places(at: Any, dims: list[str]) -> dict[str, float]:
     if not isinstance(at, Mapping | None):
         raise SceneError("at", at, "a mapping of names to numbers")
     return {
-        one_of("at", name, dims, f"a dimension: {', '.join(dims) or 'none'}"): real(
+        one_of("at", name, dims, f"one of the dimensions: {', '.join(dims) or 'none'}"): real(
             f"at, {name}", value, allowed="a number", infinite_ok=True
         )
         for name, value in (at or {}).items()

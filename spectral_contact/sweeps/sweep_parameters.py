@@ -286,8 +286,6 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
     rows: list[tuple[float, ...]] = []
     forms: list[SceneForm] = []
     for number, scene in enumerate(scenes):
-        if not isinstance(scene, Scene):
-            raise SceneError(f"scenes[{number}]", scene, "a Scene")
         one = changed(scene, changes or {})
         if rows and (one.profile is None) != (forms[0].profile is None):
             first = forms[0].profile
@@ -295,8 +293,6 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
             raise SceneError(f"scenes[{number}]", scene, told)
         rows.append(_row(one))
         forms.append(SceneForm.of(one))
-    if not rows:
-        raise SceneError("scenes", [], "at least one Scene")
     shaped = forms[0].profile is not None
     count = len(PARAMETERS) if shaped else _FLAT
     table = np.array(rows).T[:count].copy()

@@ -270,13 +270,13 @@ def _physical_scenes(
 
 
 def _physical_list(
-    scenes: tuple[Any, ...],
+    scenes: tuple[Scene, ...],
     given: dict[str, Any],
     law: Mapping[str, Any] | None,
     coupling: bool | None,
 ) -> PhysicalScenes | None:
     """Return the scenes of a list, with one number in place of theirs; None if not all are SI."""
-    if not all(isinstance(one, Scene) and one.physical is not None for one in scenes):
+    if not all(one.physical is not None for one in scenes):
         return None
     for name, values in [*given.items(), ("layer", law)]:
         if values is not None and np.ndim(values) > 0:
@@ -351,16 +351,21 @@ def _parameters(
     return listed(scenes, alone)
 
 
-def _several(scenes: Any) -> tuple[Any, ...]:
+def _several(scenes: Any) -> tuple[Scene, ...]:
     """Return the scenes of a list, at least one."""
     try:
         several = iter(scenes)
     except Exception:  # not a list, or a broken one
         raise SceneError("scenes", scenes, "a Scene or a list of them") from None
-    found = tuple(several)
+    found: list[Scene] = []
+    for scene in several:
+        # at once, for an iterator of other things may have no end
+        if not isinstance(scene, Scene):
+            raise SceneError(f"scenes[{len(found)}]", scene, "a Scene")
+        found.append(scene)
     if not found:
         raise SceneError("scenes", [], "at least one Scene")
-    return found
+    return tuple(found)
 
 
 def _collected(

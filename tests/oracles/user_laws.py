@@ -81,6 +81,39 @@ class TwoStages(Layer):
 
 
 @dataclass(frozen=True)
+class Ending(Layer):
+    """``c exp(w/length)``: some pressure at every gap, and a limit."""
+
+    strength: float
+    length: float
+    end: float
+
+    @property
+    def start(self):
+        return -inf
+
+    @property
+    def limit(self):
+        return self.end
+
+    @property
+    def _size(self):
+        return self.length
+
+    def _over(self, unit):
+        return replace(self, strength=self.strength / unit)
+
+    def _pressure(self, w):
+        return self.strength * np.exp(w / self.length)
+
+    def _slope(self, w):
+        return self._pressure(w) / self.length
+
+    def _energy(self, w):
+        return self._pressure(w) * self.length
+
+
+@dataclass(frozen=True)
 class Softplus(Layer):
     """``c ln(1 + exp(w/length))``: some pressure at every gap."""
 

@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import _ExecutorManagerThread
 from pathlib import Path
 
 import pytest
@@ -146,6 +147,24 @@ def test_what_is_called_off_and_loses_its_worker_is_no_error(monkeypatch):
     monkeypatch.setattr(ProcessPoolExecutor, "shutdown", late)
     with pytest.raises(Terminated):
         call_off_what_waits()
+    assert not complaints
+
+
+def test_what_is_called_off_is_dropped_after_the_pool_was_left(monkeypatch):
+    """Under load the thread of a pool may come to it no sooner; it must not miss the pool then."""
+    complaints, drop = [], _ExecutorManagerThread.flag_executor_shutting_down
+
+    def late(thread):
+        time.sleep(0.3)
+        drop(thread)
+
+    monkeypatch.setattr(threading, "excepthook", complaints.append)
+    monkeypatch.setattr(_ExecutorManagerThread, "flag_executor_shutting_down", late)
+    with pytest.raises(Terminated):
+        call_off_what_waits()
+    for thread in threading.enumerate():
+        if isinstance(thread, _ExecutorManagerThread):
+            thread.join(60.0)
     assert not complaints
 
 

@@ -11,30 +11,19 @@ says otherwise.
 from __future__ import annotations
 
 import sys
+import tomllib
 from importlib import import_module
+from pathlib import Path
 
-#: By name: the module that has the cases, and what they are.
-GROUPS = {
-    "solve": ("bench_solve", "whole solves, cold and warm"),
-    "coupled": ("bench_solve", "whole solves with elastic coupling, likewise"),
-    "profiles": ("bench_contacts", "contact under profiles"),
-    "growing": ("bench_contacts", "friction as a contact grows, and curves of loads"),
-    "adhesion": ("bench_contacts", "adhesive contact, pull-off and cycles"),
-    "fit": ("bench_fit", "fits of measured curves"),
-    "sweep": ("bench_sweep", "scenes a second of sweeps"),
-    "inside": ("bench_inside", "stresses in the body"),
-    "reference": ("bench_reference", "many digits"),
-    "threads": ("bench_threads", "BLAS held to one thread, and not"),
-}
+GROUPS = tomllib.loads(Path(__file__).with_name("bench.toml").read_text(encoding="utf-8"))["group"]
 
 
 def main(arguments: list[str]) -> int:
     """Time the group that is asked for, and return the exit status."""
     if len(arguments) != 1 or arguments[0] not in GROUPS:
-        print("\n".join(f"{name:12}{about}" for name, (_, about) in GROUPS.items()))
+        print("\n".join(f"{name:12}{group['what']}" for name, group in GROUPS.items()))
         return 2
-    module, _ = GROUPS[arguments[0]]
-    import_module(module).main(f"bench_{arguments[0]}")
+    import_module(GROUPS[arguments[0]]["module"]).main(f"bench_{arguments[0]}")
     return 0
 
 

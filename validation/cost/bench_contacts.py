@@ -1,4 +1,4 @@
-"""Contact under profiles, growing contacts, adhesion: three groups of bench.py."""
+"""Growing contacts and adhesion: two groups of bench.py."""
 
 from __future__ import annotations
 
@@ -8,25 +8,14 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from timed import Case, run
+from timed import TABLE, Case, run
 
 from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve, sweep
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
 TRUNCATED = profiles.TruncatedCone(0.5, 1.0)
-SHAPES = (PARABOLA, profiles.Sphere(3.0), CONE, profiles.RoundedFlat(0.5, 1.0), TRUNCATED)
-#: What is given, and its goal in U.
-GIVEN = {"contact_radius": 0.03, "load": 0.1}
-#: Friction as the contact grows under a parabola: what, friction, coupling, tolerances, goal in U.
-GROWING: list[tuple[str, float, bool, tuple[float, ...], float]] = [
-    ("full stick", math.inf, False, (1e-4, 1e-10), 2.0),
-    ("partial slip", 0.05, False, (1e-4, 1e-10), 10.0),
-    ("full stick, coupled", math.inf, True, (1e-4, 1e-10), 60.0),
-    ("partial slip, coupled", 0.1, True, (1e-4,), 60.0),
-]
-#: Spence's problem (1975): a smooth surface whose stick radius is half the contact radius.
-SPENCE = {"Spence's sphere": PARABOLA, "Spence's cone": profiles.Cone(1.2)}
-HALF_STUCK = 0.298714615962
+#: The profiles of contacts that grow, by name; without one it is the parabola.
+PROFILES = {None: PARABOLA, "Spence's cone": profiles.Cone(1.2)}
 GROWN = ["load", "approach", "pressure", "traction", "total_shear", "stick_radius"]
 CURVE = ["contact_radius", "approach", "load", "stiffness"]
 #: Of a curve of loads, and of a cycle.
@@ -47,46 +36,28 @@ ADHESIVE: list[tuple[str, str, Callable[[Scene], object], float]] = [
 ]
 
 
-def under_profiles() -> Iterator[Case]:
-    """Yield contact without friction, of a radius and of a load."""
-
-    def work(place: float, alpha: float, **given: Any) -> Callable[[], object]:
-        [(control, value)] = [pair for pair in given.items() if pair[0] != "profile"]
-        shifted = {"profile": given["profile"], control: value + 1e-3 * place}
-        return partial(solve, Scene(0.3, alpha * (1.0 + 1e-3 * place), **shifted), strict=False)
-
-    for profile in SHAPES:
-        for alpha in (0.5, 1e-3, 0.0):
-            for control, goal in GIVEN.items():
-                given = {"alpha": alpha, "profile": profile, control: 1.2}
-                cells = type(profile).__name__, f"{alpha:g}", control
-                yield Case(cells, partial(work, **given), goal)
-
-
 def growing() -> Iterator[Case]:
     """Yield friction as the contact grows, and curves of many loads."""
 
-    def grown(place: float, friction: float, coupled: bool, rtol: float) -> Callable[[], object]:
-        given = {"profile": PARABOLA, "contact_radius": 1.0 + 1e-3 * place}
-        scene = Scene(0.3, 0.2, 0.2, friction, coupling=coupled, **given)
-        return partial(solve, scene, rtol, GROWN, strict=False, progress=False)
-
-    def smooth(place: float, profile: profiles.Profile) -> Callable[[], object]:
-        given = {"profile": profile, "contact_radius": 1.0 + 1e-3 * place}
-        scene = Scene(0.0, friction=HALF_STUCK, coupling=True, **given)
-        return partial(solve, scene, 1e-10, strict=False, progress=False)
+    def grown(place: float, row: dict[str, Any], rtol: float) -> Callable[[], object]:
+        nu, compliance, asked = (0.0, 0.0, None) if "smooth" in row else (0.3, 0.2, GROWN)
+        scene = Scene(
+            *(nu, compliance, compliance, row["friction"]),
+            coupling=row.get("coupling", False),
+            profile=PROFILES[row.get("profile")],
+            contact_radius=1.0 + 1e-3 * place,
+        )
+        return partial(solve, scene, rtol, asked, strict=False, progress=False)
 
     def curve(place: float, alpha: float) -> Callable[[], object]:
         scene = Scene(0.3, alpha, profile=PARABOLA, load=1.0)
         loads = np.linspace(0.1, 2.0 + 1e-3 * place, LOADS)
         return partial(sweep, scene, load=loads, quantities=CURVE, rtol=1e-10)
 
-    for name, friction, coupled, tolerances, goal in GROWING:
-        for rtol in tolerances:
-            given = {"friction": friction, "coupled": coupled, "rtol": rtol}
-            yield Case((name, f"{rtol:g}"), partial(grown, **given), goal, rounds=3)
-    for name, profile in SPENCE.items():
-        yield Case((name, "1e-10"), partial(smooth, profile=profile), 60.0, rounds=3)
+    for row in TABLE["growing"]:
+        for rtol in row["rtol"]:
+            work = partial(grown, row=row, rtol=rtol)
+            yield Case((row["what"], f"{rtol:g}"), work, row["goal"], rounds=3)
     for alpha in (0.5, 0.0):
         cells = f"{LOADS} loads, alpha* = {alpha:g}", "1e-10"
         yield Case(cells, partial(curve, alpha=alpha), 5.0, rounds=3)
@@ -113,32 +84,11 @@ def adhesive() -> Iterator[Case]:
 
 
 GROUPS = {
-    "bench_profiles": (
-        "# Contact under a profile, in dense solves\n\nrtol 1e-10.",
-        "profile | alpha* | given",
-        under_profiles,
-    ),
-    "bench_growing": (
-        "# Friction under a growing contact, in dense solves\n\nalpha* = beta* = 0.2, radius 1, "
-        "with fields, and curves of loads.",
-        "what | rtol",
-        growing,
-    ),
-    "bench_adhesion": (
-        "# Adhesive contact, in dense solves\n\nrtol 1e-10, one BLAS thread, medians of some "
-        "rounds; by `python validation/cost/bench.py adhesion`. Under a tip on a layer the "
-        "pressure has powers of the radius, and a mesh that is graded to it has three times the "
-        "unknowns: one state takes 1 to 2 ms, and pull-off some 35 states, ten of them for the "
-        "digits of the slope of the curve, which 'all, of a radius' needs, too. Under a profile "
-        "with breaks every radius has operators of its own, of which the sixty or so of a curve "
-        "are not kept.",
-        "profile | alpha* | what",
-        adhesive,
-    ),
+    "bench_growing": growing,
+    "bench_adhesion": adhesive,
 }
 
 
 def main(name: str) -> None:
     """Measure a group and write."""
-    about, heading, cases = GROUPS[name]
-    run(name, about, heading, cases())
+    run(name, GROUPS[name]())

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
-from timed import Case, run
+from timed import TABLE, Case, run
 
 from spectral_contact import Scene, fit, layers, profiles, pull_off
 from spectral_contact.calibration import IndentationData
@@ -18,18 +19,6 @@ ROUNDS, GOAL = 3, 170.0
 MODULUS, RADIUS, COMPLIANCE = 4e3, 2.5e-6, 1e-10
 NOISE, ADHESION = 2e-11, 5e-5
 LAW = layers.Exponential(100.0, 2e-8)
-FREE = ("reduced_modulus", "zero_point")
-LAYERED = ("normal_compliance", *FREE)
-#: Points, layer, free parameters, tolerance, goal in U.
-CASES: tuple[tuple[int, str, tuple[str, ...], float, float], ...] = (
-    (400, "linear", LAYERED, 1e-10, GOAL),
-    (10_000, "none", FREE, 1e-10, GOAL),
-    (10_000, "linear", LAYERED, 1e-10, GOAL),
-    (10_000, "linear", (*LAYERED, "load_offset", "tilt"), 1e-10, GOAL),
-    (10_000, "exponential", FREE, 1e-6, GOAL),
-    (10_000, "none, adhesion", (*FREE, "work_of_adhesion"), 1e-10, GOAL),
-    (10_000, "linear, adhesion", (*LAYERED, "work_of_adhesion"), 1e-10, GOAL),
-)
 
 
 def curve(points: int, layer: str, seed: int) -> IndentationData:
@@ -65,22 +54,19 @@ def start(layer: str) -> Scene:
 def main(name: str) -> None:
     """Time all fits, and write the table."""
 
-    def work(
-        place: float, points: int, layer: str, free: tuple[str, ...], rtol: float
-    ) -> partial[object]:
-        data = curve(points, layer, int(place))
-        return partial(fit, start(layer), data, free, rtol=rtol, progress=False)
+    def work(place: float, row: dict[str, Any]) -> partial[object]:
+        data = curve(row["points"], row["layer"], int(place))
+        begin = start(row["layer"])
+        return partial(fit, begin, data, row["free"], rtol=row["rtol"], progress=False)
 
     cases = (
         Case(
-            (points, layer, len(free), f"{rtol:g}"),
-            partial(work, points=points, layer=layer, free=free, rtol=rtol),
-            goal,
+            (row["points"], row["layer"], len(row["free"]), f"{row['rtol']:g}"),
+            partial(work, row=row),
+            GOAL,
             ROUNDS,
             fill=False,
         )
-        for points, layer, free, rtol, goal in CASES
+        for row in TABLE["fit"]
     )
-    about = "# What fits of measured curves cost\n\nBy `python validation/cost/bench.py fit`; a "
-    about += f"sphere, rounds: {ROUNDS}. U is one dense solve of 1000 unknowns."
-    run(name, about, "points | layer | free parameters | tolerance", cases)
+    run(name, cases)

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from time import process_time
 
 from mpmath import libmp
-from timed import table, write
+from timed import TABLE, table, write
 
 from spectral_contact import Scene
 from spectral_contact.precise import reference
 
 SCENES = {
-    "normal and full stick, α* = β* = 0.5": Scene(0.1, 0.5, 0.5, math.inf),
-    "normal and full stick, α* = β* = 1e-6": Scene(0.1, 1e-6, 1e-6, math.inf),
-    "partial slip, α* = β* = 0.5, f = 0.1": Scene(0.1, 0.5, 0.5, 0.1),
-    "partial slip, α* = β* = 1e-6, f = 0.1": Scene(0.1, 1e-6, 1e-6, 0.1),
-    "slip inside, α* = 0.05, β* = 1, f = 0.0329": Scene(0.3, 0.05, 1.0, 0.0329),
-    "slip inside, α* = 0, β* = 1e-6, f = 0.1": Scene(0.3, 0.0, 1e-6, 0.1),
-    "coupled full stick, α* = β* = 0.5": Scene(0.1, 0.5, 0.5, math.inf, coupling=True),
-    "coupled full stick, α* = β* = 1e-6": Scene(0.1, 1e-6, 1e-6, math.inf, coupling=True),
-    "coupled full stick, α* = 0, β* = 1e-6": Scene(0.1, 0.0, 1e-6, math.inf, coupling=True),
-    "coupled full stick, α* = β* = 0": Scene(0.1, 0.0, 0.0, math.inf, coupling=True),
+    name: Scene(*numbers, coupling=kind == "coupled")
+    for kind, rows in TABLE["reference"].items()
+    for name, numbers in rows.items()
 }
 DIGITS = (20, 30)
 #: More, for the first scene alone.

@@ -9,7 +9,6 @@ beside the largest estimate. The gain by two processes is wall-clock time, with 
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -129,9 +128,9 @@ def main(name: str) -> None:
             row["case"],
             f"{row['rtol']:g}",
             f"{row['scenes']:,}",
-            *(f"{_rounded(row[key]):,}" for key in ("first", "again")),
+            *(_rounded(row[key]) for key in ("first", "again")),
             f"{row['again'] * row['unit']:,.3g}",
-            f"{_rounded(row['goal']):,}",
+            _rounded(row["goal"]),
             f"{row['deviation']:.0e}",
             f"{row['estimate']:.0e}",
         )
@@ -148,7 +147,6 @@ def main(name: str) -> None:
     write(name, f"{table(heading, cells)}\n\n{about}", record)
 
 
-def _rounded(rate: float) -> int:
+def _rounded(rate: float) -> str:
     """Return a rate with two digits."""
-    digits = 1 - math.floor(math.log10(rate))
-    return round(round(rate, digits))
+    return f"{float(f'{rate:.2g}'):,.0f}"

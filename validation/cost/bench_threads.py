@@ -15,10 +15,11 @@ os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = str(os.cpu_
 import platform
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from statistics import median
 from time import perf_counter, sleep, thread_time
+from timeit import repeat, timeit
 from unittest import mock
 
 import numpy as np
@@ -33,22 +34,14 @@ from spectral_contact.threads import one_thread
 BUSY, PAIRS, LONGEST = 2, 9, 90.0
 TRIES, ENTRIES = 15, 2000
 
-DEFAULT = (0.1, 0.5, 0.5, 0.1)
-INSIDE = (0.3, 0.05, 1.0, 0.23 / 7)
-#: name, parameters of the scene, elastic coupling
-CASES = [
-    ("default scene", DEFAULT, False),
-    ("slip inside", INSIDE, False),
-    ("default scene, coupled", DEFAULT, True),
-    ("slip inside, coupled", INSIDE, True),
-]
-
-
-def elapsed(call: Callable[[], object]) -> float:
-    """Return the time of a call on the clock."""
-    begin = perf_counter()
-    call()
-    return perf_counter() - begin
+#: By name: the scene, without elastic coupling.
+SCENES = {
+    "default scene": Scene(0.1, 0.5, 0.5, 0.1),
+    "slip inside": Scene(0.3, 0.05, 1.0, 0.23 / 7),
+}
+CASES = SCENES | {
+    f"{name}, coupled": scene.replace(coupling=True) for name, scene in SCENES.items()
+}
 
 
 def not_held() -> mock._patch:
@@ -81,36 +74,35 @@ def pairs(scene: Scene) -> tuple[list[float], list[float]]:
     held, free = [], []
     begin = perf_counter()
     for _ in range(PAIRS):
-        held.append(elapsed(work))
+        held.append(timeit(work, number=1))
         with not_held():
-            free.append(elapsed(work))
+            free.append(timeit(work, number=1))
         if perf_counter() - begin > LONGEST:
             break
     return held, free
 
 
+def hold() -> None:
+    """Hold BLAS to one thread, and let it go."""
+    with one_thread():
+        pass
+
+
 def price() -> dict[str, float]:
     """Return what the hold costs in microseconds of processor time: the least of several means."""
 
-    def mean() -> float:
-        begin = thread_time()
-        for _ in range(ENTRIES):
-            with one_thread():
-                pass
-        return 1e6 * (thread_time() - begin) / ENTRIES
-
     def least() -> float:
-        return min(mean() for _ in range(TRIES))
+        times = repeat(hold, repeat=TRIES, number=ENTRIES, timer=thread_time)
+        return 1e6 * min(times) / ENTRIES
 
     first = least()
     with one_thread():
         return {"first_us": first, "inside_us": least()}
 
 
-def row(name: str, parameters: tuple[float, ...], coupling: bool, busy: int) -> dict:
+def row(name: str, scene: Scene, busy: int) -> dict:
     """Return the figures of a case."""
-    nu, alpha, beta, friction = parameters
-    held, free = pairs(Scene(nu, alpha, beta, friction, coupling=coupling))
+    held, free = pairs(scene)
     return {
         "case": name,
         "busy": busy,
@@ -127,7 +119,7 @@ def main(name: str) -> None:
     rows = []
     for busy in (0, BUSY):
         with load(busy):
-            rows += [row(*case, busy) for case in CASES]
+            rows += [row(*case, busy) for case in CASES.items()]
     about = (
         f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}, "
         f"{os.cpu_count()} processors, load average {before:.1f} before. The hold costs "

@@ -1,7 +1,7 @@
 """Measure what accuracy costs: digits, small roughness, and each effect of a scene.
 
 Run as ``python validation/cost/costs.py [--quick] [--store FOLDER]``; writes costs.json and .md,
-and by matplotlib costs.png and costs_growth.png, into validation/results.
+and by matplotlib costs.png, into validation/results.
 Whatever is done is kept in the store, and the same command goes on where a run was stopped; what
 other sources of the library gave is not taken. The truths have 20 digits, of gold tables or of
 `reference`, which takes some ten minutes. The price of many digits is that of bench.py reference.
@@ -14,7 +14,6 @@ from __future__ import annotations
 import math
 import sys
 import tempfile
-from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -26,7 +25,7 @@ sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
-from costs_report import all_unknowns, draw_errors, draw_growth, growth_argument, tables
+from costs_report import all_unknowns, draw_errors, growth_argument, tables
 from flat_punches import sources
 from honesty_scenes import true_solution
 from reporting import RESULTS, options, resumed, stored, unit, write
@@ -36,7 +35,6 @@ from spectral_contact import Scene, Solution, clear_caches, gold, solve
 from spectral_contact.studies import (
     OwnSolver,
     Point,
-    Timing,
     Truth,
     convergence,
     this_machine,
@@ -171,20 +169,6 @@ def digits_priced() -> list[Record]:
     ]
 
 
-def step_seconds(repeats: int) -> list[Record]:
-    """Return what the steps of the two complete solves take, warm."""
-    rows = []
-    for name, scene in (("one stick disk", ONE_DISK), ("slip in an annulus", ANNULUS)):
-        solve(scene, RTOL)
-        taken: dict[str, list[float]] = defaultdict(list)
-        for _ in range(4 * repeats):
-            for step in solve(scene, RTOL).work.steps:
-                taken[step.name].append(step.seconds)
-        for step, seconds in taken.items():
-            rows.append({"solve": name, "step": step} | asdict(Timing.of(seconds)))
-    return rows
-
-
 # --- growth ---------------------------------------------------------------------------------------
 
 
@@ -229,7 +213,7 @@ def record(store: Path, repeats: int) -> Record:
         },
         "falls": {f"scene {i}": partial(falls, scene) for i, scene in enumerate(scenes)},
         "prices": {price[0]: partial(priced, *price, repeats) for price in prices()},
-        "rest": {"steps": partial(step_seconds, repeats), "dense solve": unit},
+        "rest": {"dense solve": unit},
     }
     done = {
         group: resumed(store.with_name(f"{store.name}-{group}.jsonl"), some)
@@ -253,7 +237,6 @@ def record(store: Path, repeats: int) -> Record:
         },
         "prices": [*done["prices"].values(), *digits_priced()],
         "price_rtol": RTOL,
-        "steps": done["rest"]["steps"],
         "points": points,
     }
 
@@ -265,7 +248,6 @@ def main() -> None:
     found = record(store, 1 if asked.quick else REPEATS)
     write("costs", tables(found), found)
     draw_errors(found, RESULTS / "costs.png")
-    draw_growth(found, RESULTS / "costs_growth.png")
 
 
 if __name__ == "__main__":

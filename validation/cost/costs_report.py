@@ -1,4 +1,4 @@
-"""Tables and figures of what accuracy costs."""
+"""Tables and the figure of what accuracy costs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 from reporting import table
 
@@ -16,13 +15,10 @@ from spectral_contact.view.plotting import save, style
 BOUNDED = ("approach", "pressure", "traction", "total_shear")
 #: Errors of zero, and what doubles do not tell from it, are drawn here.
 LEAST = 1e-16
-MARKERS = "osD^vP"
 SHOWN = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 #: A digit is priced between these.
 FROM, TO = 1e-2, 1e-12
 DEFAULT = 1e-10
-
-PRODUCT = r"$L = \ln(1/\mathrm{rtol})\;\ln(1/(\alpha^*\,\mathrm{rtol}))$"
 
 Record = dict[str, Any]
 
@@ -82,8 +78,6 @@ def tables(record: Record) -> str:
         "growth": _growth,
         "monotony": _monotony,
         "prices": _prices,
-        "steps": _steps,
-        "points": _points,
     }
     text = f"{record['count']} solves.\n\n"
     return text + "\n".join(f"<!-- {name} -->\n\n{make(record)}\n" for name, make in parts.items())
@@ -217,48 +211,7 @@ def _price_seconds(price: Record) -> tuple[float, float]:
     return _warm(price) / 1e3, _cold(price) / 1e3
 
 
-def _steps(record: Record) -> str:
-    solves = list(dict.fromkeys(row["solve"] for row in record["steps"]))
-    names = list(dict.fromkeys(row["step"] for row in record["steps"]))
-    taken = {(row["solve"], row["step"]): row["median"] for row in record["steps"]}
-    totals = {s: sum(v for (one, _), v in taken.items() if one == s) for s in solves}
-    rows = []
-    for name in names:
-        cells = [
-            f"{_seconds(taken[s, name])}, {100 * taken[s, name] / totals[s]:.0f} %"
-            if (s, name) in taken
-            else "–"
-            for s in solves
-        ]
-        rows.append([name, *cells])
-    rows.append(["all", *(_seconds(totals[s]) for s in solves)])
-    return table(" | ".join(["step", *solves]), rows)
-
-
-def _points(record: Record) -> str:
-    """Return every point."""
-    heading = ["problem", "α* = β*", "rtol", "error", "estimate", "unknowns", "largest system"]
-    heading += ["spaces tried", "warm [ms]", "cold [ms]"]
-    rows = [
-        [
-            p["problem"],
-            f"{p['compliance']:g}",
-            f"{p['resolution']:g}",
-            f"{worst(p, 'errors'):.0e}",
-            f"{worst(p, 'estimates'):.0e}",
-            str(all_unknowns(p)),
-            str(p["unknowns"]),
-            str(p["refinements"]),
-            _number(_warm(p), 3),
-            _number(_cold(p), 3),
-        ]
-        for p in record["points"]
-    ]
-    text = "Errors and estimates are the largest of those that `rtol` bounds.\n\n"
-    return text + table(" | ".join(heading), rows)
-
-
-# --- figures --------------------------------------------------------------------------------------
+# --- the figure -----------------------------------------------------------------------------------
 
 
 def _power(number: float) -> str:
@@ -296,53 +249,6 @@ def draw_errors(record: Record, path: Path) -> None:
         figure.legend(rows[0][0].get_lines(), names, loc="outside lower center", ncols=3)
         figure.supylabel("the worst of $\\delta^*$, $p^*$, $q^*$, $Q^*$", fontsize=9.0)
     save(figure, str(path))
-
-
-def draw_growth(record: Record, path: Path) -> None:
-    """Draw unknowns over the logarithms with the fitted line, and times over unknowns."""
-    problems, compliances = _cases(record)
-    rough = [c for c in compliances if c > 0.0]
-    with style():
-        figure = Figure(figsize=(9.4, 6.4), layout="constrained")
-        top, bottom = figure.subplots(2, len(problems), sharey="row")
-        for axes, below, problem in zip(top, bottom, problems, strict=True):
-            for marker, compliance in zip(MARKERS, rough, strict=False):
-                points = series(record, problem, compliance)
-                x = [growth_argument(p["resolution"], compliance) for p in points]
-                unknowns = list(map(all_unknowns, points))
-                mark = {"marker": marker, "ls": "", "ms": 4.0, "color": "black"}
-                axes.plot(x, unknowns, **mark, label=rf"$\alpha^* =$ {_power(compliance)}")
-                below.plot(unknowns, list(map(_warm, points)), **mark)
-                below.plot(unknowns, list(map(_cold, points)), **mark | {"mfc": "white"}, mew=0.6)
-            axes.set(title=problem, xlabel=PRODUCT)
-            below.set(xscale="log", yscale="log", xlabel="unknowns $N$")
-            below.set_xticks([30, 100, 300, 1000], ["30", "100", "300", "1000"])
-            below.minorticks_off()
-            _draw_laws(axes, below, record["fits"][problem])
-        top[0].set_ylabel("unknowns $N$, all systems together")
-        bottom[0].set_ylabel("time [ms]: full warm, open cold")
-        bottom[0].set_ylim(top=5.0 * max(axes.dataLim.y1 for axes in bottom))  # room for the laws
-        handles, names = top[0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside lower center", ncols=len(rough))
-    save(figure, str(path))
-
-
-def _draw_laws(axes: Any, below: Any, fits: Record) -> None:
-    """Draw the fitted line of unknowns, and the fitted power of times."""
-    line, power = fits["unknowns"], fits["time_power"]
-    place = {"va": "top", "fontsize": 8.0}
-    x = np.array([0.0, axes.dataLim.x1])
-    axes.plot(x, line["intercept"] + line["slope"] * x, color="0.45", lw=1.0)
-    law = rf"$N = {line['intercept']:.0f} + b\,L$, $b$ = {_span(line)}"
-    axes.text(0.03, 0.95, law, transform=axes.transAxes, **place)
-    low, high = below.dataLim.x0, below.dataLim.x1
-    n = np.geomspace(low, high, 50)
-    times = 1e3 * np.exp(power["intercept"] + power["slope"] * np.log(n))
-    below.plot(n, times, color="0.45", lw=1.0)
-    below.text(
-        0.03, 0.95, rf"$t \sim N^m$, $m$ = {_span(power)}", transform=below.transAxes, **place
-    )
-    below.set_xlim(0.8 * low, 1.25 * high)
 
 
 def _seconds(seconds: float) -> str:

@@ -23,6 +23,7 @@ sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
 import browser
 from reporting import DOCS, table, write
+from timed import TABLE
 
 from spectral_contact import solve
 from spectral_contact.view.explorer.look import look_at
@@ -30,50 +31,12 @@ from spectral_contact.view.explorer.page import Page
 from spectral_contact.view.explorer.solver_processes import LookRequest, Solvers
 from spectral_contact.view.explorer.state import KNOBS, texts_from
 
-#: What is moved, from where to where, in which scene.
-CASES = {
-    "friction, one stick disk": ("?", "friction", 0.01, 0.3),
-    "normal compliance": ("?", "normal_compliance", 1e-3, 10.0),
-    "Poisson's ratio": ("?", "poisson_ratio", 0.0, 0.5),
-    "friction, slip in an annulus": (
-        "?poisson_ratio=0.3&normal_compliance=0.05&tangential_compliance=1",
-        "friction",
-        0.025,
-        0.04,
-    ),
-    "friction, elastic coupling": ("?coupling=true", "friction", 0.01, 0.3),
-    "load of a sphere": ("?profile=Sphere&radius=2&load=1&friction=none", "load", 0.1, 3.0),
-    "load of a sphere, friction": ("?profile=Sphere&radius=2&load=1", "load", 0.1, 3.0),
-}
 MOVES, SECONDS = 30, 4.0
-#: The scenes whose times are the budget: a flat punch, and contacts that grow.
-BUDGET = {
-    "flat": ("?", "?normal_compliance=0.001&tangential_compliance=0.01"),
-    "growing": (
-        "?profile=Parabola&radius=1&load=1",
-        "?profile=Cone&half_angle=1.2&load=1",
-        "?profile=PowerLaw&coefficient=1&exponent=3.5&load=1",
-    ),
-}
 TOLERANCES = ("1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
 LONGEST_SOLVE = 600.0
 SHOWN = "?poisson_ratio=0.3&normal_compliance=0.05&tangential_compliance=1&friction=0.0328"
-SLIDERS = "[...Bokeh.documents[0]._all_models.values()].filter(one => one.type === 'Slider')"
-#: Moves a slider to and fro at 60 Hz, and counts how often the fields change.
-DRIVE = """new Promise(done => {
-  const slider = %s[%d], start = performance.now();
-  const fields = [...Bokeh.documents[0]._all_models.values()].find(
-    one => one.type === "ColumnDataSource" && "slip" in one.data);
-  let shown = 0;
-  fields.properties.data.change.connect(() => { shown += 1; });
-  const move = () => {
-    const t = (performance.now() - start) / 1e3;
-    if (t > %f) return done(shown / t);
-    slider.value = %f + (%f) * (0.5 - 0.5 * Math.cos(1.7 * t));
-    setTimeout(move, 16);
-  };
-  move();
-})"""
+IS_READY = "[...Bokeh.documents[0]._all_models.values()].some(one => one.type === 'Slider')"
+DRIVE = Path(__file__).with_suffix(".js").read_text(encoding="utf-8")
 
 
 def in_the_server(query: str, name: str, low: float, high: float) -> list[float]:
@@ -107,15 +70,16 @@ async def in_a_browser(host: str, address: str) -> list[float]:
     rates = []
     async with browser.tab(host) as tab:
         await tab.size(1280, 1100)
-        for query, name, low, high in CASES.values():
-            await tab.open(address + query)
-            await tab.until(f"{SLIDERS}.length > 0")
+        for case in TABLE["explorer"]:
+            await tab.open(address + case["scene"])
+            await tab.until(IS_READY)
             await asyncio.sleep(1.0)
-            low, high = (KNOBS[name].place(repr(one)) for one in (low, high))
+            name, *ends = case["moved"]
+            low, high = (KNOBS[name].place(repr(one)) for one in ends)
             which = list(KNOBS).index(name)
-            rates.append(await tab.run(DRIVE % (SLIDERS, which, SECONDS, low, high - low)))
+            rates.append(await tab.run(f"({DRIVE})({which}, {SECONDS}, {low}, {high})"))
         await tab.open(address + SHOWN)
-        await tab.until(f"{SLIDERS}.length > 0")
+        await tab.until(IS_READY)
         await asyncio.sleep(1.0)
         await tab.picture(DOCS / "explorer.png", whole=False)
     return rates
@@ -124,7 +88,7 @@ async def in_a_browser(host: str, address: str) -> list[float]:
 def budget() -> None:
     """Print the median time of a solve of each kind to each tolerance, in seconds."""
     solvers = Solvers(seconds=LONGEST_SOLVE)
-    for kind, queries in BUDGET.items():
+    for kind, queries in TABLE["budget"].items():
         for coupling in ("false", "true"):
             for rtol in TOLERANCES:
                 seconds = []
@@ -141,14 +105,15 @@ def budget() -> None:
 
 def main() -> None:
     """Time all cases and write the table."""
-    times = [in_the_server(*case) for case in CASES.values()]
-    rates = [math.nan] * len(CASES)
+    cases = TABLE["explorer"]
+    times = [in_the_server(case["scene"], *case["moved"]) for case in cases]
+    rates = [math.nan] * len(cases)
     if browser.found() is not None:
         with served() as address, browser.browser() as host:
             rates = asyncio.run(in_a_browser(host, address))
     rows = (
-        (name, f"{1e3 * median(one):.0f}", f"{1e3 * max(one):.0f}", f"{rate:.0f}")
-        for name, one, rate in zip(CASES, times, rates, strict=True)
+        (case["what"], f"{1e3 * median(one):.0f}", f"{1e3 * max(one):.0f}", f"{rate:.0f}")
+        for case, one, rate in zip(cases, times, rates, strict=True)
     )
     heading = "what is moved | server, median [ms] | server, worst [ms] | shown in a browser [1/s]"
     write("explorer", table(heading, rows))

@@ -17,7 +17,7 @@ sys.path.append(str(Path(__file__).parents[1]))
 
 from reporting import seconds, table, unit, write
 
-#: What is timed of whole solves and sweeps.
+#: The groups, and what is timed of some.
 TABLE = tomllib.loads((Path(__file__).parent / "bench.toml").read_text(encoding="utf-8"))
 #: Scenes that differ, before they are repeated.
 SCENES = 9
@@ -62,14 +62,16 @@ def goal(value: float | None) -> str:
     return "–" if value is None or not isfinite(value) else f"{value:g}"
 
 
-def run(name: str, about: str, heading: str, cases: Iterable[Case]) -> None:
-    """Time cases, and write their table; the heading is that of their own cells."""
+def run(name: str, cases: Iterable[Case]) -> None:
+    """Time the cases of a group that bench.toml has a text of, and write their table."""
+    group = TABLE["group"][name.removeprefix("bench_")]
+    heading = f"{group['columns']} | warm [ms] | warm [U] | goal"
     rows = []
     for case in cases:
         time, ratio = warm(case)
         rows.append((*case.cells, f"{1e3 * time:.3g}", f"{ratio:.3g}", goal(case.goal)))
         print(*rows[-1], flush=True)
-    write(name, f"{about}\n\n{table(f'{heading} | warm [ms] | warm [U] | goal', rows)}")
+    write(name, f"{group['about']}\n\n{table(heading, rows)}")
 
 
 def fresh(function: Callable[..., Any], *arguments: object) -> Any:

@@ -22,7 +22,7 @@ import argparse
 import json
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -35,7 +35,6 @@ from spectral_contact.io.kinds import kind_tree
 from spectral_contact.precise import reference
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import PROFILE_QUANTITIES
-from spectral_contact.view.progress import ProgressLine
 
 sys.path.insert(0, str(Path(__file__).parent))
 
@@ -248,23 +247,13 @@ class Table:
         replace_file(str(self.path), (layout(document) + "\n").encode())
 
 
-def ready(running: dict[Future[Any], tuple[Table, Scene]], count: int) -> set[Future[Any]]:
-    """Wait for a scene, and return those that are solved; a line says what is worked at."""
-    with ProgressLine(None) as tell:
-        while not (found := wait(running, 1.0, FIRST_COMPLETED).done):
-            now = [named(scene) for one, (_, scene) in running.items() if one.running()]
-            tell("; ".join(now), 1.0 - len(running) / count)
-    return found
-
-
 def results(todo: list[tuple[Table, Scene]], digits: int, workers: int) -> Iterator[Any]:
     """Yield tables and scenes with their entries, or with what was raised, as they are ready."""
     pool = ProcessPoolExecutor(workers)
     try:
         running = {pool.submit(solved, scene, digits): (table, scene) for table, scene in todo}
-        while running:
-            for future in ready(running, len(todo)):
-                yield *running.pop(future), future.exception() or future.result()
+        for future in as_completed(running):
+            yield *running[future], future.exception() or future.result()
     finally:  # of an interrupt, too
         pool.shutdown(cancel_futures=True)
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from spectral_contact import ConvergenceError, Scene, Solution, solve
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise.fixed import DoubleFactors, Fixed, Ints
 from spectral_contact.precise.precise_run import PreciseRun
+from spectral_contact.precise.reference_solution import ReferenceSolution
 from spectral_contact.precise.search import lawful
 from spectral_contact.precise.zone_trial import PreciseLayout, ZoneProblem, ZoneTrial
 from spectral_contact.records import ErrorEstimates, Zone
@@ -157,8 +159,10 @@ class UnloadedTrial(ZoneTrial):
         return rows
 
 
-class UnloadedRun:
+class UnloadedRun(PreciseRun):
     """A state below the largest load, on meshes of one panel width.
+
+    What `PreciseRun` says of tractions on zones is said of e here: its zones are those of e.
 
     Parameters
     ----------
@@ -177,18 +181,19 @@ class UnloadedRun:
     def __init__(
         self, scene: Scene, guess: Solution, digits: int, width: float, layout: PreciseLayout
     ) -> None:
-        assert scene.friction is not None
-        self.scene = scene
-        loaded = PreciseRun(scene.replace(unloaded_to=1.0), digits, width, layout)
-        parts, radii = parts_of(guess, layout)
-        own = PreciseLayout(tuple(part.state for part in parts), radii)
+        self.parts, radii = parts_of(guess, layout)
+        own = PreciseLayout(tuple(part.state for part in self.parts), radii)
+        super().__init__(scene, digits, width, own, held=True)
+        self.loaded = PreciseRun(scene.replace(unloaded_to=1.0), digits, width, layout)
         scales = own.scales(scene.normal_compliance, scene.tangential_compliance, digits, width)
-        loaded.fixed = Fixed(max(loaded.fixed.bits, int((scales + 10.0) * 3.33) + 64))
-        _ = loaded.approach, loaded.total_shear
-        self.loaded = loaded
-        self.fixed = loaded.fixed
-        self.problem = UnloadedProblem(loaded, scene.unloaded_to, parts, radii, digits, width)
-        self._solve([loaded.fixed.mp.mpf(radius.logit) for radius in radii], digits)
+        bits = max(self.loaded.fixed.bits, int((scales + 10.0) * 3.33) + 64)
+        self.fixed = self.loaded.fixed = Fixed(bits)
+        _ = self.loaded.approach, self.loaded.total_shear
+        self.load_ratio = self.fixed.mp.mpf(scene.unloaded_to)
+        self.problem = UnloadedProblem(
+            self.loaded, scene.unloaded_to, self.parts, radii, digits, width
+        )
+        self._solve([self.fixed.mp.mpf(radius.logit) for radius in radii], digits)
 
     def _solve(self, logits: list[Any], digits: int) -> None:
         """Find the tractions and the boundaries."""
@@ -215,7 +220,7 @@ class UnloadedRun:
         else:
             raise ConvergenceError("the zones do not settle", "ask for fewer digits")
         self.trial = trial
-        self.zones_of_e = trial.outcome(flat)
+        self.annuli = trial.outcome(flat)
         self._values = problem.split(flat)
 
     def breach(self) -> float:
@@ -240,14 +245,6 @@ class UnloadedRun:
         return worst
 
     @property
-    def radii(self) -> list[tuple[Any, Any]]:
-        """The boundaries of the parts, and their distances from the edge."""
-        mp = self.fixed.mp
-        values = [1 / mp.sqrt(1 + mp.exp(-x)) for x in self.trial.logits]
-        pairs = zip(values, self.trial.logits, strict=True)
-        return [(b, 1 / ((1 + mp.exp(x)) * (1 + b))) for b, x in pairs]
-
-    @property
     def zones(self) -> tuple[Zone, ...]:
         """The zones, of which neighbouring parts that slip are one."""
         mp = self.fixed.mp
@@ -264,43 +261,21 @@ class UnloadedRun:
     @property
     def approach(self) -> Any:
         """``delta*``, in units of the largest load."""
-        return self.scene.unloaded_to * self.loaded.approach
+        return self.load_ratio * self.loaded.approach
 
     @property
     def total_shear(self) -> Any:
         """``Q*``, in units of the largest load."""
-        fall = self.fixed.numbers(self.zones_of_e.total_shear) * self.loaded.kappa
-        return self.loaded.total_shear - (1 - self.fixed.mp.mpf(self.scene.unloaded_to)) * fall
+        return self.loaded.total_shear - (1 - self.load_ratio) * super().total_shear
 
     def pressures(self, s: Any, from_edge: Any) -> Any:
         """Return p at mpmath's radii whose distances to the edge are given, too."""
-        return self.scene.unloaded_to * self.loaded.pressures(s, from_edge)
+        return self.load_ratio * self.loaded.pressures(s, from_edge)
 
-    def tractions(self, s: Any, from_edge: Any) -> Any:
-        """Return q at mpmath's radii whose distances to the edge are given, too."""
-        f, mp, problem = self.fixed, self.fixed.mp, self.problem
-        radii = self.radii
-        number = sum(
-            (np.where(s < 0.5, s > b, from_edge < e).astype(int) for b, e in radii), 0 * s
-        ).astype(int)
-        values = np.empty(len(s), dtype=object)
-        ends = [(mp.zero, mp.one), *radii, (mp.one, mp.zero)]
-        fall = 1 - mp.mpf(self.scene.unloaded_to)
-        for k in np.unique(number):
-            rows = number == k
-            part, series = problem.parts[k], self.zones_of_e.tractions[k]
-            if series is None:
-                p = self.pressures(s[rows], from_edge[rows])
-                values[rows] = part.state * mp.mpf(self.scene.friction) * p
-                continue
-            below = [
-                np.where(s[rows] < 0.5, b - s[rows], from_edge[rows] - e) * (b + s[rows])
-                for b, e in ends[k : k + 2]
-            ]
-            over_s = f.numbers(series.at(f.of(-below[0]), f.of(below[1])))
-            before = self.loaded.tractions(s[rows], from_edge[rows])
-            values[rows] = before - fall * self.loaded.kappa * over_s * s[rows]
-        return values
+    def _in_stick(self, zone: int, s: Any, from_edge: Any) -> Any:
+        """Return q where a zone sticks, from e."""
+        before = self.loaded.tractions(s, from_edge)
+        return before - (1 - self.load_ratio) * super()._in_stick(zone, s, from_edge)
 
 
 def parts_of(
@@ -352,39 +327,17 @@ def _slopes(factors: DoubleFactors, trial: UnloadedTrial, flat: Ints) -> Any:
     return np.array(corner).T - trial.conditions() @ factors.solved(np.array(columns).T)
 
 
-class UnloadedReference(NamedTuple):
-    """A state below the largest load to many digits, with its errors.
+def reference(scene: Scene, digits: int) -> ReferenceSolution:
+    """Return a state below the largest load to many digits, of which two meshes agree.
 
     The error of the traction is relative to ``f p`` where the surface sticks with memory.
-    """
-
-    scene: Scene
-    approach: Any
-    total_shear: Any
-    zones: tuple[Zone, ...]
-    edge_ratio: Any
-    error: ErrorEstimates
-    run: UnloadedRun
-
-    def pressure(self, *, from_edge: Sequence[float]) -> Any:
-        """Return p at distances from the edge."""
-        distance = np.array([self.run.fixed.mp.mpf(one) for one in from_edge])
-        return self.run.pressures(1 - distance, distance)
-
-    def traction(self, *, from_edge: Sequence[float]) -> Any:
-        """Return q at distances from the edge."""
-        distance = np.array([self.run.fixed.mp.mpf(one) for one in from_edge])
-        return self.run.tractions(1 - distance, distance)
-
-
-def reference(scene: Scene, digits: int) -> UnloadedReference:
-    """Return a state below the largest load to many digits, of which two meshes agree.
 
     Raises
     ------
     ConvergenceError
         If the friction law is broken, or digits are missing.
     """
+    begin = perf_counter()
     guess = solve(scene, CLOSE, ("zones", "traction", "pressure"), strict=False)
     loaded = scene.replace(unloaded_to=1.0)
     zones = solve(loaded, 1e-9, ("zones", "traction"), strict=False).zones
@@ -400,14 +353,21 @@ def reference(scene: Scene, digits: int) -> UnloadedReference:
     if breach > 10.0**-digits:
         raise ConvergenceError(f"the friction law is broken by {breach:.1e}", "try other zones")
     run.fixed.mp.dps = digits + 3
-    return UnloadedReference(
-        scene,
-        +run.approach,
-        +run.total_shear,
-        run.zones,
-        run.loaded.edge_ratio(),
-        _compared(run, check, digits),
-        run,
+    return ReferenceSolution(
+        scene=scene,
+        digits=digits,
+        approach=+run.approach,
+        total_shear=+run.total_shear,
+        stick_radius=run.zones[0].outer,
+        zones=run.zones,
+        edge_ratio=run.loaded.edge_ratio(),
+        opening=None,
+        error=_compared(run, check, digits),
+        converged=True,
+        unknowns=run.problem.bounds[-1],
+        bits=run.fixed.bits,
+        seconds=perf_counter() - begin,
+        _run=run,
     )
 
 

@@ -21,7 +21,6 @@ from reporting import table, write
 
 from spectral_contact import ConvergenceError, Scene, gold, proof
 from spectral_contact.io.documents import replace_file
-from spectral_contact.view.progress import ProgressLine
 
 
 def enclosure(compliance: float) -> proof.Enclosure:
@@ -48,11 +47,7 @@ def main() -> None:
         for one in table.solutions
         if is_provable(one.scene)
     ]
-    found = {}
-    with ProgressLine(None) as tell:
-        for count, compliance in enumerate(sorted(set(provable))):
-            tell(f"alpha = {compliance:g}", count / len(set(provable)))
-            found[compliance] = enclosure(compliance)
+    found = {compliance: enclosure(compliance) for compliance in sorted(set(provable))}
     outside = []
     for name, gold_table in tables.items():
         document = json.loads((TABLES / f"{name}.json").read_text(encoding="utf-8"))

@@ -29,10 +29,10 @@ from typing import Any
 
 import numpy as np
 import pint
-from bad_input_cases import Bench, Broken, Case
+from bad_input_cases import Broken, Case
 from bad_input_examples import Examples
 
-from spectral_contact import SpectralContactError, records
+from spectral_contact import Solution, SpectralContactError, records
 
 API = Path(__file__).parents[2] / "docs" / "api.md"
 #: Bare formulas, evaluated a million times in a quadrature: they take arrays of doubles as given.
@@ -171,24 +171,20 @@ def kinds_of(annotation: Any) -> set[str]:
 # --- the pool -------------------------------------------------------------------------------------
 
 
-class Quack:
-    """Has every attribute that a solution may have, all of them the same thing."""
-
-    def __init__(self, value: Any) -> None:
-        self.approach = self.total_shear = self.stick_radius = self.opening = value
-        self.zones, self.error = (value,), SimpleNamespace(approach=value, pressure=value)
-        self.value = value
-
-    def pressure(self, s: Any = None, *, from_edge: Any = None) -> Any:
-        """Return the thing."""
-        return self.value
-
-    traction = pressure
-
-
 def constant(value: Any) -> Callable[..., Any]:
     """Return a function that takes anything and always returns the same thing."""
     return lambda *_, **__: value
+
+
+def quack(value: Any) -> SimpleNamespace:
+    """Return what has every attribute that a solution may have, all of them the same thing."""
+    names = ("approach", "total_shear", "stick_radius", "opening", "value")
+    return SimpleNamespace(
+        **dict.fromkeys(names, value),
+        **dict.fromkeys(("pressure", "traction"), constant(value)),
+        zones=(value,),
+        error=SimpleNamespace(approach=value, pressure=value),
+    )
 
 
 class Astropys(np.ndarray[Any, Any]):
@@ -291,7 +287,7 @@ def pool() -> list[tuple[str, Callable[[], Any], set[str]]]:
         label = repr(value) if not isinstance(value, Broken) else "a broken one"
         label = unplaced(label)
         values.append((f"function that returns {label}", constant(constant(value)), {"function"}))
-        values.append((f"object full of {label}", partial(Quack, value), {"quack"}))
+        values.append((f"object full of {label}", partial(quack, value), {"quack"}))
     return values
 
 
@@ -309,9 +305,9 @@ def verdict(kinds: set[str], admitted: set[str]) -> bool | None:
 # --- cases ----------------------------------------------------------------------------------------
 
 
-def cases(bench: Bench) -> Iterator[Case]:
+def cases(solutions: tuple[Solution, ...]) -> Iterator[Case]:
     """Yield every parameter of every target with every value that is bad for it, or may be."""
-    examples, values = Examples(bench), pool()
+    examples, values = Examples(solutions), pool()
     for target in targets():
         good = examples.arguments(target.name, target.parameters)
         call: Callable[..., Any] = target.call
@@ -328,7 +324,7 @@ def cases(bench: Bench) -> Iterator[Case]:
                     partial(called, call, parameter, {**arguments, parameter.name: make}),
                     target.errors,
                     parameter.name if must and is_named(parameter) else "",
-                    None if must else constant(True),
+                    not must,
                 )
 
 

@@ -93,14 +93,4 @@ _MADE: dict[str, tuple[list[Scene], Callable[[Scene, float], Array]]] = {
 def paper_figure(name: str) -> PaperFigure:
     """Return what a figure out of ``FIGURES`` shows."""
     scenes, measure = _MADE[name]
-    words = WORDS["figure"][name]
-    return PaperFigure(
-        name,
-        words["title"],
-        words["given"],
-        words["chosen"],
-        tuple(words["values"]),
-        tuple(scenes),
-        words["radial"],
-        measure,
-    )
+    return PaperFigure(name, tuple(scenes), measure, **WORDS["figure"][name])

@@ -7,7 +7,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from paper_tables import FigureData
+from paper_tables import WORDS, FigureData
 
 from spectral_contact.fields import Array
 from spectral_contact.view.figures import new_figure, style
@@ -143,24 +143,20 @@ def _draw_onset(axes: Sequence[Axes], data: FigureData) -> None:
     inside = beta[:, None] > alpha[None, :]
     distance = np.where(inside & (grid("from_edge") > 0.0), grid("from_edge"), np.nan)
     missed = np.where(inside & (critical > edge), critical / edge - 1.0, np.nan)
-    for one, values, levels, title in (
-        (axes[0], critical / kappa, _CRITICAL, r"(a)  critical friction $f_c / \kappa$"),
-        (axes[1], distance, _DISTANCE, "(b)  first slip, distance $1 - s$ from the edge"),
-        (axes[2], 100.0 * missed, _MISSED, "(c)  by how many % $f_c$ is above the edge ratio"),
-    ):
+    fields = critical / kappa, distance, 100.0 * missed
+    look: dict[str, Any] = {"colors": "black", "linestyles": "-", "linewidths": 0.9}
+    for one, values, panel in zip(axes, fields, WORDS["onset"], strict=True):
         one.fill_between(alpha, alpha[0], alpha, color="#DDDDDD", lw=0.0, zorder=0.5)
         one.plot(alpha, alpha, color="black", lw=2.0)
         one.set(xscale="log", yscale="log", xlabel=r"normal compliance $\alpha^*$")
         one.set_ylabel(r"tangential compliance $\beta^*$")
         # the values range over decades: between the points of the grid their logarithms are even
-        exponents = np.log10(sorted(levels))
-        lines = one.contour(
-            alpha, beta, np.log10(values), exponents, colors="black", linestyles="-", linewidths=0.9
-        )
+        exponents = np.log10(panel["levels"])
+        lines = one.contour(alpha, beta, np.log10(values), exponents, **look)
         _whole(lines)
-        one.clabel(lines, fmt=_power_of_ten, fontsize=7.0, manual=list(levels.values()))
+        one.clabel(lines, fmt=_power_of_ten, fontsize=7.0, manual=panel["labels"])
         one.plot(*zip(*_NAMED, strict=True), "o", color="#0072B2", ms=4.0, mec="white", mew=0.6)
-        one.set_title(title, loc="left")
+        one.set_title(panel["title"], loc="left")
     for one, place, text in (
         (axes[1], (0.04, 0.92), "starts inside"),
         (axes[1], (0.62, 0.04), "starts at the edge"),
@@ -184,21 +180,6 @@ def _whole(lines: Any) -> None:
 def _power_of_ten(exponent: float) -> str:
     return rf"$10^{{{exponent:.0f}}}$" if exponent < -2.5 else f"{10.0**exponent:g}"
 
-
-#: Levels of the contours, and about where (alpha*, beta*) they are labelled.
-_CRITICAL = {
-    **{0.05: (0.004, 5.5), 0.1: (0.004, 2.8), 0.2: (0.004, 1.3), 0.5: (0.004, 0.4)},
-    **{1.0: (0.004, 0.13), 2.0: (0.004, 0.018)},
-    **{5.0: (2.0, 0.04), 10.0: (2.0, 0.011), 20.0: (2.0, 0.003)},
-}
-_DISTANCE = {
-    **{0.2: (0.004, 1.5), 0.15: (0.004, 0.36), 0.1: (0.004, 0.14), 0.05: (0.004, 0.046)},
-    **{0.01: (0.38, 3.0), 1e-4: (0.85, 2.2), 1e-6: (1.45, 6.0)},
-}
-_MISSED = {
-    **{500.0: (0.0018, 3.0), 100.0: (0.015, 2.0), 10.0: (0.11, 2.0)},
-    **{1.0: (0.28, 3.0), 0.1: (0.5, 5.5), 1e-4: (1.2, 5.0)},
-}
 
 _COLUMNS = {"5": 2, "6": 2, "onset": 3}
 _DRAW: dict[str, Callable[[Sequence[Axes], FigureData], None]] = {

@@ -6,7 +6,7 @@ Numbers are exact, and a head says whose they are.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -40,30 +40,23 @@ class PaperFigure:
     ----------
     name : str
         Out of ``FIGURES``.
-    title : str
-    given : str
-        Parameters that the paper's text prints.
-    chosen : str
-        Parameters that it does not print, and that are our choice.
-    values : tuple of str
-        Names of what is measured.
     scenes : tuple of Scene
         In order; every one is computed at one go.
-    radial : bool
-        Whether the values are functions of the radius.
     measure : callable
         From a scene and rtol to the values, each followed by the estimate of its relative error:
         an array of shape (rows, 2 * values).
+    title, given, chosen, values, radial
+        As in paper.toml.
     """
 
     name: str
+    scenes: tuple[Scene, ...]
+    measure: Callable[[Scene, float], Array]
     title: str
     given: str
     chosen: str
-    values: tuple[str, ...]
-    scenes: tuple[Scene, ...]
+    values: Sequence[str]
     radial: bool
-    measure: Callable[[Scene, float], Array]
 
     @property
     def stem(self) -> str:

@@ -7,44 +7,29 @@ peers_partial_slip, each as .json (a study to be loaded), .md (the times to reac
 
 from __future__ import annotations
 
-import argparse
-import math
 import sys
+import tomllib
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from itertools import product
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-import chebyshev
 import elements
-import fem
-import fft
-import linear
 import nystrom
-import rings
-from reporting import RESULTS, table
+from reporting import RESULTS, options, table
 
 from spectral_contact import MissingDependencyError, Scene
-from spectral_contact.studies import OwnSolver, WorkPrecision, work_precision
+from spectral_contact.studies import OwnSolver, WorkPrecision, named_solver, work_precision
 from spectral_contact.view.report import scene_text
 
 PACKAGES = ("tamaas", "scikit-fem")
 ACCURACIES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-#: Close to each other where solves are short, so that no peer waits for its next resolution.
-ELEMENTS = (3, 4, 6, 8, 12, 17, 25, 35, 50, 70, 100, 140, 200, 280, 400, 560, 800, 1600)
-#: By name: the solver, and the resolutions from coarse to as fine as about a second allows.
-#: Those that solve fewer problems are last, so that each looks the same in all figures.
+TABLE = tomllib.loads(Path(__file__).with_name("peers.toml").read_text(encoding="utf-8"))
+#: By name: the solver, and the resolutions.
 PEERS = {
-    "constant, uniform": (rings.uniform, ELEMENTS),
-    "constant, graded": (rings.graded, ELEMENTS),
-    "linear, uniform": (linear.uniform, ELEMENTS),
-    "linear, graded": (linear.graded, ELEMENTS),
-    "Nyström, log split": (nystrom.solver, (2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 20)),
-    "Chebyshev": (chebyshev.solver, (4, 6, 8, 11, 16, 23, 32, 45, 64, 90, 128, 256)),
-    "scikit-fem": (fem.solver, (2, 3, 4, 6, 8, 12, 16, 24, 32)),
-    "tamaas": (fft.solver, (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)),
+    name: (named_solver(row["solver"]), tuple(row["resolutions"]))
+    for name, row in TABLE["peers"].items()
 }
 
 
@@ -71,30 +56,12 @@ class Problem:
 
 
 PROBLEMS = {
-    "normal": Problem(
-        (Scene(0.1, 0.5), Scene(0.2, 1e-4)), ("approach", "edge_pressure"), tuple(PEERS)
-    ),
-    "full_stick": Problem(
-        (Scene(0.1, 0.5, 0.5, math.inf), Scene(0.1, 1e-3, 1e-3, math.inf)),
-        ("total_shear", "traction"),
-        tuple(name for name in PEERS if name != "tamaas"),
-    ),
-    "partial_slip": Problem(
-        (Scene(0.1, 0.5, 0.5, 0.1), Scene(-0.5, 1e-3, 1e-3, 0.5)),
-        ("total_shear", "stick_radius"),
-        tuple(name for name in PEERS if name not in PACKAGES),
-    ),
-}
-#: By quantity: the error, and all less, from which on no peer should be faster.
-AHEAD = dict.fromkeys(("approach", "total_shear", "stick_radius"), 1e-5) | dict.fromkeys(
-    ("edge_pressure", "traction"), 1e-3
-)
-SYMBOLS = {
-    "approach": "δ*",
-    "edge_pressure": "p*(1)",
-    "total_shear": "Q*",
-    "traction": "q*, worst point",
-    "stick_radius": "c*",
+    problem: Problem(
+        tuple(Scene(*numbers) for numbers in row["scenes"]),
+        tuple(row["quantities"]),
+        tuple(name for name, peer in TABLE["peers"].items() if problem in peer["problems"]),
+    )
+    for problem, row in TABLE["problems"].items()
 }
 
 
@@ -133,9 +100,8 @@ def tables(study: WorkPrecision, packages: str) -> str:
                 )
                 for solver in study.solvers
             )
-            heading = " | ".join([f"{SYMBOLS[quantity]} to", *goals])
+            heading = " | ".join([f"{TABLE['symbols'][quantity]} to", *goals])
             parts += [f"{scene_text(scene)}:", table(heading, rows)]
-    parts += [_faster(study)]
     parts += [
         f"{p.solver} at {p.resolution:g} fails: {p.failure}" for p in study.points if p.failure
     ]
@@ -156,38 +122,6 @@ def _cell(study: WorkPrecision, solver: str, scene: Scene, quantity: str, goal: 
     return "<br>".join(found)
 
 
-def _faster(study: WorkPrecision) -> str:
-    """Return the table of the fastest peers where they are faster than the first solver."""
-    goals = [10.0**-k for k in range(3, 13)]
-    rows = []
-    for scene, quantity, state in product(study.scenes, study.quantities, ("warm", "cold")):
-        cells = [
-            _fastest(study, scene, quantity, goal, state == "cold")
-            if goal <= AHEAD[quantity]
-            else ""
-            for goal in goals
-        ]
-        rows.append((f"α* = {scene.normal_compliance:g}", SYMBOLS[quantity], state, *cells))
-    heading = " | ".join(["scene", "", "", *(f"{goal:.0e}" for goal in goals)])
-    about = "Where a peer is faster, the fastest, and its time over ours:"
-    return f"{about}\n\n{table(heading, rows)}"
-
-
-def _fastest(study: WorkPrecision, scene: Scene, quantity: str, goal: float, cold: bool) -> str:
-    """Return the fastest peer with its ratio, a dash if the first solver is faster."""
-    times = {
-        solver: time
-        for solver in study.solvers
-        if (time := study.reached(solver, scene, quantity, goal, cold=cold)) is not None
-    }
-    first = study.solvers[0]
-    best = min(times, key=lambda solver: times[solver], default=first)
-    if best == first:
-        return "–"
-    ratio = f" {_rounded(times[best] / times[first])}×" if first in times else ""
-    return f"{best}{ratio}"
-
-
 def _rounded(number: float) -> str:
     """Return two digits, never in exponents."""
     return f"{number:.0f}" if number >= 99.5 else f"{number:.2g}"
@@ -203,17 +137,15 @@ def _versions(peers: tuple[str, ...]) -> str:
 
 def main() -> None:
     """Run, and write the results."""
-    parser = argparse.ArgumentParser(description="Measure this library beside its peers.")
-    parser.add_argument("--problem", choices=PROBLEMS, action="append", help="default: all")
-    parser.add_argument("--small", action="store_true", help="coarse and timed once: minutes")
-    parser.add_argument("--results", type=Path, default=RESULTS, help="folder to write to")
-    options = parser.parse_args()
-    chosen = options.problem or list(PROBLEMS)
+    asked = options(__doc__, problems=",".join(PROBLEMS), small=False, results=str(RESULTS))
+    chosen, folder = asked.problems.split(","), Path(asked.results)
+    if unknown := set(chosen) - set(PROBLEMS):
+        sys.exit(f"--problems = {', '.join(unknown)}: must be some of {', '.join(PROBLEMS)}")
     packages = {name: _versions(PROBLEMS[name].peers) for name in chosen}
-    options.results.mkdir(exist_ok=True)
+    folder.mkdir(exist_ok=True)
     for name in chosen:
-        study = measured(name, options.small)
-        path = options.results / f"peers_{name}"
+        study = measured(name, asked.small)
+        path = folder / f"peers_{name}"
         study.save(path.with_suffix(".json"))
         study.plot(path.with_suffix(".png"))
         path.with_suffix(".md").write_text(tables(study, packages[name]), encoding="utf-8")

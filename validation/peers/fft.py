@@ -43,18 +43,17 @@ class Pixels:
         self.unknowns = int(inside.sum())
         self._width = np.sqrt(np.pi / self.unknowns)
         self._radii = distance[inside] * self._width
-        operator, keep = _operator(count, count * self._width)
+        model = half_space(count, count * self._width)
         load, displaced = np.zeros((count, count)), np.zeros((count, count))
 
         def compliance(pressure: Array) -> Array:
             load[inside] = pressure
-            operator(load, displaced)
+            model.operators["half-space"](load, displaced)
             return scene.normal_compliance * pressure + displaced[inside]
 
         shape = self.unknowns, self.unknowns
         matrix = LinearOperator(shape, matvec=compliance, dtype=float)
         unit, failed = cg(matrix, np.ones(self.unknowns), rtol=TOLERANCE)
-        del keep
         if failed:
             raise ArithmeticError("conjugate gradients did not converge")
         self.approach = 1.0 / float(unit.sum() * self._width**2)
@@ -70,8 +69,8 @@ class Pixels:
         return np.array(found)
 
 
-def _operator(count: int, side: float) -> tuple[Any, Any]:
-    """Return tamaas's operator of a half-space with E = 4 (1 - nu^2), and what it belongs to."""
+def half_space(count: int, side: float) -> Any:
+    """Return tamaas's model of a half-space with E = 4 (1 - nu^2); its operator has that name."""
     if tamaas is None:
         raise MissingDependencyError("tamaas", "peers")
     tamaas.set_log_level(tamaas.LogLevel.warning)
@@ -81,7 +80,7 @@ def _operator(count: int, side: float) -> tuple[Any, Any]:
     model.nu = 0.0  # only E/(1 - nu^2) matters
     model.E = 4.0
     tamaas.ModelFactory.registerNonPeriodic(model, "half-space")
-    return model.operators["half-space"], model
+    return model
 
 
 solver = Pixels

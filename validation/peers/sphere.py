@@ -8,23 +8,21 @@ Hertz's closed form.
 
 from __future__ import annotations
 
-import os
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
+import sys
 from pathlib import Path
-from time import perf_counter
+from time import process_time
+
+sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
 import tamaas
+from fft import half_space
+from reporting import table, write
 
 from spectral_contact import Scene, profiles, solve
 
-RESULTS = Path(__file__).parents[1] / "results"
 LAYERS, COUNTS = (0.0, 0.1, 0.5), (32, 64, 128, 256)
 LOAD, HALF_SIDE, STEPS, SETTLED = 1.0, 1.2, 400, 1e-10
-
-tamaas.set_log_level(tamaas.LogLevel.warning)
 
 
 def approach(count: int, alpha: float) -> tuple[float, float]:
@@ -32,19 +30,16 @@ def approach(count: int, alpha: float) -> tuple[float, float]:
     width = 2.0 * HALF_SIDE / count
     x = (np.arange(count) - (count - 1) / 2.0) * width
     height = (x[:, None] ** 2 + x**2) / 2.0
-    sides, pixels = [2.0 * HALF_SIDE] * 2, [count] * 2
-    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, sides, pixels)
-    model.nu, model.E = 0.0, 4.0  # E' is 1
-    tamaas.ModelFactory.registerNonPeriodic(model, "half-space")
+    model = half_space(count, 2.0 * HALF_SIDE)
 
     def moved(p: np.ndarray) -> np.ndarray:
-        out = np.zeros(pixels)
+        out = np.zeros_like(p)
         model.operators["half-space"](np.ascontiguousarray(p), out)
         return out + alpha * p
 
     p = np.where(height < 0.5, 1.0, 0.0)
     p *= LOAD / (p.sum() * width**2)
-    t, before, fresh = np.zeros(pixels), 1.0, 0.0
+    t, before, fresh = np.zeros_like(p), 1.0, 0.0
     for _ in range(STEPS):
         inside = p > 0.0
         gap = moved(p) + height
@@ -66,30 +61,27 @@ def approach(count: int, alpha: float) -> tuple[float, float]:
 
 def main() -> None:
     """Write the table."""
-    lines = [
-        "# A sphere, with and without layer, by tamaas",
-        "",
-        f"Parabola of radius 1, load {LOAD:g}, by validation/peers/sphere.py with tamaas "
-        f"{tamaas.__version__}: relative errors against `solve` to 1e-11. The last column is by "
-        "how much our approach differs from Hertz's closed form. Seconds on a shared machine.",
-        "",
-        "| alpha | pixels | approach | largest pressure | s | ours - Hertz |",
-        "|---|---|---|---|---|---|",
-    ]
+    rows = []
     for alpha in LAYERS:
         scene = Scene(0.3, alpha, profile=profiles.Parabola(1.0), load=LOAD)
         true = solve(scene, 1e-11)
         hertz = f"{true.approach / (3.0 * LOAD / 16.0) ** (2.0 / 3.0) - 1.0:.0e}"
         for count in COUNTS:
-            start = perf_counter()
+            begin = process_time()
             found, peak = approach(count, alpha)
+            spent = process_time() - begin
             off = found / true.approach - 1.0, peak / true.pressure(0.0) - 1.0
-            told = " | ".join(f"{one:+.1e}" for one in off)
-            closed = hertz if alpha == 0.0 else ""
-            seconds = perf_counter() - start
-            lines.append(f"| {alpha:g} | {count}² | {told} | {seconds:.1f} | {closed} |")
-            print(lines[-1], flush=True)
-    (RESULTS / "peers_sphere.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+            told = (f"{one:+.1e}" for one in off)
+            rows.append((f"{alpha:g}", f"{count}²", *told, f"{spent:.1f}", hertz * (alpha == 0.0)))
+            print(*rows[-1], flush=True)
+    about = (
+        "# A sphere, with and without layer, by tamaas\n\n"
+        f"Parabola of radius 1, load {LOAD:g}, by validation/peers/sphere.py with tamaas "
+        f"{tamaas.__version__}: relative errors against `solve` to 1e-11. The last column is by "
+        "how much our approach differs from Hertz's closed form. Seconds on a shared machine."
+    )
+    heading = "alpha | pixels | approach | largest pressure | s | ours - Hertz"
+    write("peers_sphere", f"{about}\n\n{table(heading, rows)}")
 
 
 if __name__ == "__main__":

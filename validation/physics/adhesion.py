@@ -7,21 +7,17 @@ docs/adhesion_pull_off.png and validation/results/adhesion.md.
 from __future__ import annotations
 
 import sys
-from math import atan, pi, sqrt
+from math import atan, exp, pi, sqrt
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-import matplotlib as mpl
-from reporting import DOCS, table, write
-
-mpl.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from reporting import DOCS, table, write
+from scipy.optimize import minimize_scalar
 
 from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve
+from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION, new_figure, save
 
 BALL = profiles.Parabola(1.0)
 #: Works of adhesion and radii are 1, as E' is; the compliances of the cycles.
@@ -43,34 +39,31 @@ def maugis_parameter(tension: float) -> float:
 
 
 def maugis_load(parameter: float) -> float:
-    """Return the load of pull-off over pi w R, Maugis (1992), equations (6.14) and (6.15)."""
+    """Return the load of pull-off over pi w R, Maugis (1992), equations (6.14) and (6.15).
 
-    def load(radius: float) -> float:
-        def missed(m: float) -> float:
-            root = sqrt((m - 1.0) * (m + 1.0))
-            angle = atan(root)
-            first = root + (m**2 - 2.0) * angle
-            second = root * angle - m + 1.0
-            zone = parameter * radius**2 / 2.0 * first
-            return zone + 4.0 * parameter**2 * radius / 3.0 * second - 1.0
+    With m, the outer radius of the zone of tension over the contact radius a, the first equation is
+    quadratic in a.
+    """
 
-        high = 2.0
-        while missed(high) < 0.0:
-            high *= 2.0
-        m = brentq(missed, 1.0, high, xtol=1e-14)
+    def load(logarithm: float) -> float:
+        m = 1.0 + exp(logarithm)
         root = sqrt((m - 1.0) * (m + 1.0))
-        return radius**3 - parameter * radius**2 * (root + m**2 * atan(root))
+        angle = atan(root)
+        square = parameter / 2.0 * (root + (m**2 - 2.0) * angle)
+        linear = 4.0 * parameter**2 / 3.0 * (root * angle - m + 1.0)
+        radius = 2.0 / (linear + sqrt(linear**2 + 4.0 * square))
+        return radius**3 - parameter * radius**2 * (root + m**2 * angle)
 
-    radii = np.geomspace(1e-3, 3.0, 200)
-    best = radii[np.argmin([load(one) for one in radii])]
-    found = minimize_scalar(load, bounds=(best / 1.1, best * 1.1), method="bounded")
-    return min(float(found.fun), load(radii[0]))
+    grid = np.linspace(-20.0, 20.0, 400)
+    best = grid[np.argmin([load(one) for one in grid])]
+    return float(minimize_scalar(load, bounds=(best - 0.2, best + 0.2), method="bounded").fun)
 
 
 def cycles() -> None:
     """Draw cycles, and pressures at the load 0."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(8.4, 3.4), layout="constrained")
-    for alpha, colour in zip(COMPLIANCES, ("C0", "C1", "C2"), strict=True):
+    figure = new_figure(figsize=(8.4, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for alpha, colour in zip(COMPLIANCES, (BLUE, VERMILION, GREEN), strict=True):
         cycle = adhesion_cycle(scene(alpha, 2.0), points=120)
         name = "smooth" if alpha == 0.0 else rf"$\alpha^* = {alpha:g}$"
         stable = np.where(cycle.stable, cycle.load, np.nan)
@@ -84,9 +77,9 @@ def cycles() -> None:
         right.plot(s, found.pressure(s), color=colour)
     left.set(xlabel=r"approach $\delta$ [$L$]", ylabel=r"load $P$ [$E' L^2$]")
     left.legend(frameon=False)
-    right.axhline(0.0, color="k", linewidth=0.6)
+    right.axhline(0.0, color=BLACK, linewidth=0.6)
     right.set(xlabel=r"radius $r/a$ at $P = 0$", ylabel=r"pressure $p$ [$E'$]", ylim=(-3.0, 3.0))
-    figure.savefig(DOCS / "adhesion_cycle.png", dpi=150)
+    save(figure, DOCS / "adhesion_cycle.png")
 
 
 def pull_offs() -> None:
@@ -97,17 +90,18 @@ def pull_offs() -> None:
         tension = maugis_parameter(sqrt(2.0 / parameter))
         rows.append((parameter, tension, last.load / pi, maugis_load(tension), last.error.load))
     drawn = np.array(rows)
-    figure, axes = plt.subplots(figsize=(5.6, 3.4), layout="constrained")
+    figure = new_figure(figsize=(5.6, 3.4), layout="constrained")
+    axes = figure.subplots()
     axes.semilogx(drawn[:, 1], drawn[:, 2], "o-", markersize=3, label="layer of roughness")
     axes.semilogx(drawn[:, 1], drawn[:, 3], "--", label="Maugis: a force that reaches far")
     for limit in (-1.5, -2.0):
-        axes.axhline(limit, color="k", linewidth=0.6)
+        axes.axhline(limit, color=BLACK, linewidth=0.6)
     axes.set(
         xlabel=r"largest tension, as Maugis' $\lambda$", ylabel=r"pull-off load $P_c/(\pi w R)$"
     )
     axes.set_ylim(top=-1.35)  # room for the legend above the curves
     axes.legend(frameon=False, loc="upper left")
-    figure.savefig(DOCS / "adhesion_pull_off.png", dpi=150)
+    save(figure, DOCS / "adhesion_pull_off.png")
     about = (
         "# Pull-off of a ball\n\n"
         "By validation/physics/adhesion.py: P/(π w R) at pull-off under control of the load, with "

@@ -7,10 +7,10 @@ uncoupled. Full stick is solved to 1e-10, partial slip to 1e-8.
 
 from __future__ import annotations
 
-import itertools
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1]))
 
@@ -19,7 +19,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 from reporting import RESULTS, table, write
 
-from spectral_contact import Scene, Solution, solve
+from spectral_contact import Scene, solve, sweep
 from spectral_contact.view.plotting import save, style
 
 RTOL, SLIP_RTOL = 1e-10, 1e-8
@@ -36,29 +36,25 @@ SLIPPING = [
     for ratio in ratios
 ]
 INTEGRALS = ("stick_radius", "total_shear", "approach")
-QUANTITIES = ("approach", "total_shear", "edge_pressure", "critical_friction")
+#: Of full stick, with their titles.
 TITLES = {
     "approach": r"approach $\delta^*$",
     "total_shear": "total shear $Q^*$",
-    "edge_pressure": "pressure at the edge $p^*(1)$",
+    "pressure": "pressure at the edge $p^*(1)$",
     "critical_friction": "critical friction",
 }
 
-#: Relative changes by quantity; None where one of the two is infinite or zero.
-Changes = dict[str, float | None]
 
-
-def change(nu: float, alpha: float, beta: float) -> Changes:
-    """Return the relative changes that coupling makes to full stick."""
-    plain, coupled = (
-        solve(Scene(nu, alpha, beta, math.inf, coupling=coupling), RTOL)
-        for coupling in (False, True)
-    )
-    found: Changes = {}
-    for name in QUANTITIES:
-        before, after = _value(plain, name), _value(coupled, name)
-        known = math.isfinite(before) and math.isfinite(after) and before != 0.0
-        found[name] = after / before - 1.0 if known else None
+def changes(scenes: Scene | list[Scene], **axes: Any) -> dict[str, np.ndarray]:
+    """Return the relative changes that coupling makes; NaN where one of two is infinite or 0."""
+    asked = {"quantities": list(TITLES), "from_edge": [0.0], "rtol": RTOL, "progress": False}
+    plain, coupled = (sweep(scenes, **axes, coupling=one, **asked) for one in (False, True))
+    found = {}
+    for name in TITLES:
+        before, after = (one[name].values.squeeze() for one in (plain, coupled))
+        known = np.isfinite(before) & np.isfinite(after) & (before != 0.0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found[name] = np.where(known, after / before - 1.0, np.nan)
     return found
 
 
@@ -69,18 +65,11 @@ def slip_cells(nu: float, compliance: float, ratio: float) -> tuple[str, ...]:
         solve(Scene(nu, compliance, compliance, friction, coupling=coupling), SLIP_RTOL, INTEGRALS)
         for coupling in (False, True)
     )
-    changes = (getattr(coupled, name) / getattr(plain, name) - 1.0 for name in INTEGRALS)
     return (
         *(f"{value:g}" for value in (nu, compliance, ratio)),
         *(f"{one.stick_radius:.6f}" for one in (plain, coupled)),
-        *map(_percent, changes),
+        *(_percent(getattr(coupled, name) / getattr(plain, name) - 1.0) for name in INTEGRALS),
     )
-
-
-def _value(solution: Solution, name: str) -> float:
-    if name == "edge_pressure":
-        return float(solution.pressure(1.0))
-    return float(getattr(solution, name))
 
 
 def kappa(nu: float) -> float:
@@ -90,42 +79,40 @@ def kappa(nu: float) -> float:
 
 def page(pairs: int) -> str:
     """Return the tables as Markdown; so many pairs of solves are in the picture."""
-    grid = {(nu, a, b): change(nu, a, b) for nu, a, b in itertools.product((0.0, 0.3), GRID, GRID)}
-    slip = [slip_cells(nu, *case) for nu in (0.0, 0.3) for case in SLIPPING]
-    pairs += len(grid) + len(slip)
+    axes = {"normal_compliance": GRID, "tangential_compliance": GRID}
+    grids = {nu: changes(Scene(nu, friction=math.inf), **axes) for nu in (0.0, 0.3)}
+    slip = [slip_cells(nu, *case) for nu in grids for case in SLIPPING]
+    pairs += len(grids) * len(GRID) ** 2 + len(slip)
     parts = [f"{pairs} pairs of solves. At ν = 0 and, behind the stroke, ν = 0.3, in per cent:"]
     for name, title in (("approach", "δ*"), ("total_shear", "Q*")):
-        cells = []
-        for a in GRID:
-            both = ((grid[0.0, a, b][name], grid[0.3, a, b][name]) for b in GRID)
-            cells.append((f"{a:g}", *(" / ".join(map(_percent, pair)) for pair in both)))
+        cells = [
+            (f"{a:g}", *(" / ".join(map(_percent, pair)) for pair in zip(*both, strict=True)))
+            for a, *both in zip(GRID, *(grid[name] for grid in grids.values()), strict=True)
+        ]
         heading = [f"change of {title}: α* \\ β*", *(f"{b:g}" for b in GRID)]
         parts.append(table(" | ".join(heading), cells))
-    cells = []
-    for a in GRID:
-        both = (
-            " / ".join(_over(grid[nu, a, a][name], kappa(nu) ** 2) for nu in (0.0, 0.3))
-            for name in QUANTITIES
-        )
-        cells.append((f"{a:g}", *both))
+    equal = [
+        [
+            " / ".join(_over(grid[name][i, i], kappa(nu) ** 2) for nu, grid in grids.items())
+            for name in TITLES
+        ]
+        for i in range(len(GRID))
+    ]
     parts.append("With α* = β* the same over κ², at ν = 0 and 0.3:")
-    parts.append(table("α* = β* | δ* | Q* | p*(1) | critical friction", cells))
+    rows = ((f"{a:g}", *cells) for a, cells in zip(GRID, equal, strict=True))
+    parts.append(table("α* = β* | δ* | Q* | p*(1) | critical friction", rows))
     parts.append("Partial slip at α* = β*, in per cent:")
     heading = "ν | α* = β* | f/κ | c* without | c* with | change of c* | of Q* | of δ*"
     parts.append(table(heading, slip))
     return "\n\n".join(parts)
 
 
-def _percents(share: float | None) -> float:
-    return math.nan if share is None else 100.0 * share
+def _percent(share: float) -> str:
+    return "–" if math.isnan(share) else f"{100.0 * share:+.2g}"
 
 
-def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{_percents(share):+.2g}"
-
-
-def _over(share: float | None, square: float) -> str:
-    return "–" if share is None else f"{share / square:+.2g}"
+def _over(share: float, square: float) -> str:
+    return "–" if math.isnan(share) else f"{share / square:+.2g}"
 
 
 def draw(path: Path) -> int:
@@ -135,7 +122,7 @@ def draw(path: Path) -> int:
         figure = Figure(figsize=(9.4, 6.6), layout="constrained")
         axes = figure.subplots(2, 2, sharex=True)
         for nu, ratio in lines:
-            points = [change(nu, alpha, ratio * alpha) for alpha in CURVE]
+            found = changes([Scene(nu, alpha, ratio * alpha, math.inf) for alpha in CURVE])
             text = rf"$\nu = {nu:g}$"
             if ratio != 1.0:
                 text += rf", $\beta^* = {ratio:g}\,\alpha^*$"
@@ -144,9 +131,9 @@ def draw(path: Path) -> int:
                 "color": colormaps["viridis"](NUS.index(nu) / len(NUS)),
                 "label": text,
             }
-            for one, name in zip(axes.flat, QUANTITIES, strict=True):
-                one.plot(CURVE, [_percents(point[name]) for point in points], **look)
-        for one, name in zip(axes.flat, QUANTITIES, strict=True):
+            for one, name in zip(axes.flat, TITLES, strict=True):
+                one.plot(CURVE, 100.0 * found[name], **look)
+        for one, name in zip(axes.flat, TITLES, strict=True):
             one.set_xscale("log")
             one.set_title(TITLES[name])
             one.set_ylabel("change by coupling [%]")

@@ -11,10 +11,6 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-import matplotlib as mpl
-
-mpl.use("Agg")
-
 import numpy as np
 from reporting import DOCS, table, write
 

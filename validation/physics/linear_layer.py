@@ -12,23 +12,16 @@ what the user knows: the tangent's ``alpha* = alpha E'/a``.
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
-import matplotlib as mpl
-import matplotlib.lines
-import matplotlib.ticker
-
-mpl.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
 from reporting import DOCS, table, write
 
 from spectral_contact import Scene, __version__, layers, profiles, solve, sweep
+from spectral_contact.view.figures import BLACK, new_figure, save, style
 
 RTOL = 1e-8
 #: Pressures of the laws at overclosure 1, or beyond their clearance.
@@ -45,7 +38,10 @@ OPEN = {
 #: Loads for which the compliance is thick to thin.
 LOADS = np.geomspace(1e-4, 1e4, 17)
 CURVE = np.geomspace(1e-7, 1e2, 37)
-FLAT, BALL = profiles.Flat(1.0), profiles.Parabola(1.0)
+FLAT = profiles.Flat(1.0)
+PUNCHES = {"flat punch": FLAT, "ball": profiles.Parabola(1.0)}
+#: Of the pressure that is compared.
+WHERE = {"flat punch": "at the edge", "ball": "at the centre"}
 QUANTITIES = ("approach", "stiffness", "pressure")
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 ABOUT = f"""# How good is the linear layer?
@@ -63,113 +59,99 @@ EXPONENTS = (
 )
 
 
-@dataclass(frozen=True)
-class Row:
-    """Errors at one load, of the tangent and of the secant."""
+def values(scene: Scene) -> np.ndarray:
+    """Return approach, stiffness, and the pressure at the edge of the flat punch or at the centre.
 
-    load: float
-    compliance: float
-    approach: tuple[float, float]
-    stiffness: tuple[float, float]
-    pressure: tuple[float, float]
-
-
-def linear(compliance: float, profile: profiles.Profile, load: float) -> tuple[float, float, float]:
-    """Return approach, stiffness and the pressure that is compared, through a linear layer."""
-    if profile is FLAT:
-        found = solve(Scene(0.3, compliance), RTOL, ("approach", "pressure"))
-        edge = float(found.pressure(from_edge=0.0))
-        return load * found.approach, 1.0 / found.approach, load * edge
-    scene = Scene(0.3, compliance, profile=profile, load=load)
+    The approach counts from where the pressure begins.
+    """
     found = solve(scene, RTOL, QUANTITIES)
-    return found.approach, found.stiffness, float(found.pressure(0.0))
+    place = {"from_edge": 0.0} if scene.profile is FLAT else {"s": 0.0}
+    begin = 0.0 if scene.layer is None else scene.layer.start
+    return np.array([found.approach - begin, found.stiffness, float(found.pressure(**place))])
 
 
-def row(layer: layers.Layer, profile: profiles.Profile, load: float) -> Row:
-    """Return the errors at a load."""
-    wanted = ("contact_radius", *QUANTITIES)
-    found = solve(Scene(0.3, layer=layer, profile=profile, load=load), RTOL, wanted)
-    a = found.contact_radius
-    mean = load / (pi * a**2)
-    w = layer.overclosure(mean)
-    tangent, secant = 1.0 / layer.stiffness(w), (w - layer.start) / mean
-    place = {"from_edge": 0.0} if profile is FLAT else {"s": 0.0}
-    # the approach counts from where the pressure begins, as that of a linear layer does
-    truth = found.approach - layer.start, found.stiffness, float(found.pressure(**place))
-    both = [linear(one, profile, load) for one in (tangent, secant)]
-    errors = [tuple(one[k] / truth[k] - 1.0 for one in both) for k in range(3)]
-    return Row(load, tangent / a, *errors)
+def errors(layer: layers.Layer, profile: profiles.Profile) -> tuple[np.ndarray, np.ndarray]:
+    """Return the tangent's alpha*, and errors by load, quantity, and tangent or secant."""
+    compliances, found = [], np.empty((len(LOADS), len(QUANTITIES), 2))
+    for load, row in zip(LOADS, found, strict=True):
+        scene = Scene(0.3, layer=layer, profile=profile, load=load)
+        radius = solve(scene, RTOL, ("contact_radius",)).contact_radius
+        mean = load / (pi * radius**2)
+        w = layer.overclosure(mean)
+        truth = values(scene)
+        tangent, secant = 1.0 / layer.stiffness(w), (w - layer.start) / mean
+        for k, compliance in enumerate((tangent, secant)):
+            linear = scene.replace(layer=None, normal_compliance=compliance)
+            row[:, k] = values(linear) / truth - 1.0
+        compliances.append(tangent / radius)
+    return np.array(compliances), found
 
 
-def draw(found: dict[str, dict[str, list[Row]]]) -> None:
+def draw(found: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> None:
     """Draw the errors over the tangent's compliance."""
-    figure, panels = plt.subplots(2, 3, figsize=(10.0, 5.6), layout="constrained", sharex=True)
-    for line, (punch, rows) in zip(panels, found.items(), strict=True):
-        for axes, name in zip(line, QUANTITIES, strict=True):
-            for colour, (law, own) in zip(COLOURS, rows.items(), strict=False):
-                at = [one.compliance for one in own]
-                tangent, secant = zip(*(getattr(one, name) for one in own), strict=True)
-                axes.semilogx(at, tangent, "-", color=colour, lw=1.3, label=law)
-                axes.semilogx(at, secant, "--", color=colour, lw=1.3)
-            where = {"flat punch": "at the edge", "ball": "at the centre"}[punch]
-            told = f"{name} {where}" if name == "pressure" else name
-            axes.set_title(f"{punch}: {told}", fontsize="medium")
-            axes.xaxis.set_major_locator(mpl.ticker.LogLocator(numticks=6))
-            axes.axhline(0.0, color="#888888", lw=0.6)
-            axes.set_ylim(-1.0, 0.25)
-    for axes in panels[-1]:
-        axes.set_xlabel(r"compliance of the tangent $\alpha E'/a$")
-    for axes in panels[:, 0]:
-        axes.set_ylabel("relative error")
-    panels[0, 0].legend(frameon=False, fontsize="small", loc="lower left")
-    kinds = [
-        mpl.lines.Line2D([], [], ls=style, color="black", lw=1.3, label=told)
-        for style, told in (("-", "tangent"), ("--", "secant"))
-    ]
-    panels[1, 0].legend(handles=kinds, frameon=False, fontsize="small", loc="lower left")
-    figure.savefig(DOCS / "linear_layer.png", dpi=130)
+    with style():
+        figure = new_figure(figsize=(10.0, 5.6), layout="constrained")
+        panels = figure.subplots(len(PUNCHES), len(QUANTITIES), sharex=True, sharey=True)
+        for line, punch in zip(panels, PUNCHES, strict=True):
+            for k, axes in enumerate(line):
+                for colour, law in zip(COLOURS, LAWS, strict=False):
+                    at, off = found[punch, law]
+                    axes.semilogx(at, off[:, k, 0], "-", color=colour, label=law)
+                    axes.semilogx(at, off[:, k, 1], "--", color=colour)
+                where = f" {WHERE[punch]}" * (QUANTITIES[k] == "pressure")
+                axes.set_title(f"{punch}: {QUANTITIES[k]}{where}")
+        panels[0, 0].set(ylim=(-1.0, 0.25))
+        for axes in panels[-1]:
+            axes.set_xlabel(r"compliance of the tangent $\alpha E'/a$")
+        for axes in panels[:, 0]:
+            axes.set_ylabel("relative error: – tangent, - - secant")
+        panels[0, 0].legend(loc="lower left")
+        save(figure, DOCS / "linear_layer.png")
 
 
 def draw_exponents() -> list[tuple[str, ...]]:
     """Draw stiffness over load with its local exponent; return rows of a table."""
-    figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 3.8), layout="constrained")
     told = []
-    hertz = 2.0 * 4.0 * (3.0 * CURVE / 16.0) ** (1.0 / 3.0)
-    left.loglog(CURVE, hertz, ":", color="black", label="Hertz")
-    for colour, (name, layer) in zip(COLOURS, {**LAWS, **OPEN}.items(), strict=True):
-        scene = Scene(0.3, layer=layer, profile=BALL, load=1.0)
-        found = sweep(
-            scene, load=CURVE, quantities=["stiffness"], rtol=1e-7, progress=False
-        ).stiffness.values
-        left.loglog(CURVE, found, color=colour, label=name)
-        slopes = np.gradient(np.log(found), np.log(CURVE))
-        right.semilogx(CURVE[1:-1], slopes[1:-1], color=colour)
-        shown = slopes[1], slopes[1:-1].max(), slopes[-2]
-        told.append((name, *(f"{one:.4f}" for one in shown)))
-        if isinstance(layer, layers.PowerLaw):
-            limit = layer.exponent / (layer.exponent + 1.0)
-            right.axhline(limit, color=colour, ls=":", lw=0.8)
-    right.axhline(1.0 / 3.0, color="black", ls=":", lw=0.8)
-    right.text(CURVE[0], 0.345, " 1/3, Hertz", fontsize="small")
-    left.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"stiffness $K/(E' R)$")
-    right.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"exponent $d\ln K/d\ln P$", ylim=(0.25, 1.05))
-    left.legend(frameon=False, fontsize="small")
-    figure.savefig(DOCS / "stiffness_exponent.png", dpi=130)
+    with style():
+        figure = new_figure(figsize=(10.0, 3.8), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        hertz = 2.0 * 4.0 * (3.0 * CURVE / 16.0) ** (1.0 / 3.0)
+        left.loglog(CURVE, hertz, ":", color=BLACK, label="Hertz")
+        for colour, (name, layer) in zip(COLOURS, {**LAWS, **OPEN}.items(), strict=True):
+            scene = Scene(0.3, layer=layer, profile=PUNCHES["ball"], load=1.0)
+            asked = {"load": CURVE, "quantities": ["stiffness"], "rtol": 1e-7}
+            found = sweep(scene, **asked, progress=False).stiffness.values
+            left.loglog(CURVE, found, color=colour, label=name)
+            slopes = np.gradient(np.log(found), np.log(CURVE))
+            right.semilogx(CURVE[1:-1], slopes[1:-1], color=colour)
+            shown = slopes[1], slopes[1:-1].max(), slopes[-2]
+            told.append((name, *(f"{one:.4f}" for one in shown)))
+            if isinstance(layer, layers.PowerLaw):
+                limit = layer.exponent / (layer.exponent + 1.0)
+                right.axhline(limit, color=colour, ls=":", lw=0.8)
+        right.axhline(1.0 / 3.0, color=BLACK, ls=":", lw=0.8)
+        right.text(CURVE[0], 0.345, " 1/3, Hertz")
+        left.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"stiffness $K/(E' R)$")
+        right.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"exponent $d\ln K/d\ln P$")
+        right.set_ylim(0.25, 1.05)
+        left.legend()
+        save(figure, DOCS / "stiffness_exponent.png")
     return told
 
 
 def main() -> None:
     """Write table and figures."""
-    cells = []
-    found: dict[str, dict[str, list[Row]]] = {}
-    for punch, profile in (("flat punch", FLAT), ("ball", BALL)):
-        for name, layer in LAWS.items():
-            rows = [row(layer, profile, float(load)) for load in LOADS]
-            found.setdefault(punch, {})[name] = rows
-            for one in rows[::4]:  # all are in the figure
-                errors = (f"{e:+.3f}" for e in (*one.approach, *one.stiffness, *one.pressure))
-                cells.append((punch, name, f"{one.load:.3g}", f"{one.compliance:.3g}", *errors))
+    found = {
+        (punch, law): errors(layer, profile)
+        for punch, profile in PUNCHES.items()
+        for law, layer in LAWS.items()
+    }
     draw(found)
+    cells = [
+        (*names, f"{load:.3g}", f"{alpha:.3g}", *(f"{one:+.3f}" for one in off.ravel()))
+        for names, (alphas, every) in found.items()
+        for load, alpha, off in list(zip(LOADS, alphas, every, strict=True))[::4]
+    ]  # all are in the figure
     exponents = table("law | at the least load | largest | at the largest load", draw_exponents())
     write("linear_layer", f"{ABOUT}\n\n{table(HEADING, cells)}\n\n{EXPONENTS}\n\n{exponents}")
 

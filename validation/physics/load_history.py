@@ -25,7 +25,6 @@ SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 RATIOS = 0.99, 0.8, 0.5, 0.3, 0.2205
 RINGS = 100, 200, 400
 STEPS = 1, 8, 32, 128
-CYCLES = 6
 
 
 def rings(ends: np.ndarray) -> Rings:
@@ -70,28 +69,9 @@ def history() -> list[tuple[object, ...]]:
     return rows
 
 
-def shakedown() -> list[tuple[object, ...]]:
-    """Return rows: what is dissipated in each cycle next to the shakedown ratio."""
-    sticking = rings(even_ends([], 200))
-    # of these rings: the critical friction over the friction
-    critical = (np.linalg.solve(sticking.stiffness, sticking.drive) / sticking.bound).max()
-    limit = (critical - 1.0) / (critical + 1.0)
-    rows = []
-    for factor in (1.0005, 0.9995, 0.9):
-        own = rings(even_ends([], 200))
-        own.move_to(1.0)
-        losses = []
-        for _ in range(CYCLES):
-            loads = np.linspace(1.0, factor * limit, 9)
-            losses.append(sum(own.move_to(float(load)) for load in (*loads[1:], *loads[-2::-1])))
-        rows.append((factor, *(f"{one:.1e}" for one in losses)))
-    return rows
-
-
 def main() -> None:
     """Measure, and write the table."""
     heads = " | ".join(f"{count} rings" for count in RINGS)
-    cycles = " | ".join(f"cycle {k + 1}" for k in range(CYCLES))
     parts = [
         "# The load falls and rises",
         f"spectral_contact {__version__}, `python validation/physics/load_history.py`; "
@@ -101,9 +81,6 @@ def main() -> None:
         table(f"load ratio | Q*/kappa | {heads} | without second order", unloading()),
         "Below the turning ratio: Q*/kappa on 200 rings by the number of increments.",
         table(f"load ratio | {' | '.join(map(str, STEPS))}", history()),
-        "Dissipated in each cycle between the largest load and a lowest one, over the shakedown "
-        "ratio (R - f)/(R + f) of the same 200 rings.",
-        table(f"lowest load | {cycles}", shakedown()),
     ]
     write("load_history", "\n\n".join(parts))
 

@@ -7,14 +7,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import matplotlib as mpl
-
-mpl.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
 
 from spectral_contact import Scene, profiles, sweep
+from spectral_contact.view.figures import new_figure, save
 
 PICTURE = Path(__file__).parents[2] / "docs" / "oliver_pharr.png"
 COMPLIANCES = (0.0, 1e-3, 1e-2, 1e-1)
@@ -26,7 +22,8 @@ def main() -> None:
     """Draw loads and moduli over the depth."""
     ball = profiles.Parabola(radius=1.0)
     depths = np.geomspace(1e-5, 0.3, 40)
-    figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
+    figure = new_figure(figsize=(8.0, 3.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
     for alpha in COMPLIANCES:
         scene = Scene(0.3, alpha, profile=ball, approach=1e-3)
         curve = sweep(scene, approach=depths.tolist(), progress=False)
@@ -38,7 +35,7 @@ def main() -> None:
     right.set(xlabel=r"depth $\delta/R$", ylabel="modulus by Oliver and Pharr / $E^*$")
     right.set_ylim(0.0, 1.05)
     left.legend(frameon=False)
-    figure.savefig(PICTURE, dpi=150)
+    save(figure, PICTURE)
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ from spectral_contact.calibration import (
     StickRadiusData,
     fit,
 )
+from spectral_contact.view.figures import BLUE, VERMILION, new_figure, save, style
 
 FITS = 40
 TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
@@ -44,10 +45,10 @@ def scene(radius: float = RADIUS, **changes: float) -> Scene:
     return Scene.from_physical(**MATERIAL, radius=radius, load=LOAD, **{**TRUTH, **changes})
 
 
-def theory(layer: dict[str, float], radii: np.ndarray, places: np.ndarray) -> list[np.ndarray]:
+def theory() -> list[np.ndarray]:
     """Return approaches and stick radii of the punches, and pressures under that of the scene."""
-    solved = [solve(scene(a, **layer), quantities=["approach", "stick_radius"]) for a in radii]
-    pressure = solve(scene(**layer), quantities=["pressure"]).physical.pressure(places)
+    solved = [solve(scene(a), quantities=["approach", "stick_radius"]) for a in RADII]
+    pressure = solve(scene(), quantities=["pressure"]).physical.pressure(PLACES)
     approaches = np.array([one.physical.approach for one in solved])
     return [approaches, pressure, np.array([one.physical.stick_radius for one in solved])]
 
@@ -117,71 +118,28 @@ def page(fits: list[RoughnessFit]) -> str:
     return "\n\n".join(parts)
 
 
-def draw(data: tuple, fits: list[RoughnessFit], path: Path) -> None:
-    """Draw the first data with their fit, and all estimates with the covariance of the first."""
-    from matplotlib.figure import Figure
-
-    from spectral_contact.view.plotting import save, style
-
-    found = fits[0]
-    radii = np.geomspace(RADII[0], RADII[-1], 40)
-    places = np.linspace(0.0, 0.995 * RADIUS, 60)
-    begin = start().physical
-    guess = {name: getattr(begin, name) for name in PARAMETERS[:2]} | {"friction": 0.03}
-    fitted = {one.name: one.value for one in found.parameters}
-    curves = {
-        "start: asperities": ("#999999", "--", guess),
-        "fit": ("#0072B2", "-", fitted),
-        "truth": ("#000000", ":", TRUTH),
-    }
-    with style():
-        figure = Figure(figsize=(8.4, 6.4), layout="constrained")
-        axes = figure.subplots(2, 2)
-        for label, (colour, line, layer) in curves.items():
-            approach, pressure, stick = theory(layer, radii, places)
-            look = {"color": colour, "ls": line, "label": label}
-            axes[0, 0].plot(1e3 * radii, 1e6 * approach, **look)
-            axes[0, 1].plot(1e3 * places, 1e-6 * pressure, **look)
-            axes[1, 0].plot(1e3 * radii, stick / radii, **look)
-        points = {"fmt": "o", "ms": 4.0, "color": "#D55E00", "label": "measured"}
-        first, second, third = data
-        for axis, x, values, sigma, unit in (
-            (axes[0, 0], RADII, first.approach, first.sigma, 1e-6),
-            (axes[0, 1], PLACES, second.pressure, second.sigma, 1e6),
-            (axes[1, 0], RADII, third.stick_radius, third.sigma, RADII),
-        ):
-            axis.errorbar(1e3 * x, np.array(values) / unit, np.array(sigma) / unit, **points)
-        axes[0, 0].set(ylabel="approach [μm]")
-        axes[0, 1].set(xlabel="radius $r$ [mm]", ylabel="pressure [MPa]")
-        axes[1, 0].set(ylabel="stick radius $c/a$")
-        for axis in (axes[0, 0], axes[1, 0]):
-            axis.set(xscale="log", xlabel="punch radius $a$ [mm]")
-            axis.set_xticks([0.25, 0.5, 1.0, 2.0, 4.0], ["0.25", "0.5", "1", "2", "4"])
-            axis.minorticks_off()
-        for axis in (axes[0, 0], axes[0, 1], axes[1, 0]):
-            axis.legend()
-        _draw_estimates(axes[1, 1], fits)
-        save(figure, str(path))
-
-
-def _draw_estimates(axis, fits: list[RoughnessFit]) -> None:
+def draw(fits: list[RoughnessFit], path: Path) -> None:
     """Draw β and f of all fits, and the ellipses of 68 and 95 per cent around the truth."""
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     root = np.linalg.cholesky(np.array(fits[0].covariance)[1:, 1:])
-    for share, line in ((0.68, "-"), (0.95, "--")):
-        ring = np.sqrt(chi2.ppf(share, 2)) * root @ np.array([np.cos(angle), np.sin(angle)])
-        label = f"{100 * share:.0f} % by the covariance"
-        axis.plot(100 * ring[0], 100 * ring[1], color="#0072B2", ls=line, label=label)
-    points = 100 * np.array([offsets(found)[1:] for found in fits])
-    axis.plot(*points.T, "o", ms=3.0, color="#D55E00", label=f"{len(fits)} fits")
-    axis.plot([0.0], [0.0], "k+", ms=10.0, label="truth")
-    axis.set(xlabel=r"error of $\beta$ [%]", ylabel="error of $f$ [%]")
-    axis.legend()
+    with style():
+        figure = new_figure(figsize=(5.0, 4.0), layout="constrained")
+        axes = figure.subplots()
+        for share, line in ((0.68, "-"), (0.95, "--")):
+            ring = np.sqrt(chi2.ppf(share, 2)) * root @ np.array([np.cos(angle), np.sin(angle)])
+            label = f"{100 * share:.0f} % by the covariance"
+            axes.plot(100 * ring[0], 100 * ring[1], color=BLUE, ls=line, label=label)
+        points = 100 * np.array([offsets(found)[1:] for found in fits])
+        axes.plot(*points.T, "o", ms=3.0, color=VERMILION, label=f"{len(fits)} fits")
+        axes.plot([0.0], [0.0], "k+", ms=10.0, label="truth")
+        axes.set(xlabel=r"error of $\beta$ [%]", ylabel="error of $f$ [%]")
+        axes.legend()
+        save(figure, path)
 
 
 def main() -> None:
     """Run and write the results."""
-    exact = theory({}, RADII, PLACES)
+    exact = theory()
     fits = []
     for seed in range(FITS):
         fits.append(fit(start(), measured(exact, seed), PARAMETERS))
@@ -194,7 +152,7 @@ def main() -> None:
         "rows": [{"seed": k, "fit": json.loads(one.to_json())} for k, one in enumerate(fits)],
     }
     write("roughness_fit", page(fits), record)
-    draw(measured(exact, 0), fits, RESULTS / "roughness_fit.png")
+    draw(fits, RESULTS / "roughness_fit.png")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Final
 
 from spectral_contact.gold import benchmarks
-from spectral_contact.view.cli.options import Option
+from spectral_contact.view.cli.options import chosen
 from spectral_contact.view.report import table
 
 _NAMES: Final = benchmarks.names()
@@ -20,7 +20,7 @@ def print_list() -> None:
     print(f"{table(cells)}\n\nversion {benchmarks.VERSION}")
 
 
-def show(name: Annotated[str, Option(choices=_NAMES, metavar="NAME")]) -> None:
+def show(name: Annotated[str, chosen(*_NAMES)]) -> None:
     """Print the page of a benchmark.
 
     Parameters
@@ -32,7 +32,7 @@ def show(name: Annotated[str, Option(choices=_NAMES, metavar="NAME")]) -> None:
 
 
 def export(
-    names: Annotated[list[str], Option(choices=_NAMES, metavar="NAME", nargs="*")], *, output: str
+    names: Annotated[list[str] | None, chosen(*_NAMES, nargs="*")] = None, *, output: str
 ) -> None:
     """Copy benchmarks to a folder: pages, numbers, fields, checksums.
 
@@ -43,5 +43,5 @@ def export(
     output : FOLDER
         Folder of the copies; created if needed.
     """
-    written = benchmarks.export(output, names or None)
+    written = benchmarks.export(output, names)
     print(f"{len(written)} files in {output}: {', '.join(written)}")

@@ -14,35 +14,53 @@ from spectral_contact.io.choices import suggestion
 from spectral_contact.processes import PROGRAM
 from spectral_contact.view.cli.options import Option, UsageError, flag
 
+#: How a negative number begins, alone or in a list, a range or before a unit.
+_NEGATIVE: Final = re.compile(r"-(?:[0-9.]|inf|nan)", re.IGNORECASE)
 _SECTION: Final = re.compile(r"\n\n(Parameters|Examples)\n-+\n")
 _ENTRY: Final = re.compile(r"(\w+(?:, \w+)*) : (.+)\n((?:    .+\n?)+)")
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaint is one line, and suggests an option for one that is unknown."""
+    """A parser whose complaint is one line that says what is allowed, or what may be meant.
+
+    What is not given on the command line is no attribute of what it returns.
+    """
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(allow_abbrev=False, **options)
+        super().__init__(allow_abbrev=False, argument_default=argparse.SUPPRESS, **options)
+        self._negative_number_matcher = _NEGATIVE  # argparse takes -1e-3 and -1,0 for options
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, and refuse what is unknown."""
         found, unknown = super().parse_known_args(args, namespace)
         if unknown:
             known = [name for action in self._actions for name in action.option_strings]
-            meant = suggestion(unknown[0].partition("=")[0], known)
-            self.error(f"unrecognized arguments: {' '.join(unknown)}{meant}")
+            hint = suggestion(unknown[0].partition("=")[0], known)
+            if not unknown[0].startswith("--") and (before := args[: args.index(unknown[0])]):
+                hint = f", after {' '.join(before[-2:])}: quote a value with blanks, as '5 mm'"
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
         return found, unknown
+
+    def _match_argument(self, action: argparse.Action, pattern: str) -> int:
+        """Say what an option takes that has no value."""
+        try:
+            return super()._match_argument(action, pattern)
+        except argparse.ArgumentError as error:
+            allowed = f"one of {', '.join(action.choices)}" if action.choices else action.help
+            error.message += f": {allowed}"
+            raise
 
     def _get_value(self, action: argparse.Action, text: str) -> Any:
         """Read a value, and keep the words of a ValueError, which argparse would drop."""
         try:
             return text if action.type is None else action.type(text)  # type: ignore[operator]
         except ValueError as error:
-            raise argparse.ArgumentError(action, str(error)) from error
+            where = "" if text in str(error) else f", in {text!r}"
+            raise argparse.ArgumentError(action, f"{error}{where}") from error
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Suggest a choice for one that is unknown; argparse does so from Python 3.14 on."""
-        if value == []:  # of a positional argument that may be left out
+        if value == argparse.SUPPRESS:  # of a positional argument that is left out
             return
         try:
             super()._check_value(action, value)
@@ -90,36 +108,61 @@ class Documentation:
         return cls(summary.strip().removesuffix("."), rest.strip(), options, examples)
 
 
-def add_commands(parser: Parser, commands: Mapping[str, Any], dest: str = "command") -> None:
-    """Add commands by name: functions, or pairs of words and the kinds of a command."""
-    parsers = parser.add_subparsers(dest=dest, metavar=dest, required=True)
-    for name, command in commands.items():
-        if isinstance(command, tuple):
-            about, kinds = command
-            add_commands(parsers.add_parser(name, help=about, description=about), kinds, "kind")
-            continue
-        told = Documentation.of(command)
-        one = parsers.add_parser(
-            name,
-            usage=f"{PROGRAM} {name} [options]{told.examples}" if told.examples else None,
-            help=_lowered(told.summary),
-            description=f"{told.summary}. {told.description}",
+def add_commands(
+    parser: Parser, commands: Mapping[str, Callable[..., Any]], about: Mapping[str, str]
+) -> None:
+    """Add commands by name; of two words the second one is the kind of a command.
+
+    Parameters
+    ----------
+    parser : Parser
+    commands : mapping of str to callable
+    about : mapping of str to str
+        What commands of several kinds are about.
+    """
+    parsers = _subparsers(parser, "command")
+    kinds: dict[str, Any] = {}
+    for names, function in commands.items():
+        command, _, kind = names.partition(" ")
+        if kind and command not in kinds:
+            told = _lowered(about[command].removesuffix("."))
+            added = parsers.add_parser(command, help=told, description=about[command])
+            kinds[command] = _subparsers(added, "kind")
+        documented = Documentation.of(function)
+        examples = documented.examples
+        added = kinds.get(command, parsers).add_parser(
+            kind or command,
+            usage=f"{PROGRAM} {names} [options]{examples}" if examples else None,
+            help=_lowered(documented.summary),
+            description=f"{documented.summary}. {documented.description}",
         )
-        add_options(one, command, "request")
-        one.set_defaults(run=partial(_call, command))
+        add_options(added, function, "request")
+        known = {action.dest for action in added._actions if action.option_strings}
+        added.set_defaults(run=partial(_call, function), options=known)
 
 
-def _call(function: Callable[..., Any], arguments: argparse.Namespace) -> Any:
+def _subparsers(parser: Parser, dest: str) -> Any:
+    """Return a place for commands; without one there is an error that lists them."""
+    parsers = parser.add_subparsers(dest=dest, metavar=dest)
+
+    def refuse(_: Any) -> NoReturn:
+        parser.error(f"give a {dest}: {', '.join(parsers.choices)}")
+
+    parser.set_defaults(run=refuse)  # a command has another one
+    return parsers
+
+
+def _call(function: Callable[..., Any], given: Mapping[str, Any]) -> Any:
     """Call a function with its options, some of which may make one argument."""
     values = {}
     for name, parameter in inspect.signature(function, eval_str=True).parameters.items():
-        kind = parameter.annotation
-        if hasattr(kind, "of"):
-            values[name] = kind.of(vars(arguments))
+        kind: Any = parameter.annotation
+        if hasattr(kind, "add_options"):
+            values[name] = kind(given)
         elif is_dataclass(kind):
-            values[name] = _call(kind, arguments)  # type: ignore[arg-type]
-        else:
-            values[name] = getattr(arguments, name)
+            values[name] = _call(kind, given)  # type: ignore[arg-type]
+        elif name in given:
+            values[name] = given[name]
     return function(**values)
 
 
@@ -140,7 +183,7 @@ def add_options(parser: Parser, function: Callable[..., Any], title: str = "") -
     about = () if title else (told.description,)
     group = parser.add_argument_group(title or _lowered(told.summary), *about)
     for parameter in own:
-        _add_option(group, parameter, *told.options.get(parameter.name, (None, "")))
+        _add_option(group, parameter, *told.options[parameter.name])
     return group
 
 
@@ -149,23 +192,21 @@ def _lowered(sentence: str) -> str:
     return f"{sentence[:1].lower()}{sentence[1:]}"
 
 
-def _add_option(group: Any, parameter: inspect.Parameter, metavar: str | None, told: str) -> None:
+def _add_option(group: Any, parameter: inspect.Parameter, metavar: str, told: str) -> None:
+    """Add the option of a parameter that is keyword-only, else a positional argument."""
     kinds = (parameter.annotation, *get_args(parameter.annotation))
     [kind] = [one.__metadata__[0] for one in kinds if hasattr(one, "__metadata__")] or [Option()]
-    keywords = dict(kind.keywords)
+    required = parameter.default is parameter.empty
+    keywords = {"metavar": metavar, **kind.keywords}
     if parameter.annotation is bool:
-        keywords["action"] = "store_true"
-    elif "choices" not in keywords:
-        keywords["metavar"] = metavar
-    if parameter.default is not parameter.empty:
-        keywords["default"] = parameter.default
-        if isinstance(parameter.default, float | int | str) and parameter.annotation is not bool:
-            told += " (default: %(default)s)"
-    if parameter.kind is not parameter.KEYWORD_ONLY:
-        optional = {"nargs": "?"} if "default" in keywords else {}
+        keywords = {"action": "store_true"}
+    elif isinstance(parameter.default, float | int | str):
+        told += f" (default: {parameter.default})"
+    if kind.names:
+        told += f": {', '.join(kind.names)}"
+    if parameter.kind is parameter.KEYWORD_ONLY:
+        names = filter(None, (flag(parameter.name), kind.also))
+        group.add_argument(*names, dest=parameter.name, required=required, help=told, **keywords)
+    else:
+        optional = {} if required else {"nargs": "?"}
         group.add_argument(parameter.name, help=told, **{**optional, **keywords})
-        return
-    keywords["required"] = "default" not in keywords
-    names = (flag(parameter.name), *kind.also)
-    told += f": {', '.join(kind.names)}" if kind.names else ""
-    group.add_argument(*names, dest=parameter.name, help=told, **keywords)

@@ -6,16 +6,17 @@ import math
 from typing import Any, Final
 
 from spectral_contact import compare
+from spectral_contact.io.checks import within
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.columns import Expected, NumberTable
 from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.view.cli.files import Reading
-from spectral_contact.view.cli.options import NamedNumbers, NotSolved, Number, UsageError, flag
+from spectral_contact.view.cli.options import NamedNumbers, NotSolved, Number, UsageError
 from spectral_contact.view.cli.scene_options import SceneOptions
 
-#: Numbers that may be compared beside the fields of a file.
-_NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
+#: Numbers that may be compared beside the fields of a file, without a profile too.
+_NUMBERS: Final = ("approach", "stick_radius", "total_shear")
 #: Fields of a file with their SI units.
 _UNITS: Final = {one.name: one.si_unit for one in OUTPUTS if one.name in FIELDS} | {
     "displacement": "m"
@@ -56,10 +57,13 @@ def run(
         --at-most 0.01
     """
     contact = scene.build().scene
-    given: dict[str, Any] = {one_of("value", name, _NUMBERS): x for name, x in value or ()}
+    known = _NUMBERS if contact.profile is None else (*_NUMBERS, *PROFILE_QUANTITIES)
+    given: dict[str, Any] = {one_of("value", name, known): x for name, x in value or ()}
     for name, x in given.items():
         if not math.isfinite(x):
-            raise UsageError(f"{flag('value')} {name}={x}: the number must be finite")
+            raise UsageError(f"--value {name}={x}: the number must be finite")
+    if at_most is not None:
+        within("at_most", at_most, ">= 0")
     told: list[Any] = []
     if file is not None:
         table, nodes = _nodes(file, reading, si=contact.physical is not None)

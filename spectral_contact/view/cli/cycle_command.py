@@ -56,6 +56,6 @@ def run(
     if output is not None:
         store = cycle.to_csv if output.lower().endswith(".csv") else cycle.save
         store(output)
-    if plot is not None:
+    if plot:
         plotting.save(cycle.plot(), plot)
     print(cycle.summary(), *(f"remark: {one}" for one in remarks), sep="\n")

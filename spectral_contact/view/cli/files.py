@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from spectral_contact.io.columns import Expected, NumberTable, read_columns
 from spectral_contact.profiles import Sampled, hull_of_points
-from spectral_contact.view.cli.options import Option, Whole, flag
+from spectral_contact.view.cli.options import Option, Whole
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +23,7 @@ class Reading:
     header : LINE
         Line of the file's headings; by default it is found.
     decimal : SIGN
-        Point or comma, the decimal sign of the file; by default that of its numbers.
+        Decimal sign of the file, "." or ","; by default that of its numbers.
     skip_invalid : flag
         Leave out rows that cannot be read or have no value, and name them.
     """
@@ -33,24 +33,15 @@ class Reading:
     decimal: Annotated[str | None, Option(choices=(".", ","))] = None
     skip_invalid: bool = False
 
-    @property
-    def given(self) -> list[str]:
-        """The options that are given."""
-        return [flag(one.name) for one in fields(self) if getattr(self, one.name)]
-
     def read(self, path: str, expected: Sequence[Expected]) -> NumberTable:
         """Return the columns of a file."""
         return read_columns(path, expected, **self.arguments("raise"))
 
     def arguments(self, invalid: str) -> dict[str, Any]:
         """Return what `read_columns` and `read_curve` take, with what rows without a value are."""
-        return {
-            "columns": self.columns,
-            "header": self.header,
-            "decimal": self.decimal,
-            "invalid": "skip" if self.skip_invalid else invalid,
-            "option": "--columns",
-        }
+        given = asdict(self)
+        skips = given.pop("skip_invalid")
+        return {**given, "invalid": "skip" if skips else invalid, "option": "--columns"}
 
 
 def profile_of_points(

@@ -16,7 +16,7 @@ from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.view.cli import options
 from spectral_contact.view.cli.files import Reading
-from spectral_contact.view.cli.options import Number, Option, UsageError, flag, written
+from spectral_contact.view.cli.options import Option, UsageError, flag
 from spectral_contact.view.cli.scene_options import PROFILES, SceneOptions
 
 
@@ -25,12 +25,12 @@ def run(
     reading: Reading,
     file: str,
     *,
-    part: Annotated[str | None, Option(choices=PARTS)] = None,
-    sigma: Annotated[float | str | None, Option(read=options.measured)] = None,
+    part: Annotated[str | None, options.chosen(*PARTS)] = None,
+    sigma: Annotated[float | str | None, Option(read=options.value)] = None,
     free: str = "reduced-modulus,zero-point",
-    rtol: Number = 1e-8,
-    output: Annotated[str | None, written(".csv")] = None,
-    plot: str | None = None,
+    rtol: options.Number = 1e-8,
+    output: Annotated[str | None, options.written(".csv")] = None,
+    plot: options.Picture | None = None,
 ) -> None:
     r"""Fit a measured force-indentation curve.
 
@@ -64,33 +64,29 @@ def run(
     spectral-contact fit curve.csv --profile cone --half-angle "70.3 deg" \
         --columns "depth=2 [nm],load=3 [uN]" --free reduced-modulus,zero-point,load-offset,tilt
     """
-    if plot is None:
-        plot = f"{Path(file).stem}_fit.png" if find_spec("matplotlib") is not None else "none"
-    draws = plot.strip().lower() != "none"
-    if draws:
-        options.picture(plot)
+    for name in (*ALL_CONTROLS, "friction"):
+        if name in scene.given:
+            told = "depths and loads are those of the file, and there is no friction"
+            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
+    if "profile" not in scene.given:
+        raise UsageError(f"--profile is missing: it must be one of {', '.join(PROFILES)}")
+    if plot is None and find_spec("matplotlib") is not None:
+        plot = options.picture(f"{Path(file).stem}_fit.png")
     data = IndentationData.from_file(file, part=part, sigma=sigma, **reading.arguments("missing"))
-    wanted = [name.strip().replace("-", "_") for name in free.split(",")]
-    found = fit(_start(scene.given, data), data, wanted, rtol=rtol)
+    found = fit(_start(scene.given, data), data, options.names(free), rtol=rtol)
     if output is not None:
         found.to_csv(output)
-    if draws:
+    if plot:
         plotting.save(plotting.plot_fit(found), plot)
-    print(found, *([f"picture: {plot}"] if draws else []), sep="\n")
+    print(found, *([f"picture: {plot}"] if plot else []), sep="\n")
 
 
 def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:
     """Return the scene of the options; a modulus that is not given is estimated."""
-    for name in (*ALL_CONTROLS, "friction"):
-        if name in known:
-            told = "depths and loads are those of the file, and there is no friction"
-            raise UsageError(f"{flag(name)} is no option of a fit: {told}")
-    if "profile" not in known:
-        raise UsageError(f"give --profile, one of {', '.join(PROFILES)}")
     given = {**known, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
         return SceneOptions(given).build().scene
-    if any(name.startswith("layer") for name in given):
-        raise UsageError("give --youngs-modulus or --reduced-modulus with a nonlinear layer")
+    if "layer" in given:
+        raise UsageError("--layer needs --youngs-modulus or --reduced-modulus to begin with")
     modulus = "youngs_modulus" if "poisson_ratio" in given else "reduced_modulus"
     return with_modulus(SceneOptions({**given, modulus: 1.0}).build().scene, data)

@@ -8,9 +8,10 @@ import numpy as np
 
 from spectral_contact import Scene, plotting, solve
 from spectral_contact.equations.interior.grids import QUANTITIES, SUFFIXES
+from spectral_contact.io.checks import tolerance
 from spectral_contact.io.columns import Expected, NumberTable
 from spectral_contact.view.cli.files import Reading
-from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Values, written
+from spectral_contact.view.cli.options import Number, Picture, UsageError, Values, chosen, written
 from spectral_contact.view.cli.scene_options import SceneOptions
 from spectral_contact.view.report import report_inside
 
@@ -24,7 +25,7 @@ def run(
     points: str | None = None,
     punch: bool = False,
     rtol: Number = 1e-8,
-    quantity: Annotated[str, Option(choices=QUANTITIES)] = "von_mises",
+    quantity: Annotated[str, chosen(*QUANTITIES)] = "von_mises",
     output: Annotated[str | None, written(*SUFFIXES)] = None,
     plot: Picture | None = None,
 ) -> None:
@@ -57,11 +58,11 @@ def run(
     spectral-contact inside --poisson-ratio 0.3 --normal-compliance 0.5 --plot body.png \
         --output body.csv
     """
-    if points is not None and (r or z or (output or "").lower().endswith(".nc")):
-        raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
+    tolerance(rtol)
     contact = scene.build().scene
     _check_bodies(contact, punch=punch)
     table = _points(points, reading, "" if contact.physical is None else "m")
+    _check_places(points, output, grid=bool(r or z))
     solution = solve(contact, min(rtol, 1e-10))
     physical = solution if contact.physical is None else solution.physical
     body = solution.physical.punch_inside if punch else physical.inside
@@ -72,7 +73,7 @@ def run(
         else:
             radii, depths = table.values["r"], table.values["z"]
         body.save(output, radii, depths, rtol=rtol)
-    if plot is not None:
+    if plot:
         plotting.save(plotting.plot_inside(body, quantity), plot)
     print(*([] if table is None else [table]), repr(solution), report_inside(body), sep="\n")
 
@@ -81,9 +82,17 @@ def _points(path: str | None, reading: Reading, unit: str) -> NumberTable | None
     """Return the radii and depths of a file, None without one."""
     if path is not None:
         return reading.read(path, [Expected(name, unit, at_least=0.0) for name in ("r", "z")])
-    if reading.given:
-        raise UsageError(f"{reading.given[0]} goes with --points")
+    if reading != Reading():
+        raise UsageError("--columns, --header, --decimal and --skip-invalid need --points, a file")
     return None
+
+
+def _check_places(points: str | None, output: str | None, *, grid: bool) -> None:
+    """Refuse, before the work, places that are given twice, or of which nothing is stored."""
+    if points is not None and (grid or (output or "").lower().endswith(".nc")):
+        raise UsageError("--points is instead of a grid: of --r and --z, and not for a .nc file")
+    if output is None and (grid or points is not None):
+        raise UsageError("--r, --z and --points need --output, the file of the values there")
 
 
 def _check_bodies(contact: Scene, *, punch: bool) -> None:

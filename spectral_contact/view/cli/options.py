@@ -6,9 +6,10 @@ errors of the library.
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Annotated, Any, Final
 
@@ -22,8 +23,8 @@ from spectral_contact.view import plotting
 
 # Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
-#: How a negative number begins, alone or in a list, a range or before a unit.
-_NEGATIVE: Final = re.compile(r"-(?:[0-9.]|inf|nan)", re.IGNORECASE)
+#: Numbers, and the unit behind them: "1,2 mm" and "0:1:5 N m", not "0.1, inf".
+_WITH_UNIT: Final = re.compile(r"(.*?[^,:\s])\s+([^\W\d][^,:]*|[%°][^,:]*)")
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
 #: What an option is called that has another name than its parameter.
@@ -43,22 +44,22 @@ def flag(name: str) -> str:
     return "--" + _IMPERATIVES.get(name, name).replace("_", "-")
 
 
-def measured(text: str) -> float | str:
-    """Return a number, or text with a unit as it is."""
-    if has_unit(text):
-        return text
-    try:
-        return number(text)
-    except ValueError as error:
-        raise ValueError(f"{error}, nor a number and a unit, as '5 mm' or '50 nm/MPa'") from error
-
-
 def number(text: str) -> float:
     """Return a number; decimals beyond the doubles are refused, as in Python's interface."""
     try:
         return decimal_number(text.strip(" "))
     except ValueError as error:
         raise ValueError(f"{text!r} {error}") from None
+
+
+def value(text: str) -> float | str | None:
+    """Return a number, text with a unit as it is, and None for ``none``."""
+    if text.strip().lower() == "none":
+        return None
+    try:
+        return text if has_unit(text) else number(text)
+    except ValueError as error:
+        raise ValueError(f"{error} (which may have a unit, as '5 mm' or '50 nm/MPa')") from error
 
 
 def whole(text: str) -> int:
@@ -69,47 +70,39 @@ def whole(text: str) -> int:
     raise ValueError(f"{text!r} is not a whole number")
 
 
-def resolution(text: str) -> float:
-    """Return a number, a whole one as an int: that is how a solver is called."""
-    return int(text) if _WHOLE.fullmatch(text.strip(" ")) else number(text)
+def resolutions(text: str) -> list[float]:
+    """Return numbers, whole ones as an int: that is how a solver is called."""
+    parts = [part.strip(" ") for part in text.split(",")]
+    return [int(part) if _WHOLE.fullmatch(part) else number(part) for part in parts]
 
 
-def values(text: str) -> list[float]:
-    """Return the numbers that a text stands for."""
-    low, *rest = text.split(":")
-    if not rest:
+def values(text: str) -> list[Any]:
+    """Return the values that a text stands for, each with the unit behind them, if there is one."""
+    if text.strip().lower() == "none" or has_unit(text):
+        return [value(text)]
+    if found := _WITH_UNIT.fullmatch(text.strip()):
+        return [f"{one!r} {found[2]}" for one in values(found[1])]
+    ends, spacing = text.split(":")[:3], text.split(":")[3:]
+    if len(ends) == 1:
         return [number(part) for part in text.split(",")]
     refusal = ValueError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
-    if len(rest) == 1 or rest[2:] not in ([], ["linear"], ["log"]):
+    if len(ends) == 2 or spacing not in ([], ["linear"], ["log"]):
         raise refusal
-    start, high, count = number(low), number(rest[0]), whole(rest[1])
-    if count < 1 or not math.isfinite(high - start):
+    low, high, count = number(ends[0]), number(ends[1]), whole(ends[2])
+    if count < 1 or not math.isfinite(high - low):
         raise refusal
     if count > _MOST_VALUES:
         raise ValueError(f"{text!r}: COUNT must be at most {_MOST_VALUES}")
-    in_ratios = rest[2:] == ["log"]
-    if in_ratios and min(start, high) <= 0.0:
+    if spacing != ["log"]:
+        return list(map(float, np.linspace(low, high, count)))
+    if min(low, high) <= 0.0:
         raise ValueError(f"{text!r}: equal ratios need positive ends")
-    spaced = np.geomspace if in_ratios else np.linspace
-    return list(map(float, spaced(start, high, count)))
+    return list(map(float, np.geomspace(low, high, count)))
 
 
-def si_values(text: str) -> list[float | str]:
-    """Return the numbers that a text stands for, with the unit behind them, if there is one."""
-    numbers, blank, unit = text.strip().rpartition(" ")
-    if (blank and unit[:1].isalpha()) or unit[:1] in "µμÅ%°":
-        return [f"{value!r} {unit}" for value in values(numbers)]
-    return [*values(text)]
-
-
-def friction(text: str) -> float | None:
-    """Return a coefficient of friction, None for ``none``."""
-    return None if text.strip().lower() == "none" else number(text)
-
-
-def frictions(text: str) -> list[float | None]:
-    """Return coefficients of friction; ``none`` is alone."""
-    return [None] if text.strip().lower() == "none" else [*values(text)]
+def names(text: str) -> list[str]:
+    """Return names that commas part."""
+    return [name.strip().replace("-", "_") for name in text.split(",")]
 
 
 def named_number(text: str) -> tuple[str, float]:
@@ -121,45 +114,59 @@ def named_number(text: str) -> tuple[str, float]:
 
 
 def joined(argv: Sequence[str]) -> list[str]:
-    """Write ``--option -1e-3`` as ``--option=-1e-3``; argparse takes the former for two options.
-
-    And ``--profile points FILE`` as two options.
-    """
-    found: list[str] = []
-    for text in argv:
-        if found[-2:] == ["--profile", "points"] and not text.startswith("--"):
-            found.append(f"--profile-file={text}")
-            continue
-        is_value = _NEGATIVE.match(text) and found and found[-1].startswith("--")
-        if is_value and "=" not in found[-1]:
-            found[-1] = f"{found[-1]}={text}"
-        else:
-            found.append(text)
-    return found
+    """Write ``--profile points FILE`` as two options."""
+    words = list(argv)
+    for place, word in enumerate(words):
+        if words[:place][-2:] == ["--profile", "points"] and not word.startswith("--"):
+            words[place] = f"--profile-file={word}"
+    return words
 
 
 def picture(text: str) -> str:
-    """Return the path of a picture that can be drawn."""
+    """Return the path of a picture that can be drawn; nothing for ``none``."""
+    if text.strip().lower() == "none":
+        return ""
     plotting.require()
     return checked_path(text, plotting.FORMATS)
 
 
+class Listed(argparse.Action):
+    """An option of several texts, each of which stands for a list: all in one list."""
+
+    def __call__(self, _: Any, namespace: Any, lists: Any, __: str | None = None) -> None:
+        """Store the list."""
+        setattr(namespace, self.dest, [one for several in lists for one in several])
+
+
 class Option:
-    """How an option is read: what argparse needs, names that end the help, and other names of it.
+    """How an option is read.
 
     Attributes
     ----------
+    names : tuple of str
+        What ends the help.
+    also : str or None
+        Another name of the option.
     keywords : dict
         Arguments of argparse.
-    names, also : tuple of str
     """
 
     def __init__(
-        self, *names: str, read: Any = None, also: tuple[str, ...] = (), **keywords: Any
+        self, *names: str, read: Any = None, also: str | None = None, **keywords: Any
     ) -> None:
         self.names = names
         self.also = also
-        self.keywords = keywords if read is None else {"type": read, **keywords}
+        self.keywords = {"type": read, **keywords}
+
+
+def chosen(*names: str, **keywords: Any) -> Option:
+    """Return the kind of a name that is one of these."""
+    return Option(*names, choices=names, **keywords)
+
+
+def several(read: Callable[[str], list[Any]], *names: str, **keywords: Any) -> Option:
+    """Return the kind of a list, parted by commas or blanks."""
+    return Option(*names, read=read, nargs="+", action=Listed, **keywords)
 
 
 def written(*suffixes: str) -> Option:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-from argparse import SUPPRESS
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields
-from typing import Annotated, Any, ClassVar, Final, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Final, NamedTuple
 
-from spectral_contact.errors import SceneError
+from spectral_contact.errors import SceneError, shown
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.parameters import SCENE, SI, Parameter, parameters_of
 from spectral_contact.io.units import in_si
@@ -18,7 +17,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.view.cli import options
 from spectral_contact.view.cli.command import Parser, add_options
 from spectral_contact.view.cli.files import profile_of_points
-from spectral_contact.view.cli.options import Option, UsageError, flag
+from spectral_contact.view.cli.options import Option, UsageError, chosen, flag
 
 #: Kinds of profiles and laws that have another name than their class.
 _NAMES: Final = {
@@ -26,10 +25,10 @@ _NAMES: Final = {
     "CalculixExponential": "calculix",
     "GreenwoodWilliamson": "asperities",
 }
-#: Options of the kinds that a file describes; the first one is its path.
-_FILE_OPTIONS: Final[dict[type, tuple[str, ...]]] = {
-    Sampled: ("profile_file", "profile_columns", "convex_hull"),
-    Table: ("layer_table", "layer_columns"),
+#: Options of the kinds that a file describes, and whether each is needed.
+_FILE_OPTIONS: Final[Mapping[type, dict[str, bool]]] = {
+    Sampled: {"profile_file": True, "profile_columns": False, "convex_hull": False},
+    Table: {"layer_table": True, "layer_columns": False},
 }
 #: What the options of the parameters of a law begin with.
 _LAW_PREFIX: Final = "layer_"
@@ -57,6 +56,8 @@ PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
 LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
 _OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
+# a flat punch in SI units has a radius without a profile
+SHAPES["radius"].setdefault(SI["radius"], []).append("no profile")
 #: Numbers of both kinds of scene, without a unit in one and in m/Pa in SI units, where their option
 #: ends in ``-si``.
 _COMPLIANCES: Final = tuple(name for name in SI if name in SCENE and not SCENE[name].unit)
@@ -72,6 +73,8 @@ _DECLARED: Final[Mapping[str, Parameter]] = {
 NUMBERS: Final = frozenset(name for name, one in _DECLARED.items() if one.kind is float)
 #: Parameters that a dimensionless flat punch has not: how far it is pressed, and adhesion.
 _PRESSED: Final = tuple(name for name in SCENE if SCENE[name].unit or name == "branch")
+#: Parameters that a flat punch in SI units has as well as a profile.
+_OF_FLAT: Final = frozenset({"radius", "load", "approach"})
 #: Dimensionless scene of a bare ``spectral-contact solve``.
 _DEFAULTS: Final[Mapping[str, Any]] = {
     "poisson_ratio": 0.1,
@@ -79,6 +82,22 @@ _DEFAULTS: Final[Mapping[str, Any]] = {
     "tangential_compliance": 0.5,
     "friction": 0.1,
 }
+#: What ``--help`` says of each option.
+_TEXTS: Final[Mapping[str, str]] = {
+    **{name: str(one) for name, one in {**_SI_OPTIONS, **SCENE}.items()},
+    **{name: f"{SCENE[name]} (default: {one})" for name, one in _DEFAULTS.items()},
+    **{
+        name: "; ".join(f"{', '.join(kinds)}: {one}" for one, kinds in declared.items())
+        for name, declared in (SHAPES | _OF_LAWS).items()
+    },
+}
+
+
+class _PlainScene:
+    """Scene.
+
+    Without further options it is a flat punch, and dimensionless.
+    """
 
 
 class _PhysicalOptions:
@@ -110,25 +129,15 @@ class _ProfileOptions:
         Which column of that file is which, as 'r=1 [mm],height=3 [um]'.
     convex_hull : flag
         Take the convex hull of noisy points.
-    """
-
-    profile: Annotated[str | None, Option(choices=tuple(PROFILES))] = None
-    profile_file: str | None = None
-    profile_columns: str | None = None
-    convex_hull: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _PunchOptions:
-    """Second curved body.
-
-    Parameters
-    ----------
     punch_profile : WORDS
         Shape of the punch where both bodies are curved, with its numbers in the order of the
         constructor, as in 'sphere 20mm'; --profile is that of the other body then.
     """
 
+    profile: Annotated[str | None, chosen(*PROFILES)] = None
+    profile_file: str | None = None
+    profile_columns: str | None = None
+    convex_hull: bool = False
     punch_profile: Annotated[list[str] | None, Option(nargs="+")] = None
 
 
@@ -149,15 +158,21 @@ class _LayerOptions:
         Which column of that file is which, overclosure=2,pressure=1 say.
     """
 
-    layer: Annotated[str | None, Option(choices=tuple(LAWS))] = None
+    layer: Annotated[str | None, chosen(*LAWS)] = None
     layer_table: str | None = None
     layer_columns: str | None = None
 
 
-#: Options of the three groups above: None or False if not given, where others are no attribute.
-_WORDS: Final = tuple(
-    one.name for kind in (_ProfileOptions, _PunchOptions, _LayerOptions) for one in fields(kind)
-)
+#: Which option others need: they describe the profile or the layer.
+_NEEDED: Final[Mapping[str, str]] = {
+    **{one.name: "profile" for one in fields(_ProfileOptions)},
+    **{name: "profile" for name in (*SHAPES, *_PRESSED, "layer") if name not in _OF_FLAT},
+    **{name: "layer" for name in ("layer_table", "layer_columns", *_OF_LAWS)},
+}
+#: Parameters in a message, as "max_unknowns", "s=" or "convex_hull=True".
+_PARAMETER: Final = re.compile(r"\b([a-z]+(?=[_=])[a-z_]*)=?(?:True\b)?")
+#: Options that commands have for parameters of another name.
+_OTHERWISE: Final = {"quantity": "plot_quantity"}
 
 
 class GivenScene(NamedTuple):
@@ -167,48 +182,39 @@ class GivenScene(NamedTuple):
     remarks: list[str]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FlatOptions:
     """Options of a dimensionless scene of a flat punch, as far as they are given."""
 
     given: Mapping[str, Any]
-    #: Whether numbers are lists, those of a sweep.
-    several: ClassVar[bool] = False
-
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Self:
-        """Return what is given."""
-        return cls({name: one for name, one in given.items() if one or name not in _WORDS})
+    #: Groups of options, by what is said of them.
+    groups: ClassVar[Mapping[type, Iterable[str]]] = {
+        _PlainScene: [name for name in SCENE if name not in _PRESSED]
+    }
+    #: How a number is read, and what stands for it in ``--help``.
+    number: ClassVar[tuple[Callable[[str], Any], str]] = options.value, "X"
 
     @classmethod
     def add_options(cls, parser: Parser) -> None:
-        """Add the options; what is not given is no attribute."""
-        group = parser.add_argument_group("scene")
-        for name, parameter in SCENE.items():
-            if name not in _PRESSED:
-                default = f" (default: {_DEFAULTS[name]})" if name in _DEFAULTS else ""
-                cls._add(group, name, f"{parameter}{default}")
-
-    @classmethod
-    def _add(cls, group: Any, name: str, told: str) -> None:
-        """Add the option of a parameter."""
-        read: Any = options.si_values if cls.several else options.measured
-        if name == "friction":
-            read = options.frictions if cls.several else options.friction
-        kinds: dict[type, dict[str, Any]] = {
-            str: {"choices": _DECLARED[name].choices},
-            bool: {"action": "store_true"},
-            int: {"type": options.whole, "metavar": "N"},
-            float: {"type": read, "metavar": "VALUES" if cls.several else "X"},
-        }
-        kind = kinds[_DECLARED[name].kind]
-        group.add_argument(flag(name), dest=name, default=SUPPRESS, help=told, **kind)
+        """Add the options."""
+        read, metavar = cls.number
+        for kind, names in cls.groups.items():
+            group = add_options(parser, kind)
+            for name in names:
+                declared = _DECLARED[name]
+                keywords: dict[type, dict[str, Any]] = {
+                    str: {"choices": declared.choices},
+                    bool: {"action": "store_true"},
+                    int: {"type": options.whole, "metavar": "N"},
+                    float: {"type": read, "metavar": metavar},
+                }
+                told = {"dest": name, "help": _TEXTS[name]}
+                group.add_argument(flag(name), **told, **keywords[declared.kind])
 
     @property
     def shaped(self) -> bool:
-        """Whether the scene has a profile, or at least an option of one or of a layer."""
-        of_profile = {*_WORDS, *SHAPES, *_OF_LAWS, *_PRESSED} - {"radius", "load", "approach"}
-        return not of_profile.isdisjoint(self.given)
+        """Whether the scene has a profile, or at least an option that needs one."""
+        return not _NEEDED.keys().isdisjoint(self.given)
 
     @property
     def of_materials(self) -> bool:
@@ -218,8 +224,7 @@ class FlatOptions:
     @property
     def si(self) -> bool:
         """Whether the scene is in SI units: with a profile lengths and loads may be any."""
-        of_flat = not {"radius", "load", "approach"}.isdisjoint(self.given)
-        return self.of_materials or (of_flat and not self.shaped)
+        return self.of_materials or not (self.shaped or _OF_FLAT.isdisjoint(self.given))
 
     def build(self) -> GivenScene:
         """Return the scene: under a profile, in SI units, or dimensionless."""
@@ -249,61 +254,64 @@ class FlatOptions:
     def _check(self) -> None:
         """Refuse what mixes SI with dimensionless numbers, and options without a profile."""
         given = self.given
-        if self.shaped and "profile" not in given:
-            raise UsageError(
-                f"give --profile, one of {', '.join(PROFILES)}, with options of a profile or layer"
-            )
+        for name in given:
+            needed = _NEEDED.get(name, name)
+            if needed not in given:
+                kinds = LAWS if needed == "layer" else PROFILES
+                raise UsageError(f"{flag(name)} needs {flag(needed)}, one of {', '.join(kinds)}")
         if not self.si:
             if "kappa" in given and "poisson_ratio" in given:
-                raise UsageError("--kappa is instead of --poisson-ratio")
+                raise UsageError("give one of --kappa, --poisson-ratio: both are given")
             return
-        for name in ("kappa", *_COMPLIANCES):
-            if name in given:
-                kappa = name == "kappa"
-                instead = (
-                    "the moduli and Poisson's ratios" if kappa else f"{flag(name)}-si, in m/Pa"
-                )
-                told = "is dimensionless and cannot be mixed with SI input; use"
-                raise UsageError(f"{flag(name)} {told} {instead}")
+        instead = {name: f"{flag(name)}-si, in m/Pa" for name in _COMPLIANCES}
+        instead["kappa"] = "the moduli and Poisson's ratios"
+        for name in given:
+            if name in instead:
+                told = f"is dimensionless and cannot be mixed with SI input; use {instead[name]}"
+                raise UsageError(f"{flag(name)} {told}")
 
     def in_options(self, error: SceneError) -> str:
-        """Return a message with the parameter under the name that the command line gives it."""
-        names = (
-            flag(f"{name}_si" if self.si and name in _COMPLIANCES else name)
-            for name in error.parameter.split(", ")
-        )
-        told = str(error).removeprefix(error.parameter).replace("math.inf", "inf")
-        return ", ".join(names) + told
+        """Return a message with options in place of parameters, and the words of options."""
+        names = error.parameter.split(", ")
+        options = [self._option(name) or name for name in names]
+        named = ", ".join(options)
+        if len(names) > 1 and isinstance(error.value, tuple):
+            pairs = zip(options, error.value, strict=True)
+            given = [f"{one} {value}" for one, value in pairs if value is not None]
+            found = f"{' and '.join(given)} are given" if given else "none of them is given"
+            return f"give one of {named}: {found}"
+        allowed = re.sub("^(None|False)", "left out", error.allowed)
+        if not allowed.startswith("one of"):  # which lists names, not options
+            allowed = self.worded(allowed)
+        if error.value is None and options[0] not in map(flag, self.given):
+            is_missing = "are missing: they" if len(names) > 1 else "is missing: it"
+            return f"{named} {is_missing} must be {allowed}"
+        value = "none" if error.value is None else shown(error.value)
+        return f"{named} = {value}: must be {allowed}"
+
+    def worded(self, text: str) -> str:
+        """Return a text with options in place of parameters, and the words of options."""
+        text = text.replace("math.inf", "inf").replace("None", "none")
+        return _PARAMETER.sub(lambda found: self._option(found[1]) or found[0], text)
+
+    def _option(self, name: str) -> str:
+        """Return the option of a parameter; nothing if the command has none."""
+        known = self.given["options"]
+        option = name if name in known else _OTHERWISE.get(name, name)
+        if self.si and name in _COMPLIANCES:
+            option = f"{name}_si"
+        return flag(option) if option in known else ""
 
 
 class SceneOptions(FlatOptions):
     """Options of every kind of scene."""
 
-    __slots__ = ()
-
-    @classmethod
-    def add_options(cls, parser: Parser) -> None:
-        """Add the options; what is not given is no attribute."""
-        super().add_options(parser)
-        group = add_options(parser, _PhysicalOptions)
-        for name, parameter in _SI_OPTIONS.items():
-            if name not in SHAPES and name not in SCENE:
-                cls._add(group, name, str(parameter))
-        group = add_options(parser, _ProfileOptions)
-        for name in _PRESSED:
-            cls._add(group, name, str(SCENE[name]))
-        cls._add_merged(group, SHAPES)
-        if not cls.several:
-            add_options(parser, _PunchOptions)
-        cls._add_merged(add_options(parser, _LayerOptions), _OF_LAWS)
-
-    @classmethod
-    def _add_merged(cls, group: Any, merged: Mapping[str, dict[Parameter, list[str]]]) -> None:
-        """Add the parameters of several kinds, with what each declares."""
-        for name, declared in merged.items():
-            told = [f"{', '.join(kinds)}: {one}" for one, kinds in declared.items()]
-            told += [f"without a profile: {SI[name]}"] if name in SI else []
-            cls._add(group, name, "; ".join(told))
+    groups: ClassVar = {
+        **FlatOptions.groups,
+        _PhysicalOptions: [name for name in _SI_OPTIONS if name not in {*SHAPES, *SCENE}],
+        _ProfileOptions: [*_PRESSED, *SHAPES],
+        _LayerOptions: _OF_LAWS,
+    }
 
 
 def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
@@ -317,19 +325,17 @@ def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
             continue
         unit = _DECLARED[name].unit
         if unit != "rad" and not (si and unit and "exponent" not in unit):
-            told = "must be a number without a unit" + ("" if si else ", without --youngs-modulus")
-            raise UsageError(f"{flag(name)} {value}: {told}")
+            allowed = "a number without a unit" + ("" if si else ", without --youngs-modulus")
+            raise SceneError(name, value, allowed)
         plain[name] = in_si(name, value, unit)
     return plain
 
 
 def _options_of(kind: Any, prefix: str) -> dict[str, bool]:
     """Return the options that describe an object of a kind, and whether each is needed."""
-    if kind in _FILE_OPTIONS:
-        path, *others = _FILE_OPTIONS[kind]
-        return {path: True, **dict.fromkeys(others, False)}
-    defaults = {one.name: one.default for one in fields(kind)}
-    return {prefix + name: defaults[name] is MISSING for name in parameters_of(kind)}
+    declared = {one.name: one for one in fields(kind) if "parameter" in one.metadata}
+    needs = {prefix + name: one.default is MISSING for name, one in declared.items()}
+    return _FILE_OPTIONS.get(kind, needs)
 
 
 def _given_for(
@@ -357,10 +363,11 @@ def _given_for(
     takes = _options_of(kinds[name], prefix)
     known = {one for kind in kinds.values() for one in _options_of(kind, prefix)}
     own = {one: given[one] for one in given if one in known}
-    needed = {one for one, is_needed in takes.items() if is_needed}
-    if not needed <= own.keys() <= takes.keys():
-        usage = " ".join(flag(one) if one in needed else f"[{flag(one)}]" for one in takes)
-        raise UsageError(f"{flag(option)} {name} takes {usage} and no other")
+    faults = [f"{flag(one)} is missing" for one in takes if takes[one] and one not in own]
+    faults += [f"{flag(one)} is none of them" for one in own if one not in takes]
+    if faults:
+        usage = " ".join(flag(one) if takes[one] else f"[{flag(one)}]" for one in takes)
+        raise UsageError(f"{flag(option)} {name} takes {usage} and no other: {faults[0]}")
     return own
 
 
@@ -382,21 +389,20 @@ def _punch_profile(words: list[str], si: bool) -> Profile:
     """Return the profile of a shape and its numbers."""
     shapes = {name: one for name, one in PROFILES.items() if one not in (Flat, Sampled)}
     kind = shapes[one_of("punch_profile", words[0], shapes)]
-    names = list(parameters_of(kind))
+    names = parameters_of(kind)
+    given = f"--punch-profile {' '.join(words)}"
     if len(words) != 1 + len(names):
-        raise UsageError(f"--punch-profile {words[0]} takes {' '.join(names)}")
+        raise UsageError(f"{given}: {words[0]} takes {' '.join(names)}")
     try:
-        numbers = dict(zip(names, map(options.measured, words[1:]), strict=True))
+        numbers = dict(zip(names, map(options.value, words[1:]), strict=True))
+        return kind(**_without_units(numbers, si))
     except ValueError as error:
-        raise UsageError(f"--punch-profile {words[0]}: {error}") from None
-    return kind(**_without_units(numbers, si))
+        raise UsageError(f"{given}: {error}") from None
 
 
 def _law(given: Mapping[str, Any], si: bool) -> Layer | None:
     """Return the law of the options, None without."""
     if "layer" not in given:
-        if any(name.startswith(_LAW_PREFIX) for name in given):
-            raise UsageError(f"give --layer, one of {', '.join(LAWS)}, with options of a layer")
         return None
     kind, own = LAWS[given["layer"]], _given_for("layer", LAWS, given, _LAW_PREFIX)
     if kind is Table:

@@ -4,28 +4,25 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from spectral_contact import NotComputedError, plan, plotting, solve
+from spectral_contact import plan, plotting, solve
 from spectral_contact.quantities import FIELDS, QUANTITIES
 from spectral_contact.solution import GROWTH, StepState
-from spectral_contact.view.cli.options import Number, Option, Picture, UsageError, Whole, written
+from spectral_contact.view.cli import options
+from spectral_contact.view.cli.options import UsageError
 from spectral_contact.view.cli.scene_options import SceneOptions
 from spectral_contact.view.report import report
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
 
 
 def run(
     scene: SceneOptions,
     *,
-    rtol: Number = 1e-10,
-    quantities: Annotated[tuple[str, ...] | None, Option(*QUANTITIES, read=_names)] = None,
-    max_unknowns: Whole = 20_000,
+    rtol: options.Number = 1e-10,
+    quantities: Annotated[list[str] | None, options.several(options.names, *QUANTITIES)] = None,
+    max_unknowns: options.Whole = 20_000,
     no_strict: bool = False,
-    output: Annotated[str | None, written(".json", ".csv", ".npz")] = None,
-    plot: Picture | None = None,
-    history: Annotated[str | None, written(".csv")] = None,
+    output: Annotated[str | None, options.written(".json", ".csv", ".npz")] = None,
+    plot: options.Picture | None = None,
+    history: Annotated[str | None, options.written(".csv")] = None,
 ) -> None:
     r"""Solve one scene.
 
@@ -36,7 +33,7 @@ def run(
     ----------
     rtol : X
         Bound on relative errors, 1e-13 to 1e-2.
-    quantities : A,B,...
+    quantities : NAME
         What to compute; by default all of a flat punch and, under a profile, its own.
     max_unknowns : N
         Largest number of unknowns of one linear system.
@@ -62,21 +59,21 @@ def run(
     if quantities is not None and contact.profile is None:
         given = getattr(contact.physical, "approach", None)
         # SI values hang on the load, and this on the approach where that is given
-        quantities = quantities if given is None else ("approach", *quantities)
+        quantities = quantities if given is None else ["approach", *quantities]
     todo = plan(contact, quantities)
     is_table = output is not None and output.lower().endswith(".csv")
     if is_table and not set(FIELDS).intersection(todo.quantities):
         raise UsageError(f"a .csv file is a table of {', '.join(FIELDS)}: ask for one")
-    if plot is not None:
+    if plot:
         plotting.check(todo)
     grows = any(one.name == GROWTH and one.state is StepState.RUN for one in todo.steps)
     if history is not None and not grows:
-        raise NotComputedError("history", "it needs a profile and friction")
+        raise UsageError(f"--history {history} needs a contact that grows: --profile, --friction")
     solution = solve(contact, rtol, quantities, max_unknowns=max_unknowns, strict=not no_strict)
     try:
         if output is not None:
             solution.to_csv(output) if is_table else solution.save(output)
-        if plot is not None:
+        if plot:
             plotting.save(solution.plot(), plot)
         if history is not None:
             solution.history.to_csv(history)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Final
 
-from spectral_contact.errors import SceneError
 from spectral_contact.studies.study import OwnSolver, convergence, named_solver, work_precision
 from spectral_contact.studies.study_results import QUANTITIES, Study
-from spectral_contact.view.cli.options import NotSolved, Option, Picture, resolution, written
+from spectral_contact.view.cli import options
+from spectral_contact.view.cli.options import NotSolved, Option, UsageError
 from spectral_contact.view.cli.scene_options import FlatOptions
 
 _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
@@ -19,13 +20,11 @@ _TOLERANCES: Final = tuple(10.0**-k for k in range(2, 13))
 def _solver_and_resolutions(text: str) -> tuple[str, list[float] | None]:
     """Return the two sides of ``MODULE:FUNCTION=N,N,...``; None without the second."""
     name, equals, numbers = text.partition("=")
-    return name, [resolution(one) for one in numbers.split(",")] if equals else None
+    return name, options.resolutions(numbers) if equals else None
 
 
-Numbers = Annotated[tuple[float, ...], Option(read=resolution, nargs="+")]
-Solvers = Annotated[
-    list[tuple[str, list[float] | None]], Option(read=_solver_and_resolutions, action="append")
-]
+Numbers = Annotated[Sequence[float], options.several(options.resolutions)]
+Solvers = Annotated[list[Any], Option(read=_solver_and_resolutions, action="append")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,11 +41,11 @@ class Results:
         Plot the study (needs the extra: plot).
     """
 
-    quantities: (
-        Annotated[list[str], Option(*QUANTITIES, nargs="+", also=("--quantity",))] | None
-    ) = None
-    output: Annotated[str, written(".json", ".csv")] | None = None
-    plot: Picture | None = None
+    quantities: Annotated[
+        list[str] | None, options.several(options.names, *QUANTITIES, also="--quantity")
+    ] = None
+    output: Annotated[str | None, options.written(".json", ".csv")] = None
+    plot: options.Picture | None = None
 
     def own_solver(self) -> OwnSolver:
         """Return this library's solver, asked for the quantities of the study."""
@@ -57,7 +56,7 @@ class Results:
         try:
             if self.output is not None:
                 study.save(self.output)
-            if self.plot is not None:
+            if self.plot:
                 study.plot(self.plot)
         finally:
             print(study)
@@ -90,7 +89,7 @@ def run_convergence(
         Measure errors only.
     """
     if resolutions is None and solver is not None:
-        raise SceneError("resolutions", None, "given for a --solver")
+        raise UsageError(f"--solver {solver} needs --resolutions, numbers that it is called with")
     times: dict[str, Any] = {"repeats": 0} if no_times else {}
     study = convergence(
         results.own_solver() if solver is None else _imported(solver),

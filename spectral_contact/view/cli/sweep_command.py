@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 from spectral_contact import QUANTITIES, plotting, sweep
+from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import whole
 from spectral_contact.processes import workers as worker_processes
 from spectral_contact.profiles.control import ALL_CONTROLS
@@ -13,23 +14,24 @@ from spectral_contact.sweeps.dataset import summary, unsolved, write
 from spectral_contact.sweeps.physical_scenes import columns_of
 from spectral_contact.sweeps.slice_pictures import plot_slice, varying
 from spectral_contact.view.cli import options
-from spectral_contact.view.cli.options import NotSolved, Option, UsageError, flag
+from spectral_contact.view.cli.options import NotSolved, UsageError
 from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, SceneOptions
 
 
 class SweptOptions(SceneOptions):
     """The same with lists of numbers."""
 
-    several = True
+    number = options.values, "VALUES"
 
     def first_and_varying(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the options with the first of their values, and the lists of more, by axis."""
-        numbers = {name: one for name, one in self.given.items() if name in NUMBERS}
-        lists = {name: one for name, one in numbers.items() if isinstance(one, list)}
+        lists = {name: one for name, one in self.given.items() if name in NUMBERS}
         varying = {name: one for name, one in lists.items() if len(one) > 1}
         for name in varying:
-            if name in SHAPES and name != "radius":
-                raise UsageError(f"{flag(name)}: one number: of a profile the radius alone varies")
+            in_si = self.si or "table" in self.given
+            if name in SHAPES and not (name == "radius" and in_si):
+                told = "one number: of a profile the radius alone varies, in SI units"
+                raise SceneError(name, varying[name], told)
         first = {**self.given, **{name: one[0] for name, one in lists.items()}}
         return first, {name.removesuffix("_si"): one for name, one in varying.items()}
 
@@ -39,7 +41,7 @@ def run(
     *,
     table: str | None = None,
     rtol: options.Number = 1e-8,
-    quantities: Annotated[list[str] | None, Option(*QUANTITIES, nargs="+")] = None,
+    quantities: Annotated[list[str] | None, options.several(options.names, *QUANTITIES)] = None,
     s: options.Values | None = None,
     from_edge: options.Values | None = None,
     workers: options.Whole = 1,
@@ -89,6 +91,8 @@ def run(
     spectral-contact sweep --youngs-modulus '70 GPa' --poisson-ratio 0.2 --profile parabola \
         --radius '10 um' --load '0.1:10:50:log mN' --output curve.csv
     """
+    if not plot and (at is not None or plot_quantity is not None):
+        raise UsageError("--at and --plot-quantity need --plot, a file of the picture")
     given, axes = scenes.first_and_varying()
     if table is not None:
         given |= _first_of_table(table, given, scenes)
@@ -109,7 +113,7 @@ def run(
     try:
         if output is not None:
             write(found, output)
-        if plot is not None:
+        if plot:
             held = dict(at or ())
             picture = plot_slice(found, plot_quantity or varying(found, held), held)
             plotting.save(picture, plot)

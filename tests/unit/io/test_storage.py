@@ -20,7 +20,7 @@ from spectral_contact import layers, profiles
 from spectral_contact import records as record_classes
 from spectral_contact import scene as scene_classes
 from spectral_contact import solution as solution_classes
-from spectral_contact.errors import SolutionFileError
+from spectral_contact.errors import SceneError, SolutionFileError
 from spectral_contact.fields import history as history_classes
 from spectral_contact.fields import radius as radius_classes
 from spectral_contact.fields import series as field_classes
@@ -671,13 +671,63 @@ def test_flipped_bytes_are_refused_or_change_nothing(suffix, data, tmp_path_fact
     spots = st.tuples(st.integers(0, len(damaged) - 1), st.integers(1, 255))
     for spot, mask in data.draw(st.lists(spots, min_size=1, max_size=4)):
         damaged[spot] ^= mask
-    path = tmp_path_factory.getbasetemp() / f"flipped{suffix}"
+    is_refused_or_unchanged(bytes(damaged), tmp_path_factory.getbasetemp() / f"flipped{suffix}")
+
+
+def is_refused_or_unchanged(damaged, path):
     path.write_bytes(damaged)
     try:
         loaded = Solution.load(path)
     except SolutionFileError:
         return
     assert_identical(loaded, solved("frictionless smooth"))
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@given(data=st.data())
+def test_cut_and_pasted_bytes_are_refused_or_change_nothing(suffix, data, tmp_path_factory):
+    damaged = bytearray(content(suffix))
+    for _ in range(data.draw(st.integers(1, 3))):
+        begin = data.draw(st.integers(0, len(damaged)))
+        end = begin + data.draw(st.sampled_from([0, 1, 30, 1000, len(damaged)]))
+        own = damaged[begin:end]
+        pasted = st.sampled_from([b"", bytes(len(own)), own + own]) | st.binary(max_size=100)
+        damaged[begin:end] = data.draw(pasted)
+    is_refused_or_unchanged(bytes(damaged), tmp_path_factory.getbasetemp() / f"cut{suffix}")
+
+
+def places(tree):
+    """Return container and key of every node below a JSON value."""
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree)
+    found = [(tree, key) for key, _ in items]
+    for container, key in list(found):
+        if isinstance(container[key], (dict, list)):
+            found += places(container[key])
+    return found
+
+
+@pytest.mark.parametrize("kind", [Solution, Scene])
+@given(data=st.data())
+def test_a_changed_node_of_a_document_is_refused_or_changes_nothing(kind, data):
+    whole = solved("partial slip")
+    tree = json.loads((whole if kind is Solution else whole.scene).to_json())
+    nodes = st.sampled_from(places(tree))
+    container, key = data.draw(nodes)
+    elsewhere, other = data.draw(nodes)
+    constants = st.sampled_from([None, True, 2, 10**400, math.nan, math.inf, [], {}, {"x": 1}])
+    changes = constants | st.text(max_size=9) | st.just(copy.deepcopy(elsewhere[other]))
+    if data.draw(st.booleans()):
+        container[key] = data.draw(changes)
+    else:
+        del container[key]
+    try:
+        loaded = kind.from_json(json.dumps(tree))
+    except (SolutionFileError, SceneError):
+        return
+    if kind is Solution:
+        assert_identical(loaded, whole)
+    else:  # it has no checksum, so it may be another one
+        assert Scene.from_json(loaded.to_json()) == loaded
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

@@ -9,7 +9,7 @@ import numpy as np
 import peers
 import pytest
 
-from spectral_contact import NotComputedError, Scene, SceneError, gold, solve
+from spectral_contact import NotComputedError, Scene, SceneError, gold, profiles, solve
 from spectral_contact.precise import certified, reference
 from spectral_contact.studies import (
     QUANTITIES,
@@ -57,6 +57,9 @@ def test_what_is_known_by_definition_is_not_studied():
     assert "stick_radius" not in truth_of(Scene(0.1, 0.5, 0.5, math.inf)).quantities
     frictionless = truth_of(Scene(0.3, 0.5, 0.5, 0.0))
     assert frictionless.quantities == ("approach", "edge_pressure", "pressure")
+    # the pressure under a profile is zero at the edge
+    sphere = Scene(0.3, 0.1, profile=profiles.Sphere(1.0), load=0.01)
+    assert truth_of(sphere).quantities == ("approach", "pressure")
     smooth = truth_of(Scene(0.3, 0.0, 0.0, math.inf))
     assert smooth.quantities == ("approach", "pressure", "traction", "total_shear")
 

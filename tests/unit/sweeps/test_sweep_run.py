@@ -1,5 +1,6 @@
 """Sweeps: the same numbers as `solve`, in named dimensions, whatever happens to single scenes."""
 
+import itertools
 import math
 
 import numpy as np
@@ -182,6 +183,7 @@ def test_bad_input_is_named(arguments, message):
     [
         ([], {}, "scenes = []: must be at least one Scene"),
         ([BASE, 3], {}, "scenes[1] = 3: must be a Scene"),
+        (itertools.repeat(3), {}, "scenes[0] = 3: must be a Scene"),  # without end
         (3, {}, "scenes = 3: must be a Scene or a list of them"),
         ([BASE], {"friction": [0.1]}, "friction = [0.1]: must be None with a list of scenes"),
     ],

@@ -71,6 +71,9 @@ def test_dimensionless_nodes_and_a_number_beside_them(run):
         ((ABAQUS, *STEEL, "--columns", "r=2 [mm]"), "no column of pressure, traction, slip"),
         (("--value", "aproach=1"), "did you mean approach?"),
         (("--value", "approach"), "is not NAME=X"),
+        (("--value", "load=1"), "--value = 'load': must be one of approach, stick_radius, total_s"),
+        (("--value", "approach=inf"), "--value approach=inf: the number must be finite"),
+        (("--value", "approach=1", "--at-most", "-1"), "--at-most = -1.0: must be >= 0"),
     ],
 )
 def test_what_makes_no_request_is_one_line(run, options, message):

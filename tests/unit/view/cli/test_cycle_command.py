@@ -29,8 +29,9 @@ def test_it_stores_the_loop(capsys, tmp_path):
     [
         ([], "--lowest"),
         (["--lowest", "1.5"], "--lowest = 1.5"),
+        (["--lowest", "0.5", "--unload-to", "0.3"], "does not support --unload-to below 1"),
         (["--lowest", "0.5", "--coupling"], "--coupling = True"),
-        (["--lowest", "0.5", "--friction", "none"], "--friction = None"),
+        (["--lowest", "0.5", "--friction", "none"], "--friction = none"),
         (
             ["--lowest", "0.5", "--output", "loop.txt"],
             "must be one of .npz, .json, .csv",

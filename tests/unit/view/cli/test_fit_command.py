@@ -76,6 +76,9 @@ def test_a_retraction_with_adhesion(run):
             ("--profile", "cone", "--half-angle", "1.2", "--columns", "load=9"),
             "--columns 9: there are 3",
         ),
+        (("--plot", "x.gif"), "argument --plot: x.gif: the suffix must be one of .png"),
+        (("--free", "tilt"), "--profile is missing: it must be one of parabola"),
+        ((*CONE, "--layer", "linear", "--layer-compliance", "1"), "--layer needs --youngs-modul"),
         (("--output", "x.txt"), "suffix must be one of .csv"),
     ],
 )

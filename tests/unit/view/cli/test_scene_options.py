@@ -149,10 +149,10 @@ FAULTS = [
         (*BALL, *POWER, "--layer-clearance", "1"),
         "--layer power-law takes --layer-coefficient --layer-exponent and no other",
     ),
-    ((*BALL, *POWER[2:]), "give --layer, one of linear, power-law"),
-    (POWER, "give --profile, one of parabola"),
+    ((*BALL, *POWER[2:]), "--layer-coefficient needs --layer, one of linear, power-law"),
+    (POWER, "--layer needs --profile, one of parabola"),
     ((*BALL, *POWER[:-1], "0.5"), "--layer-exponent = 0.5: must be in [1, 10]"),
-    ((*BALL, *POWER[:-1], "2 m"), "--layer-exponent 2 m: must be a number without a unit"),
+    ((*BALL, *POWER[:-1], "2 m"), "--layer-exponent = '2 m': must be a number without a unit"),
     ((*BALL, *POWER, "--normal-compliance", "1"), "--normal-compliance = 1.0: must be 0 if layer"),
     ((*BALL, *POWER, "--friction", "0.1"), "superposition"),
     ((*BALL, "--layer", "table", "--layer-table", "nowhere.txt"), "nowhere.txt: cannot be read"),
@@ -160,7 +160,7 @@ FAULTS = [
     ((*BALL, "--layer", "power"), "invalid choice: 'power'"),
     (
         ("--profile", "flat", "--radius", "1", "--load", "1", "--friction", "0.1"),
-        "must be None for a flat punch on a linear layer with friction",
+        "--profile = Flat(radius=1.0): must be left out for a flat punch on a linear layer",
     ),
 ]
 
@@ -242,33 +242,53 @@ PROFILE_FAULTS = [
     ),
     (
         ("--profile", "parabola", "--radius", "1", "--load", "1", "--punch-profile", "sphere"),
-        "--punch-profile sphere takes radius",
+        "--punch-profile sphere: sphere takes radius",
     ),
     (
         ("--profile", "parabola", "--radius", "1", "--load", "1", "--punch-profile", "sphere", "x"),
-        "--punch-profile sphere: 'x'",
+        "--punch-profile sphere x: 'x'",
     ),
-    (("--profile", "cone", "--load", "2"), "--profile cone takes --half-angle and no other"),
-    (("--load", "2", "--contact-radius", "1"), "give --profile"),
+    (
+        ("--profile", "sphere", "--radius", "1", "--load", "1", "--punch-profile", "sphere", "-1"),
+        "--punch-profile sphere -1: radius = -1.0: must be finite and > 0",
+    ),
+    (
+        ("--profile", "sphere", "--radius", "1", "--load", "1", "--punch-profile", "sphere", "1m"),
+        "--punch-profile sphere 1m: radius = '1m': must be a number without a unit",
+    ),
+    (("--punch-profile", "sphere", "1"), "--punch-profile needs --profile, one of parabola, sp"),
+    (
+        ("--profile", "cone", "--load", "2"),
+        "--profile cone takes --half-angle and no other: --half-angle is missing",
+    ),
+    (("--load", "2", "--contact-radius", "1"), "--contact-radius needs --profile, one of"),
     (
         ("--profile", "cone", "--half-angle", "1", "--load", "2", "--radius", "1"),
-        "--profile cone takes --half-angle and no other",
+        "--profile cone takes --half-angle and no other: --radius is none of them",
     ),
     (
         ("--profile", "cone", "--half-angle", "1"),
-        "--contact-radius, --load, --approach, --separation = (",
+        "--contact-radius, --load, --approach, --separation: none of them is given",
     ),
     (
         ("--profile", "cone", "--half-angle", "1", "--load", "1", "--approach", "1"),
-        "--contact-radius, --load, --approach, --separation = (",
+        "--approach, --separation: --load 1.0 and --approach 1.0 are given",
     ),
     (("--profile", "cone", "--half-angle", "4", "--load", "2"), "--half-angle = 4.0: must be in"),
     (("--profile", "cone", "--half-angle", "1", "--load", "2 N"), "without a unit"),
     (
         ("--profile", "cone", "--half-angle", "1", "--load", "2", "--youngs-modulus", "1"),
-        "--poisson-ratio = None: must be given with SI data",
+        "--poisson-ratio is missing: it must be given with SI data",
     ),
     (("--profile", "sphere", "--radius", "1", "--contact-radius", "2"), "--contact-radius = 2.0"),
+    (
+        (*STEEL, "--profile", "sphere", "--radius", "1", "--punch-youngs-modulus", "1e9"),
+        "--punch-poisson-ratio is missing: it must be given with --punch-youngs-modulus: both",
+    ),
+    (
+        ("--reduced-modulus", "1e9", "--youngs-modulus", "1e9", "--radius", "1", "--load", "1"),
+        "--youngs-modulus = 1000000000.0: must be left out with --reduced-modulus",
+    ),
     (("--profile", "wedge"), "invalid choice: 'wedge'"),
 ]
 
@@ -294,7 +314,7 @@ def test_a_profile_of_the_points_of_a_file(capsys):
     command = ("solve", "--youngs-modulus", "70e9", "--poisson-ratio", "0.2", "--load", "5 mN")
     shape = ("--profile", "points", str(tip))
     assert main([*command, *shape]) == 2
-    assert "of noisy points convex_hull=True takes the hull" in capsys.readouterr().err
+    assert "of noisy points --convex-hull takes the hull" in capsys.readouterr().err
     assert main([*command, *shape, "--convex-hull"]) == 0
     out = capsys.readouterr().out
     assert "25 rows, r from column 1 (r [um]) in um, height from column 2 (height [nm])" in out

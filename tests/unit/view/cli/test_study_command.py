@@ -108,9 +108,12 @@ def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, aske
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ([], "the following arguments are required: kind"),
+        ([], "give a kind: convergence, work-precision"),
         (["speed"], "speed"),
-        (["convergence", "--solver", "peers:Decaying"], "--resolutions = None: must be given"),
+        (
+            ["convergence", "--solver", "peers:Decaying"],
+            "peers:Decaying needs --resolutions",
+        ),
         (
             ["convergence", "--solver", "peers", "--resolutions", "1"],
             "--solver = 'peers': must be written module:",
@@ -130,7 +133,7 @@ def test_a_solver_without_resolutions_is_called_with_the_accuracies(capsys, aske
         (["work-precision", "--accuracies", "2"], "--accuracies = 2: must be in (0, 1)"),
         (
             ["work-precision", "--solver", "peers:Decaying=8,x"],
-            "argument --solver: 'x' is not a num",
+            "argument --solver: 'x' is not a number, in 'peers:Decaying=8,x' (see",
         ),
         (["work-precision", "--no-times"], "--no-times"),
     ],

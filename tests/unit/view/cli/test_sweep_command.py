@@ -192,20 +192,30 @@ def test_a_slice_is_of_what_there_is(swept, arguments, said):
         (("--quantities", "colour"), "--quantities = 'colour': must be one of approach"),
         (
             ("--quantities", "slip"),
-            "--quantities = 'slip': must be given with its radii (s= or from_edge=)",
+            "--quantities = 'slip': must be given with its radii (--s or --from-edge)",
         ),
         (("--workers", "0"), "--workers = 0: must be a whole number >= 1"),
         (("--output", "map.xls"), "map.xls: the suffix must be one of .nc, .csv"),
+        (("--at", "friction=0.1"), "--at and --plot-quantity need --plot"),
+        (("--friction", "0.1,,0.2"), "--friction: '' is not a number, in '0.1,,0.2'"),
+        (("--friction", "0.1,none"), "--friction: 'none' is not a number, in '0.1,none'"),
+        (
+            ("--s", "0", "--from-edge", "1"),
+            "one of --s, --from-edge: --s [0.0] and --from-edge [1.0]",
+        ),
         (("--at", "friction"), "argument --at: 'friction' is not NAME=X"),
-        (("--load", "1,2"), "--youngs-modulus, --poisson-ratio, --radius = None: must"),
+        (("--load", "1,2"), "--youngs-modulus, --poisson-ratio, --radius are missing: they must"),
         (
             ("--profile", "parabola", "--radius", "1 mm", "--load", "1"),
             "without a unit, without --youngs",
         ),
-        (("--youngs-modulus", "1e9", "--radius", "1 mm"), "--poisson-ratio = None: must be given"),
         (
-            ("--youngs-modulus", "1e9 mm", "--poisson-ratio", "0.3", "--radius", "1"),
-            "--youngs-modulus = '1000000000.0 mm': must be a number in Pa",
+            ("--youngs-modulus", "1e9", "--radius", "1 mm"),
+            "--poisson-ratio is missing: it must",
+        ),
+        (
+            ("--youngs-modulus", "1e9 mm", "--poisson-ratio", "0.3", "--radius", "1mm"),
+            "--youngs-modulus = '1e9 mm': must be a number in Pa",
         ),
         (("--profile", "cone", "--load", "1,2"), "--profile cone takes --half-angle"),
         (("--profile", "cone", "--half-angle", "1", "--load", "1,0"), "--load = 0.0: must be"),
@@ -226,9 +236,12 @@ def test_bad_options_are_named(capsys, options, said):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--at", "nu=0.3"), "--at = 'nu': must be a dimension: normal_compliance"),
-        (("--at", "normal-compliance=0.1"), "none is left: cut all but one or two"),
-        (("--plot-quantity", "ending"), "--quantity = 'ending': must be one of approach"),
+        (("--at", "nu=0.3"), "--at = 'nu': must be one of the dimensions: normal_compliance"),
+        (
+            ("--at", "normal-compliance=0.1"),
+            "such that one or two dimensions are left, not none",
+        ),
+        (("--plot-quantity", "ending"), "--plot-quantity = 'ending': must be one of approach"),
     ],
 )
 def test_what_is_no_slice_is_named(capsys, tmp_path, options, said):
@@ -339,10 +352,21 @@ def test_the_radius_of_a_profile_may_be_several(capsys):
     assert main(["sweep", *body, *options]) == 0
     assert "4 scenes: 4 converged" in capsys.readouterr().out
     assert main(["sweep", *options[:2], "--radius", "1,2", "--load", "1"]) == 2
-    assert "must be None but for a scene in SI units" in capsys.readouterr().err
+    assert "--radius = [1.0, 2.0]: must be one number" in capsys.readouterr().err
     assert main(["sweep", "--profile", "cone", "--half-angle", "1,1.2", "--load", "1"]) == 2
     err = capsys.readouterr().err
-    assert "--half-angle: one number: of a profile the radius alone varies" in err
+    assert "--half-angle = [1.0, 1.2]: must be one number: of a profile" in err
+
+
+def test_a_sweep_may_have_two_curved_bodies_and_names_parted_by_commas(capsys, tmp_path):
+    path = tmp_path / "curve.csv"
+    bodies = ("--profile", "parabola", "--radius", "1", "--punch-profile", "parabola", "1")
+    names = ("--quantities", "approach,contact-radius", "--output", str(path))
+    assert main(["sweep", *bodies, "--load", "0.1, 0.2", *names]) == 0
+    for row in csv.DictReader(path.read_text().splitlines()):  # Hertz, of a radius of 1/2
+        a = float(row["contact_radius"])
+        assert float(row["load"]) == pytest.approx(16 / 3 * a**3 / 0.5, rel=1e-8)
+        assert float(row["approach"]) == pytest.approx(a**2 / 0.5, rel=1e-8)
 
 
 def test_a_table_without_a_load_is_refused(capsys, tmp_path):
