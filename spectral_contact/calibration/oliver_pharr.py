@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -242,20 +242,28 @@ def oliver_pharr(
     errors = []
     each = zip(plain.tolist(), radius.tolist(), *(d.tolist() for d in deviations), strict=True)
     for modulus, a, of_stiffness, of_area in each:
-        value, growth, error = _behind_layer(modulus, a, compliance)
-        found.append(value)
-        parts = (growth * of_stiffness, (0.5 - growth) * of_area, error)
-        errors.append(value * math.hypot(*parts))
+        one = _behind_layer(modulus, a, compliance)
+        found.append(one.value)
+        parts = (one.growth * of_stiffness, (0.5 - one.growth) * of_area, one.error)
+        errors.append(one.value * math.hypot(*parts))
     return ModulusFromStiffness(tuple(found), tuple(plain.tolist()), tuple(errors))
 
 
-def _behind_layer(modulus: float, radius: float, compliance: float) -> tuple[float, float, float]:
-    """Return E* behind a layer, d ln E*/d ln S with the stiffness S, and its relative error."""
+class _Modulus(NamedTuple):
+    """E* behind a layer, d ln E*/d ln S with the stiffness S, and the relative error of E*."""
+
+    value: float
+    growth: float
+    error: float
+
+
+def _behind_layer(modulus: float, radius: float, compliance: float) -> _Modulus:
+    """Return the modulus behind a layer."""
     from scipy.optimize import brentq  # takes long to import
 
     apparent = compliance * modulus / (4.0 * radius)
     if apparent < _LEAST_COMPLIANCE:  # the layer makes less than rounding
-        return modulus, 1.0, _LEAST_ERROR if compliance else 0.0
+        return _Modulus(modulus, 1.0, _LEAST_ERROR if compliance else 0.0)
 
     def logarithm(x: float) -> tuple[float, float]:
         """Return ``ln(x / (8 delta*(x)))`` at ``x = exp(.)``, which rises with x, and its error."""
@@ -282,7 +290,8 @@ def _behind_layer(modulus: float, radius: float, compliance: float) -> tuple[flo
         told = f"below {stiffest:.4g} m/Pa by more than rounding: such a layer alone gives way by "
         raise SceneError("normal_compliance", compliance, told + "what was measured")
     growth = 2.0 * _STEP / rise
-    return modulus * math.exp(x - wanted), growth, max(_LEAST_ERROR, growth * error)
+    value = modulus * math.exp(x - wanted)
+    return _Modulus(value, growth, max(_LEAST_ERROR, growth * error))
 
 
 def _deviations(name: str, values: ArrayLike, unit: str, count: int) -> Array:
