@@ -140,9 +140,17 @@ def sphere_contact(contact_radius: float, radius: float) -> SmoothContact:
     if contact_radius >= radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be less than {radius!r}")
     a, whole = contact_radius, radius
-    growth = math.log((whole + a) / (whole - a))
-    load = 4.0 * ((whole**2 + a**2) / 2.0 * growth - a * whole)
-    return SmoothContact(a / 2.0 * growth, load)
+    growth = math.log1p(2.0 * a / (whole - a))
+    return SmoothContact(a / 2.0 * growth, 4.0 * whole**2 * _sphere_load(a / whole, growth))
+
+
+def _sphere_load(x: float, growth: float) -> float:
+    """Return ``(1 + x²) artanh x − x``, where the growth is ``2 artanh x``."""
+    if x > 0.5:
+        return (1.0 + x**2) / 2.0 * growth - x
+    # the difference cancels: it is the sum of 4n/(4n² − 1) x^(2n + 1) over n > 0
+    terms = (4.0 * n / (4.0 * n**2 - 1.0) * x ** (2 * n + 1) for n in range(1, 30))
+    return math.fsum(terms)
 
 
 def cone_contact(contact_radius: float, half_angle: float) -> SmoothContact:
