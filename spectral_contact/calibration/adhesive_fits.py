@@ -24,7 +24,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from spectral_contact.calibration.indentation_curve import OF_INSTRUMENT, CurveProblem
+from spectral_contact.calibration.indentation_curve import (
+    OF_INSTRUMENT,
+    CurveProblem,
+    beyond_profile,
+)
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.contact.adhesion import BY_APPROACH, BY_LOAD, AdhesiveCurve, NoState
 from spectral_contact.contact.contact_radius import RadiusScale, value_of
@@ -54,6 +58,8 @@ _STEPS: Final = 40
 _STEEP: Final = 10.0
 #: How often the start is improved.
 _ROUNDS: Final = 3
+#: Loads that are noise, in standard deviations.
+_QUIET: Final = 3.0
 #: A drop of the load from one row to a shallower one that is pull-off, in standard deviations.
 _DROP: Final = 6.0
 #: Fewest rows before a drop, but one, that tell no contact from the steep end of a branch.
@@ -233,9 +239,7 @@ class BranchLoads:
         try:
             high = curve.top(BY_APPROACH, float(approaches.max()))
         except NoState:
-            reach = self.profile.reach
-            told = f"such that the contact stays inside the profile, which ends at {reach:.6g}"
-            raise SceneError("depth", float(approaches.max()), told) from None
+            raise beyond_profile(self.profile, float(approaches.max())) from None
         try:
             low, _ = curve.stretch(BY_APPROACH, float(approaches.min()), 0)
         except NoState:
@@ -301,7 +305,8 @@ class AdhesiveProblem(CurveProblem):
     """Residuals and derivatives by ln E*, ln alpha, ln w and the zero point.
 
     Rows from the deepest one to the jump of the load at pull-off, or at the jump into contact, are
-    in contact; those beyond have no load.
+    in contact; those beyond have no load. Of noisy curves with few rows before the contact a search
+    tells these (`revises_rows`).
     """
 
     @staticmethod
@@ -317,7 +322,22 @@ class AdhesiveProblem(CurveProblem):
             told = "not flat: the load of a flat punch is a straight line, whatever the adhesion"
             raise SceneError("profile", self.profile, told)
         self.touching = self.depth >= self._first_depth()
-        self.lost = 0
+        self.beyond = np.zeros(len(self.depth), dtype=bool)
+
+    def revises_rows(self, y: Array) -> bool:
+        """Take rows for no contact that carry no load beyond noise where the fit has come off.
+
+        As rows in contact they would have the load of a line on which the search comes back, and
+        pull the fit toward it.
+        """
+        self.residuals(y)
+        quiet = np.abs(self._above()) <= _QUIET * self.sigma
+        off = self.touching & self.beyond & quiet
+        if not off.any() or int(self.touching.sum() - off.sum()) <= len(self.free):
+            return False
+        self.touching = self.touching & ~off
+        self.take_tolerance(self.rtol)
+        return True
 
     def improve_start(self) -> None:
         """Start from the largest tension, the zero of the load and that of the deepest row."""
@@ -418,7 +438,8 @@ class AdhesiveProblem(CurveProblem):
         """Return the loads of all approaches, and their derivatives by name."""
         quarter = values["reduced_modulus"] / 4.0
         found = self.branch.loads(approach[self.touching], *self._lengths(values))
-        self.lost = int(found.beyond.sum())
+        self.beyond = np.zeros(len(approach), dtype=bool)
+        self.beyond[self.touching] = found.beyond
 
         def spread(some: Array) -> Array:
             whole = np.zeros(len(approach))
@@ -442,6 +463,8 @@ class AdhesiveProblem(CurveProblem):
         rows = int(self.touching.sum())
         first = float(self.depth[self.touching].min())
         told = f"{rows} of {len(self.depth)} rows are in contact, from a depth of {first:.6g} m on"
-        if self.lost:
-            told += f"; at {self.lost} of them the fitted contact has come off"
+        lost = int(self.beyond.sum())
+        if lost:
+            told += f"; at {lost} of them the fitted contact has come off, which the deviations "
+            told += "of the parameters do not cover"
         return [told, *found]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from spectral_contact.calibration.indentation_curve import CurveProblem, Indenta
 from spectral_contact.calibration.indentation_data import IndentationData
 from spectral_contact.calibration.layered_fits import LawProblem
 from spectral_contact.calibration.outcome import least_squares_fit
+from spectral_contact.fields import Array
 from spectral_contact.io.choices import names
 from spectral_contact.scene import Scene
 from spectral_contact.threads import one_thread
@@ -44,11 +45,9 @@ def fit_curve(
         problem.improve_start()
         problem.look()
         bounds = 1.0 + (limits - problem.start) / problem.scale
-        y = np.ones(len(free))
-        for tolerance in sorted({rough, rtol}, reverse=True):
-            if tolerance < rough:
-                problem.take_tolerance(tolerance)
-            found = least_squares_fit(
+
+        def search(y: Array, tolerance: float) -> Any:
+            return least_squares_fit(
                 problem.residuals,
                 y,
                 most,
@@ -57,5 +56,12 @@ def fit_curve(
                 bounds=bounds,
                 **dict.fromkeys(("ftol", "xtol", "gtol"), tolerance),
             )
-            y = found.x
+
+        found = search(np.ones(len(free)), rough)
+        while problem.revises_rows(found.x):
+            found = search(found.x, rough)
+        if rtol < rough:
+            problem.take_tolerance(rtol)
+            found = search(found.x, rtol)
+        y = found.x
     return problem.outcome(y, found.active_mask)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final, overload
 
 import numpy as np
@@ -81,7 +81,7 @@ def fit(
         was made by `Scene.from_physical`, the data are in SI units too.
     data : ApproachData, PressureData, StickRadiusData, or a sequence of them
         Measurements of one material, layer and friction, unless they state otherwise;
-        `IndentationData` for a scene with a profile.
+        `IndentationData` for a scene with a profile. With elastic coupling only stick radii.
     free : str or sequence of str
         The parameters to find, out of ``"normal_compliance"``, ``"tangential_compliance"`` and
         ``"friction"``. The others keep the values of the scene. With `IndentationData` out of
@@ -176,7 +176,7 @@ class _FitProblem:
         errors = np.sqrt(np.diag(covariance))
         sets = np.cumsum([len(one.measured) for one in self.data])[:-1]
         return RoughnessFit(
-            self._scene(layer),
+            self.scene.replace(**layer),
             tuple(
                 FittedParameter(name, float(layer[name] or 0.0), float(error))
                 for name, error in zip(self.free, errors, strict=True)
@@ -258,12 +258,6 @@ class _FitProblem:
         listed = " and ".join(names)
         allowed = f"determined by the data, which {failure} {listed} at {place}"
         raise SceneError("free", self.free, allowed)
-
-    def _scene(self, layer: dict[str, float | None]) -> Scene:
-        if self.scene.physical is None:
-            return replace(self.scene, **layer)  # type: ignore[arg-type]
-        known = asdict(self.scene.physical) | layer
-        return Scene.from_physical(poisson_ratio=self.scene.poisson_ratio, **known)
 
 
 def _measurements(data: Data | Sequence[Data]) -> tuple[Data, ...]:

@@ -62,6 +62,8 @@ _LARGEST_ERROR: Final = 10.0
 #: Loads of more standard deviations are no noise; the start is this fraction of all depths above.
 _NOISE: Final = 3.0
 _ABOVE: Final = 0.01
+#: Largest approach of a first guess over that at which the contact is at the end of the profile.
+_SHORT_OF_END: Final = 0.999
 #: Load of the second row of a first guess over that of the deepest one.
 _SECOND_LOAD: Final = 0.25
 #: Chi square over its degrees of freedom beyond which a curve is not what was measured, if by
@@ -204,10 +206,18 @@ def _first_touch(profile: Profile, depth: Array, load: Array, sigma: Array) -> f
         loads = [curve_load(profile, one - start, 0.0, _ROUGH).value for one in (deep, middle)]
         return math.log(loads[0] / loads[1] * measured / most)
 
-    ends = 2.0 * touch - deep, touch
+    ends = max(2.0 * touch - deep, deep - _most_approach(profile)), touch
     if not excess(ends[0]) < 0.0 < excess(ends[1]):
         return touch
     return float(brentq(excess, *ends, rtol=_ROUGH))
+
+
+def _most_approach(profile: Profile) -> float:
+    """Return the approach at which a smooth contact comes close to the end of a profile."""
+    if isinstance(profile, Flat) or math.isinf(profile.reach):
+        return math.inf
+    with np.errstate(divide="ignore"):
+        return _SHORT_OF_END * float(profile._transform(np.array(profile.reach))) / 2.0
 
 
 def with_modulus(scene: Scene, data: IndentationData) -> Scene:
@@ -256,10 +266,23 @@ def _of_approach(profile: Profile, approach: float, layer: float, rtol: float) -
         )
         return value_of(punch.under(punch.load_of(approach), approach))
     solve = indenter(profile, layer, _MOST_UNKNOWNS)
-    solved, _ = find_radius(
-        profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
-    )
+    try:
+        solved, _ = find_radius(
+            profile, solve, rtol, load=None, approach=approach, pointwise=layer > 0.0
+        )
+    except SceneError as error:
+        if error.parameter != "approach":
+            raise
+        raise beyond_profile(profile, approach) from error
     return value_of(solved)
+
+
+def beyond_profile(profile: Profile, approach: float) -> SceneError:
+    """Return the error of a depth at which the contact would grow to the end of a profile."""
+    told = (
+        f"such that the contact stays inside the profile, which ends at {profile.reach:.6g}: the "
+    )
+    return SceneError("depth", approach, f"{told}approach, from the first touch on, is too large")
 
 
 def _derived(profile: Profile, found: Indentation, layer: float) -> _CurveLoad:
@@ -542,8 +565,13 @@ class CurveProblem:
         for name, size in zip(self.free, searched, strict=True):
             if self._log(name) and size > _LARGEST_ERROR:
                 raise SceneError("free", self.free, f"determined by the data, as {name} is not")
-        if np.any(at_bounds):
-            raise self._alike
+        for name, side in zip(self.free, at_bounds, strict=True):
+            if side:
+                end = self.values(x)[name]
+                told = (
+                    f"without {name}, which comes to {end:.4g}, an end of its range: fix it there"
+                )
+                raise SceneError("free", self.free, told)
         covariance = self.covariance(self.turned(jacobian, x, -1.0))
         values = self.values(x)
         errors = [
@@ -602,3 +630,7 @@ class CurveProblem:
 
     def look(self) -> None:
         """Look at the start before the search."""
+
+    def revises_rows(self, y: Array) -> bool:
+        """Return whether other rows than before are in contact, after a search that ended at y."""
+        return False

@@ -17,14 +17,19 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from spectral_contact.calibration.indentation_curve import OF_INSTRUMENT, CurveProblem, cuts
+from spectral_contact.calibration.indentation_curve import (
+    OF_INSTRUMENT,
+    CurveProblem,
+    beyond_profile,
+    cuts,
+)
 from spectral_contact.calibration.load_curves import CurvePoint, LoadCurve
 from spectral_contact.contact.contact_radius import RadiusScale, value_of
 from spectral_contact.contact.layered_contact import solve_layered
 from spectral_contact.contact.layered_setting import has_edge, setting_at_radius
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.equations.residuals import load as half_load
-from spectral_contact.errors import ConvergenceError
+from spectral_contact.errors import ConvergenceError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.fields.curves import LEAST
 from spectral_contact.layers import GreenwoodWilliamson, Layer
@@ -96,9 +101,14 @@ def _rate_names(layer: Layer) -> tuple[str, ...]:
 def _of_approach(
     profile: Profile, layer: Layer, approach: float, rtol: float, near: float | None
 ) -> Indentation:
-    solved, _ = through_layer(
-        profile, layer, rtol, _MOST_UNKNOWNS, approach=approach, pointwise=True, near=near
-    )
+    try:
+        solved, _ = through_layer(
+            profile, layer, rtol, _MOST_UNKNOWNS, approach=approach, pointwise=True, near=near
+        )
+    except SceneError as error:
+        if error.parameter != "approach" or math.isinf(profile.reach):
+            raise
+        raise beyond_profile(profile, approach) from error
     return value_of(solved)
 
 

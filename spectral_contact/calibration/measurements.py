@@ -73,6 +73,7 @@ class ApproachData:
     def predict(self, setting: Setting, layer: Layer) -> Array:
         """Return δ = 4(1 − ν²)P/(aE)·δ*, equation (3.4)."""
         _check(setting, layer)
+        setting.check_uncoupled("approaches")
         return self._scaled(
             setting, lambda a: setting.solve(a, layer, "approach").approach, lambda a: 1.0 / a
         )
@@ -80,6 +81,7 @@ class ApproachData:
     def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
         """Return ∂δ/∂ln α, exactly, by reciprocity."""
         _check(setting, layer)
+        setting.check_uncoupled("approaches")
         alpha = layer[one_of("name", name, self.depends_on)]
         assert alpha is not None
 
@@ -165,6 +167,7 @@ class PressureData:
             If a place is outside the punch, or at the edge of a smooth surface.
         """
         _check(setting, layer)
+        setting.check_uncoupled("pressures")
         [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
         if max(self.r) > a:
             raise SceneError("r", max(self.r), f"in [0, {a:g}], the radius of the punch")
@@ -178,6 +181,7 @@ class PressureData:
     def slope(self, setting: Setting, layer: Layer, name: str) -> Array:
         """Return ∂p/∂ln α."""
         _check(setting, layer)
+        setting.check_uncoupled("pressures")
         one_of("name", name, self.depends_on)
         [a], [load] = setting.radii(self.radius, 1), setting.loads(self.load, 1)
         slope = setting.pressure_slope(float(a), layer, np.array(self.r) / a)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,15 +21,21 @@ from spectral_contact.io.physical_data import LARGEST_COMPLIANCE, SMALLEST_COMPL
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
-#: Tolerance of the approaches of flat punches, and of the modulus that follows from them.
+#: Tolerance of the approaches of flat punches, and the rounding of their logarithms.
 _RTOL: Final = 1e-11
-_KNOWN: Final = 1e-9
+_ROUNDING: Final = 1e-14
+#: Least error of a modulus behind a layer. And its largest: of stiffer layers the stiffness
+#: measured has no digit of the half-space.
+_LEAST_ERROR: Final = 1e-9
+_LARGEST_ERROR: Final = 0.1
 #: Relative step of the derivative by which deviations are handed on.
 _STEP: Final = 1e-3
 #: Largest depth of contact [m].
 _DEEPEST: Final = 1e6
 #: Range of stiffnesses [N/m] and areas [m²].
 _RANGE: Final = 1e-100, 1e100
+#: Dimensionless compliances below it are taken for 0; those of differences are in range, too.
+_LEAST_COMPLIANCE: Final = 10.0 * SMALLEST_COMPLIANCE
 _POISSON_RATIO: Final = 0.25  # of no account without friction
 
 
@@ -236,38 +242,56 @@ def oliver_pharr(
     errors = []
     each = zip(plain.tolist(), radius.tolist(), *(d.tolist() for d in deviations), strict=True)
     for modulus, a, of_stiffness, of_area in each:
-        value, growth = _behind_layer(modulus, a, compliance)
-        found.append(value)
-        parts = (growth * of_stiffness, (0.5 - growth) * of_area, _KNOWN * (compliance > 0.0))
-        errors.append(value * math.hypot(*parts))
+        one = _behind_layer(modulus, a, compliance)
+        found.append(one.value)
+        parts = (one.growth * of_stiffness, (0.5 - one.growth) * of_area, one.error)
+        errors.append(one.value * math.hypot(*parts))
     return ModulusFromStiffness(tuple(found), tuple(plain.tolist()), tuple(errors))
 
 
-def _behind_layer(modulus: float, radius: float, compliance: float) -> tuple[float, float]:
-    """Return E* behind a layer, and by how much its logarithm grows with that of the stiffness."""
+class _Modulus(NamedTuple):
+    """E* behind a layer, d ln E*/d ln S with the stiffness S, and the relative error of E*."""
+
+    value: float
+    growth: float
+    error: float
+
+
+def _behind_layer(modulus: float, radius: float, compliance: float) -> _Modulus:
+    """Return the modulus behind a layer."""
     from scipy.optimize import brentq  # takes long to import
 
     apparent = compliance * modulus / (4.0 * radius)
-    if apparent < SMALLEST_COMPLIANCE:  # the layer makes less than rounding
-        return modulus, 1.0
+    if apparent < _LEAST_COMPLIANCE:  # the layer makes less than rounding
+        return _Modulus(modulus, 1.0, _LEAST_ERROR if compliance else 0.0)
 
-    def logarithm(x: float) -> float:
-        """Return ``ln(x / (8 delta*(x)))`` at ``x = exp(.)``, which rises with x."""
+    def logarithm(x: float) -> tuple[float, float]:
+        """Return ``ln(x / (8 delta*(x)))`` at ``x = exp(.)``, which rises with x, and its error."""
         scene = Scene(_POISSON_RATIO, normal_compliance=math.exp(x))
-        return x - math.log(8.0 * solve(scene, _RTOL, ("approach",)).approach)
+        found = solve(scene, _RTOL, ("approach",))
+        error = found.error.approach
+        assert error is not None  # it was asked for
+        return x - math.log(8.0 * found.approach), error + _ROUNDING
 
     wanted = math.log(apparent)
     high = wanted + 1.0
     # as x grows it comes to pi/8, the stiffness of the layer alone
-    while logarithm(high) < wanted:
+    stiffest = math.pi * radius / (2.0 * modulus)
+    told = f"below {stiffest:.4g} m/Pa: such a layer alone gives way more than was measured"
+    while logarithm(high)[0] < wanted:
         high += 2.0
         if high > math.log(LARGEST_COMPLIANCE):
-            stiffest = math.pi * radius / (2.0 * modulus)
-            told = f"below {stiffest:.4g} m/Pa: such a layer alone gives way more than was measured"
             raise SceneError("normal_compliance", compliance, told)
-    x = float(brentq(lambda v: logarithm(v) - wanted, wanted, high, xtol=1e-14, rtol=1e-13))
-    growth = 2.0 * _STEP / (logarithm(x + _STEP) - logarithm(x - _STEP))
-    return modulus * math.exp(x - wanted), growth
+    x = float(brentq(lambda v: logarithm(v)[0] - wanted, wanted, high, xtol=1e-14, rtol=1e-13))
+    rise = logarithm(x + _STEP)[0] - logarithm(x - _STEP)[0]
+    error = logarithm(x)[1]
+    # a difference of rounded numbers is no slope where they round by a tenth of it
+    if not rise > 2.0 * error / _LARGEST_ERROR:
+        told = f"below {stiffest:.4g} m/Pa by more than rounding: such a layer alone gives way by "
+        raise SceneError("normal_compliance", compliance, told + "what was measured")
+    growth = 2.0 * _STEP / rise
+    value = modulus * math.exp(x - wanted)
+    return _Modulus(value, growth, max(_LEAST_ERROR, growth * error))
 
 
 def _deviations(name: str, values: ArrayLike, unit: str, count: int) -> Array:

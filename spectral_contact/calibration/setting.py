@@ -54,6 +54,8 @@ class Setting:
         Tolerance of the solves.
     solver : callable
         `solve`, or what takes its place.
+    coupling : bool
+        Whether the traction acts back on the pressure.
     """
 
     material: tuple[float | None, float | None]
@@ -62,6 +64,7 @@ class Setting:
     load: float | None
     rtol: float
     solver: _Solver
+    coupling: bool = False
 
     @classmethod
     def of(cls, scene: Scene, rtol: float, solver: _Solver) -> Setting:
@@ -75,10 +78,10 @@ class Setting:
         kappa = None if scene.mismatch is None else abs(scene.mismatch)
         material = (scene.poisson_ratio if kappa is None else None), kappa
         if data is None:
-            return cls(material, 1.0, 1.0, 1.0, rtol, solver)
+            return cls(material, 1.0, 1.0, 1.0, rtol, solver, scene.coupling)
         assert data.radius is not None  # a flat punch has one
         stiffness = data.quarter_modulus(scene.poisson_ratio)
-        return cls(material, stiffness, data.radius, data.load, rtol, solver)
+        return cls(material, stiffness, data.radius, data.load, rtol, solver, scene.coupling)
 
     def solve(self, radius: float, layer: Layer, *quantities: str) -> Solution:
         """Solve for a punch of this radius on a layer; what does not converge names the scene."""
@@ -90,7 +93,22 @@ class Setting:
         assert beta is not None
         unit = self.stiffness / radius
         nu, kappa = self.material
-        return Scene(nu, alpha * unit, beta * unit, layer["friction"], mismatch=kappa)
+        return Scene(
+            nu,
+            alpha * unit,
+            beta * unit,
+            layer["friction"],
+            coupling=self.coupling,
+            mismatch=kappa,
+        )
+
+    def check_uncoupled(self, measured: str) -> None:
+        """Refuse elastic coupling, with which the pressure depends on friction, too."""
+        if self.coupling:
+            told = (
+                f"False for a fit of {measured}: with elastic coupling only stick radii are fitted"
+            )
+            raise SceneError("coupling", True, told)
 
     def stick_radius(self, radius: float, layer: Layer) -> float:
         """Return ``c*`` of a punch."""

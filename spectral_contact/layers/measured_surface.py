@@ -33,6 +33,8 @@ _GAUSSIAN: Final = math.sqrt(math.log(2.0) / math.pi)
 _WIDE: Final = 1.5
 #: Factor by which the cut-off is changed for the sensitivities.
 _CHANGED: Final = 1.25
+#: Heights over a mean plane that are rounding, over the largest height.
+_FLAT: Final = 1e-13
 #: Blocks along a side, whose scatter tells the errors, and the fewest points along a side.
 _BLOCKS: Final = 4
 _FEWEST: Final = 16
@@ -194,7 +196,9 @@ def _heights(values: ArrayLike, dimensions: int) -> Array:
 def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStatistics:
     level = _levelled(heights, steps)
     size = float(np.nanmax(np.abs(level)))
-    if not 0.0 < size < 1e100 or not all(1e-100 < step < 1e100 for step in steps):
+    if not _FLAT * float(np.nanmax(np.abs(heights))) < size < 1e100 or not all(
+        1e-100 < step < 1e100 for step in steps
+    ):
         raise SceneError("heights", size, "not all on one plane, within the range of doubles")
     shortest = None
     if cutoff is not None:
@@ -207,7 +211,8 @@ def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStati
     filtered = level if shortest is None else _filtered(level, steps, shortest)
     moments = _moments(filtered, steps)
     if not (moments.slope > 0.0 and moments.curvature > 0.0):
-        raise SceneError("heights", heights, "of a surface with slopes and curvatures")
+        told = "of a surface with slopes and curvatures, which take three heights in a row"
+        raise SceneError("heights", heights, told)
     ends = [
         _moments(_filtered(level, steps, reference * factor), steps).numbers
         for factor in (1.0 / _CHANGED, _CHANGED)
@@ -215,7 +220,8 @@ def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStati
     numbers = moments.numbers
     with np.errstate(all="ignore"):
         sensitivity = {
-            name: float(np.log(ends[1][name] / ends[0][name])) / (2.0 * math.log(_CHANGED))
+            name: float(np.log(np.divide(ends[1][name], ends[0][name])))
+            / (2.0 * math.log(_CHANGED))
             for name in _NAMES
         }
     return SurfaceStatistics(
@@ -265,11 +271,17 @@ def _moments(heights: Array, steps: list[float]) -> _SpectralMoments:
     curvatures = []
     for axis, step in enumerate(steps):
         line = np.moveaxis(heights, axis, -1)
-        slopes.append(np.nanmean(np.square((line[..., 2:] - line[..., :-2]) / (2.0 * step))))
-        bend = (line[..., 2:] - 2.0 * line[..., 1:-1] + line[..., :-2]) / step**2
-        curvatures.append(np.nanmean(np.square(bend)))
+        slopes.append((line[..., 2:] - line[..., :-2]) / (2.0 * step))
+        curvatures.append((line[..., 2:] - 2.0 * line[..., 1:-1] + line[..., :-2]) / step**2)
     height = float(np.nanmean(np.square(heights)))
-    return _SpectralMoments(height, float(np.mean(slopes)), float(np.mean(curvatures)))
+    return _SpectralMoments(height, _mean_square(slopes), _mean_square(curvatures))
+
+
+def _mean_square(along_axes: list[Array]) -> float:
+    """Return the mean over the axes of the mean squares along them; NaN if there is none."""
+    known = [one[np.isfinite(one)] for one in along_axes]
+    means = [float(np.mean(np.square(one))) for one in known if one.size]
+    return math.fsum(means) / len(means) if means else math.nan
 
 
 def _scatter(heights: Array, steps: list[float], numbers: dict[str, float]) -> dict[str, float]:

@@ -6,7 +6,8 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
+from math import inf
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -24,6 +25,8 @@ Rows = tuple[tuple[float, ...], ...]
 
 #: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
+#: What the terms beyond the last of a fit come to at most, over the last coefficients.
+_DROPPED = 8.0
 #: How far from zero a law may begin, and two pieces may differ where they meet, of that.
 _ZERO, _JUMP = 10.0, 1e3
 #: By how much of its largest value a derivative may differ from that of the pressure.
@@ -115,12 +118,39 @@ class _Pieces(Layer):
     def _errors(self, w: float) -> LawErrors:
         met = max(int(np.searchsorted(self._edges, w)), 1)
         own = self._series()
-        pressure = self._fit_error * max(float(np.abs(row).sum()) for row in own.pressure[:met])
-        slope = self._fit_error * max(float(np.abs(row).sum()) for row in own.slope[:met])
+        rounded = self._fit_error
+        dropped = [_dropped(row) for row in own.pressure[:met]]
+        pressure = max(
+            rounded * float(np.abs(row).sum()) + more
+            for row, more in zip(own.pressure, dropped, strict=False)
+        )
+        slope = max(
+            rounded * float(np.abs(row).sum()) + more * len(row) ** 2 * 2.0 / (high - low)
+            for row, more, (low, high) in zip(
+                own.slope, dropped, pairwise(self._edges), strict=False
+            )
+        )
         # the integral of the pressure's error, and the rounding of its own series
         rounding = np.finfo(float).eps * max(float(np.abs(row).sum()) for row in own.energy[:met])
-        stiffness = slope / float(self._slope(np.array(w)))
-        return LawErrors(pressure, stiffness, (w - self.start) * pressure + rounding)
+        stiffness = float(self._slope(np.array(w)))
+        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
+        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure + rounding)
+
+
+def _dropped(row: Sequence[float]) -> float:
+    """Return a bound on the terms that a series of `Sampled.from_functions` lacks.
+
+    A polynomial of degree n that is bounded by 1 on [-1, 1] has derivatives of up to n^2.
+    """
+    if len(row) - 1 not in _DEGREES:
+        return 0.0
+    sizes = np.abs(row)
+    last, accepted = float(sizes[-3:].max()), _EXACT * float(sizes.sum())
+    if len(row) <= _DEGREES[-1]:
+        last = min(last, accepted)
+    if last > accepted:  # it is not resolved
+        return 2.0 * float(sizes[len(sizes) // 2 :].sum())
+    return _DROPPED * last
 
 
 @cache
@@ -325,7 +355,11 @@ class Sampled(_Pieces):
         last = real("limit", limit, allowed="finite")
         edges = _checked("start, knots, limit", (first, *inner, last))
         largest = float(np.abs(values_at("pressure", pressure, np.array([edges[-1]])))[0])
-        law = cls(edges, tuple(_fitted(pressure, *ends, largest) for ends in pairwise(edges)))
+        rows = tuple(
+            _fitted(pressure, low, high, at_high=largest if high == last else 0.0, largest=largest)
+            for low, high in pairwise(edges)
+        )
+        law = cls(edges, rows)
         w = np.linspace(edges[0], edges[-1], _LOOKS)[1:-1]
         w = w[~np.isin(w, edges)]
         given, own = values_at("derivative", derivative, w), law._slope(w)
@@ -371,15 +405,36 @@ class Sampled(_Pieces):
 
 
 def _fitted(
-    pressure: Callable[[Array], ArrayLike], low: float, high: float, largest: float
+    pressure: Callable[[Array], ArrayLike],
+    low: float,
+    high: float,
+    *,
+    at_high: float,
+    largest: float,
 ) -> tuple[float, ...]:
-    for degree in _DEGREES:
+    """Return the series of the pressure on a piece, right to a part of its largest value there.
+
+    Parameters
+    ----------
+    pressure : callable
+    low, high : float
+    at_high : float
+        The pressure at the end of the piece, 0 if it is not known.
+    largest : float
+        The largest pressure of the law. Where the pressure is small beside it, its values may be
+        rounding, which no polynomial fits: there the series of the largest degree is taken.
+    """
+    # what is left out comes to more than the last coefficients, but rounding is not lowered further
+    for part, degree in product((_EXACT / _DROPPED, _EXACT), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("pressure", pressure, low + (high - low) * (1.0 + nodes) / 2.0)
         if not np.isfinite(values).all():
             raise SceneError("pressure", float(values[~np.isfinite(values)][0]), "finite")
         row = chebyshev.chebfit(nodes, values, degree)
-        if np.abs(row[-3:]).max() <= _EXACT * max(largest, float(np.abs(values).max())):
+        tail = float(np.abs(row[-3:]).max())
+        if tail <= part * max(at_high, float(np.abs(values).max())):
             return tuple(row.tolist())
+    if tail <= _EXACT * largest:
+        return tuple(row.tolist())
     told = f"smooth between its knots: on [{low:.6g}, {high:.6g}] a polynomial does not fit it"
     raise SceneError("pressure", "a function", told)

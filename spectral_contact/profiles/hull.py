@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite
+
+#: Least distance of two radii, over the larger one: panels between closer ones are rounding.
+LEAST_STEP: Final = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +99,7 @@ def checked_points(radii: ArrayLike, heights: ArrayLike) -> tuple[tuple[float, .
 def increasing(name: str, values: Any) -> tuple[float, ...]:
     """Return radii that increase."""
     radii = finite(name, list(values) if isinstance(values, tuple) else values)
-    if not (np.diff(radii) > 0.0).all():
-        raise SceneError(name, values, "radii that increase")
+    if not (np.diff(radii) > LEAST_STEP * np.abs(radii[1:])).all():
+        told = f"radii that increase, by more than {LEAST_STEP:g} of themselves"
+        raise SceneError(name, values, told)
     return tuple(radii.tolist())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Self
 
 import numpy as np
@@ -24,6 +24,8 @@ Rows = tuple[tuple[float, ...], ...]
 
 #: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
+#: What the terms beyond the last of a fit come to at most, over the last coefficients.
+_DROPPED = 8.0
 #: By how much of its largest value a slope may fall, and a height differ from its integral.
 _SLACK, _ALIKE = 1e-11, 1e-9
 #: Where the slope of a piece is looked at.
@@ -109,7 +111,10 @@ class Sampled(Profile):
         )
         ends = np.array([edges[0], edges[-1]])
         largest = float(np.abs(values_at("slope", slope, ends)).max())
-        rows = tuple(_fitted(slope, *ends, largest) for ends in pairwise(edges))
+        rows = tuple(
+            _fitted(slope, low, high, at_high=largest if high == reach else 0.0, largest=largest)
+            for low, high in pairwise(edges)
+        )
         profile = cls(edges, rows, rounded)
         r = np.linspace(0.0, reach, _LOOKS)
         given, own = values_at("height", height, r), profile._height(r)
@@ -255,9 +260,8 @@ class Sampled(Profile):
                 bent[reached] += half * (w @ (chebyshev.chebval(local, slopes) * sine))
 
     def _slope_error(self, radius: float) -> float:
-        # a series is right to the part of its largest value at which a fit is accepted
         met = [row for (low, _), row in self._pieces() if low < radius]
-        return _EXACT * float(max(np.abs(row).sum() for row in met))
+        return max(map(_series_error, met))
 
     def _pieces(self) -> list[tuple[tuple[float, float], Array]]:
         ends = pairwise(self.edges)
@@ -290,10 +294,41 @@ def _gauss(points: int) -> tuple[Array, Array]:
     return np.polynomial.legendre.leggauss(points)
 
 
+def _series_error(row: Array) -> float:
+    """Return a bound on the error of a series that `_fitted` made."""
+    # it is right to the part of its largest value at which a fit is accepted
+    error = _EXACT * float(np.abs(row).sum())
+    if len(row) <= _DEGREES[-1]:
+        return error
+    last = float(np.abs(row[-2:]).max())
+    if last > _EXACT * float(np.abs(row).sum()):  # it is not resolved
+        return error + 2.0 * float(np.abs(row[len(row) // 2 :]).sum())
+    return error + _DROPPED * last
+
+
 def _fitted(
-    slope: Callable[[Array], ArrayLike], low: float, high: float, largest: float
+    slope: Callable[[Array], ArrayLike],
+    low: float,
+    high: float,
+    *,
+    at_high: float,
+    largest: float,
 ) -> tuple[float, ...]:
-    for degree in _DEGREES:
+    """Return the series of the slope on a piece, right to a part of its largest value there.
+
+    Parameters
+    ----------
+    slope : callable
+    low, high : float
+    at_high : float
+        The slope at the end of the piece, 0 if it is not known.
+    largest : float
+        The largest slope of the profile. Where the slope is small beside it, as next to a flat
+        part, its values may be rounding, which no polynomial fits: there the series of the largest
+        degree is taken whole.
+    """
+    # what is left out comes to more than the last coefficients, but rounding is not lowered further
+    for part, degree in product((_EXACT / _DROPPED, _EXACT), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)
         if not np.isfinite(values).all():
@@ -302,9 +337,12 @@ def _fitted(
         matrix = chebyshev.chebvander(nodes, degree).T * (2.0 / (degree + 1))
         matrix[0] /= 2.0
         row = matrix @ values
-        scale = max(float(np.abs(values).max()), largest)
-        if np.abs(row[-2:]).max() <= _EXACT * scale:
+        scale = max(float(np.abs(values).max()), at_high)
+        tail = float(np.abs(row[-2:]).max())
+        if tail <= part * scale:
             significant = np.flatnonzero(np.abs(row) > 1e-16 * scale)
             return tuple(row[: significant[-1] + 1].tolist()) if len(significant) else (0.0,)
+    if tail <= _EXACT * largest:
+        return tuple(row.tolist())
     told = f"smooth between {low:.6g} and {high:.6g}, or to have its breaks named"
     raise SceneError("slope", "a function that no polynomial fits", told)

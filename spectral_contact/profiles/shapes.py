@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import atan, gamma, log, pi, sqrt, tan
+from math import atan, gamma, log1p, pi, sqrt, tan
 from typing import Final
 
 import numpy as np
@@ -134,7 +134,7 @@ class Sphere(Profile):
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         a, whole, inward = radius, self.radius, radius * _inward(t, y)
-        slope = log((whole + a) / (whole - a))
+        slope = log1p(2.0 * a / (whole - a))  # of radii far below the whole without cancellation
         steeper = np.log1p(2.0 * whole * inward / ((whole - a) * (whole + a * t)))
         return np.asarray(inward * slope + a * t * steeper)
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
+from spectral_contact.profiles.hull import LEAST_STEP
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.profiles.shapes import Flat
 
@@ -70,9 +74,10 @@ class Sum(Profile):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Those of both, below the reach."""
-        together = {b for one in self._both for b in one.breaks}
-        return tuple(sorted(b for b in together if b < self.reach))
+        """Those of both, below the reach; of two that rounding alone parts the larger one."""
+        together = sorted({b for one in self._both for b in one.breaks if b < self.reach})
+        apart = [b for b, after in pairwise(together) if not _alike(b, after)]
+        return (*apart, *together[-1:])
 
     @property
     def brief(self) -> str:
@@ -116,9 +121,15 @@ class Sum(Profile):
         within = (past == 0.0) & (t <= breaks[0])
         found = np.zeros(t.shape)
         for b in one.breaks:  # ascending: the last of its own wins
-            beyond = (breaks[last] >= b) & ~within
-            found = np.where(beyond, past + (breaks[last] - b) * (breaks[last] + b), found)
+            beyond = ((breaks[last] >= b) | _alike(breaks[last], b)) & ~within
+            more = np.where(_alike(breaks[last], b), 0.0, (breaks[last] - b) * (breaks[last] + b))
+            found = np.where(beyond, past + more, found)
         return found
 
     def _slope_error(self, radius: float) -> float:
         return sum(one._slope_error(radius) for one in self._both)
+
+
+def _alike(first: ArrayLike, second: ArrayLike) -> Any:
+    """Return whether radii are the same but for rounding, as 0.1 + 0.2 and 0.3 are."""
+    return np.isclose(first, second, rtol=LEAST_STEP, atol=0.0)

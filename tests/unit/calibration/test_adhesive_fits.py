@@ -185,3 +185,27 @@ def test_derivatives_at_a_fold_are_finite():
     fold = pull_off(scene, "approach").approach
     found = BranchLoads(ball, 1e-10).loads(np.array([fold, fold, 0.1]), 0.0, 0.2)
     assert np.isfinite([found.value, found.by_approach, found.by_adhesion]).all()
+
+
+def test_few_rows_before_the_contact_do_not_pull_the_fit():
+    """They counted as contact: the work of adhesion was off by twelve standard deviations."""
+    modulus, radius, adhesion, count = 2e6, 1e-5, 3e-3, 40
+    a = np.linspace(0.3e-6, 4e-6, 4000)
+    approach = a**2 / radius - np.sqrt(2.0 * np.pi * adhesion * a / modulus)
+    load = 4.0 * modulus * a**3 / (3.0 * radius)
+    load -= np.sqrt(8.0 * np.pi * adhesion * modulus) * a**1.5
+    off = int(np.argmin(approach))
+    depth = np.linspace(2.0 * approach[off], 0.95 * approach[-1], count)
+    measured = np.interp(depth, approach[off:], load[off:], left=0.0)
+    sigma = 4.6e-8
+    measured += np.random.default_rng(5).normal(0.0, sigma, count)
+    start = Scene.from_physical(
+        reduced_modulus=modulus,
+        profile=profiles.Parabola(radius),
+        load=1e-9,
+        work_of_adhesion=adhesion,
+    )
+    free = ("reduced_modulus", "work_of_adhesion", "zero_point")
+    found = fit(start, IndentationData(depth, measured, sigma), free, rtol=1e-6)
+    for name, true in zip(free, (modulus, adhesion, 0.0), strict=True):
+        assert abs(found[name] - true) < 4.0 * found.error(name)

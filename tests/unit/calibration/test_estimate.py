@@ -395,3 +395,19 @@ def test_failures_of_the_solver_name_the_scene(monkeypatch):
         fit(Scene(0.3, 0.1), APPROACH, ALPHA)
     assert "in a fit at Scene(poisson_ratio=0.3, normal_compliance=0.1" in caught.value.cause
     assert caught.value.solution is not None
+
+
+def test_stick_radii_are_fitted_with_elastic_coupling():
+    """It was left out: at nu = 0.1 this friction came out as 0.289 instead of 0.3."""
+    coupled = Scene(0.1, 0.2, 0.1, 0.3, coupling=True)
+    expected = solve(coupled, 1e-4, ["stick_radius"]).stick_radius
+    setting = Setting.of(coupled, 1e-4, solve)
+    layer = {name: getattr(coupled, name) for name in PARAMETERS}
+    [found] = StickRadiusData([0.8], [1e-3]).predict(setting, layer)
+    assert found == pytest.approx(expected, rel=1e-4)
+    with pytest.raises(
+        SceneError, match=r"^coupling = True: must be False for a fit of approaches"
+    ):
+        fit(coupled, ApproachData([0.3], [0.001]), "normal_compliance")
+    with pytest.raises(SceneError, match=r"^coupling = True: must be False for a fit of pressures"):
+        fit(coupled, PressureData([0.0], [0.3], [0.001]), "normal_compliance")

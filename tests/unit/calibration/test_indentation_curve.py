@@ -16,7 +16,7 @@ from spectral_contact import (
     solve,
 )
 from spectral_contact.calibration import IndentationData, fit, indentation_curve, layered_fits
-from spectral_contact.calibration.indentation_curve import curve_load
+from spectral_contact.calibration.indentation_curve import curve_load, first_modulus
 from spectral_contact.calibration.layered_fits import layered_load
 
 FREE = ("reduced_modulus", "normal_compliance", "zero_point")
@@ -204,3 +204,24 @@ def test_a_flat_punch_has_the_modulus_of_a_straight_line():
     assert found["zero_point"] == pytest.approx(ZERO, rel=1e-8)
     with pytest.raises(SceneError, match="cannot distinguish"):
         fit(start, data, FREE)
+
+
+def test_a_fit_may_start_near_the_end_of_a_profile():
+    """The search for the first touch went beyond it, and fits were refused."""
+    tip = profiles.Sampled.from_functions(
+        lambda r: r**2 / 2.0, lambda r: r, reach=0.3, rounded=True
+    )
+    depth = np.linspace(-0.01, 0.08, 46)  # the tip ends at an approach of 0.09
+    load = 4.0 / 3.0 * np.maximum(depth, 0.0) ** 1.5
+    data = IndentationData(depth, load, 1e-5)
+    assert first_modulus(tip, data) == pytest.approx(1.0, rel=0.05)
+
+
+@pytest.mark.parametrize("layer", [None, layers.Linear(1e-16)])
+def test_a_depth_beyond_the_end_of_a_profile_is_named(layer):
+    """The error was of an approach, which the user of a fit does not give."""
+    ball = profiles.Sphere(1e-7)
+    scene = Scene.from_physical(reduced_modulus=2e6, profile=ball, load=1e-9, layer=layer)
+    data = IndentationData([1e-7, 2e-6], [1e-9, 1e-7], 1e-9)
+    with pytest.raises(SceneError, match=r"^depth = .* which ends at 1e-07: the approach"):
+        fit(scene, data, "reduced_modulus")

@@ -120,3 +120,16 @@ def test_bad_input_is_named(use, message):
     data = IndentationData(DEPTHS[:3], LOADS[:3], 1e-5)
     with pytest.raises(SceneError, match=message):
         use(data)
+
+
+def test_an_exponent_at_the_end_of_its_range_is_named():
+    """It was said that the data could not distinguish it from the coefficient."""
+    punch = profiles.Flat(1e-6)
+    start = Scene.from_physical(
+        reduced_modulus=2e6, profile=punch, load=1e-9, layer=layers.PowerLaw(1e12, 1.2)
+    )
+    depth = np.linspace(1e-7, 1e-6, 5)
+    # loads that grow less than in proportion ask for an exponent below 1
+    data = IndentationData(depth, 1.4e-6 * (depth / 1e-6) ** 0.9, 1e-8)
+    with pytest.raises(SceneError, match="without exponent, which comes to 1, an end of its range"):
+        fit(start, data, ("coefficient", "exponent"), rtol=1e-6)

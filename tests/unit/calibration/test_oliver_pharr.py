@@ -78,3 +78,27 @@ def test_area_functions():
 def test_bad_input_is_named(call, message):
     with pytest.raises(SceneError, match=message):
         call()
+
+
+@pytest.mark.parametrize("rest", [1e-2, 1e-5, 1e-8])
+def test_behind_a_layer_that_is_most_of_what_gives_way_the_error_grows(rest):
+    """With x the compliance of the layer S is 1 - 4/(3 pi x) + ... times that of the layer."""
+    area, compliance = 1e-12, 1e-18
+    found = oliver_pharr([area / compliance * (1.0 - rest)], [area], normal_compliance=compliance)
+    radius = math.sqrt(area / math.pi)
+    x = compliance * found.reduced_modulus[0] / (4.0 * radius)
+    error = found.error[0] / found.reduced_modulus[0]
+    assert error >= 1e-15 / rest
+    assert x * rest == pytest.approx(4.0 / (3.0 * math.pi), rel=error + 2.0 * rest)
+
+
+@pytest.mark.parametrize("rest", [1e-12, 1e-14])
+def test_a_layer_that_is_all_that_gives_way_is_refused(rest):
+    """Differences of rounded numbers were 0, and a division by it failed."""
+    with pytest.raises(SceneError, match=r"normal_compliance = 1e-18: must be below 1e-18 m/Pa"):
+        oliver_pharr([1e6 * (1.0 - rest)], [1e-12], normal_compliance=1e-18)
+
+
+def test_a_layer_at_the_least_compliance_of_a_scene_changes_nothing():
+    found = oliver_pharr([2.0], [math.pi], normal_compliance=4.00001e-14)
+    assert found.reduced_modulus[0] == pytest.approx(1.0, rel=1e-11)

@@ -213,3 +213,31 @@ def test_the_ends_of_a_sampled_law_are_numbers():
         made(start=np.array(0.0), limit=1.0)
     with pytest.raises(SceneError, match=r"^limit = "):
         made(start=0.0, limit=np.array(1.0))
+
+
+@pytest.mark.parametrize(
+    ("rate", "limit", "knots"), [(5.0, 10.0, (1.0,)), (2.0, 1.0, ()), (1.0, 1.0, (0.1,))]
+)
+def test_the_errors_of_sampled_laws_are_bounds(rate, limit, knots):
+    """Pieces before a steep one were fitted to a part of the largest pressure of all."""
+    law = layers.Sampled.from_functions(
+        lambda w: np.expm1(rate * w),
+        lambda w: rate * np.exp(rate * w),
+        start=0.0,
+        limit=limit,
+        knots=knots,
+    )
+    w = np.linspace(0.01, 0.9, 90)
+    errors, deepest = law._errors(0.9), rate * np.exp(rate * 0.9)
+    assert np.abs(law.pressure(w) - np.expm1(rate * w)).max() < errors.pressure < 1e-11
+    off = np.abs(law.stiffness(w) - rate * np.exp(rate * w)).max() / deepest
+    assert off < errors.stiffness < 1e-10
+
+
+def test_the_derivative_of_a_law_next_to_a_pole_has_the_error_that_is_stated():
+    law = layers.Sampled.from_functions(
+        lambda w: -np.log1p(-w / 1.05), lambda w: 1.0 / (1.05 - w), start=0.0, limit=1.0
+    )
+    w = np.linspace(0.0, 1.0, 1001)
+    off = np.abs(law.stiffness(w) * (1.05 - w[-1]) - (1.05 - w[-1]) / (1.05 - w)).max()
+    assert off < law._errors(1.0).stiffness < 1e-9

@@ -107,3 +107,20 @@ def test_a_profile_has_the_numbers_of_its_line():
 def test_bad_input_is_named(call, message):
     with pytest.raises(SceneError, match=message):
         call()
+
+
+def test_rounding_of_a_plane_is_no_surface():
+    tilted = np.add.outer(3e-8 * np.arange(20.0), 1e-8 * np.arange(20.0))
+    with pytest.raises(SceneError, match="not all on one plane"):
+        from_height_map(tilted, 1e-6)
+
+
+def test_a_map_that_lacks_every_third_line_has_the_moments_along_the_others():
+    """Along the columns no three heights follow each other, and the map was refused."""
+    x, y = np.meshgrid(np.arange(90.0), np.arange(90.0))
+    waves = 1e-7 * (np.sin(0.3 * x) + np.sin(0.3 * y))
+    lacking = waves.copy()
+    lacking[::3] = np.nan
+    whole, some = from_height_map(waves, 1e-6), from_height_map(lacking, 1e-6)
+    assert some.rms_slope == pytest.approx(whole.rms_slope, rel=0.02)
+    assert some.rms_curvature == pytest.approx(whole.rms_curvature, rel=0.02)

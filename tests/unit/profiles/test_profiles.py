@@ -12,6 +12,7 @@ from spectral_contact import (
     NotComputedError,
     Scene,
     SceneError,
+    closed_forms,
     gold,
     plan,
     profiles,
@@ -278,3 +279,46 @@ def test_a_scene_is_changed_by_replace():
     assert solve(other, 1e-8).load == 2.0
     flat = dataclasses.replace(SCENE, contact_radius=None, profile=None)
     assert flat == Scene(0.3, 0.5)
+
+
+@pytest.mark.parametrize("compliance", [0.0, 0.01])
+def test_breaks_of_a_sum_that_rounding_parts_are_one(compliance):
+    """Panels between 0.3 and 0.1 + 0.2 made a load wrong by 7 %, with an error of 4e-15."""
+    loads = []
+    for flat_radius in (0.3, 0.1 + 0.2):
+        cone = profiles.TruncatedCone(0.3, 1.2)
+        gap = profiles.Sum(cone, profiles.RoundedFlat(flat_radius, 2.0))
+        assert gap.breaks == (flat_radius,)
+        scene = Scene(0.3, compliance, profile=gap, contact_radius=0.9)
+        loads.append(solve(scene, 1e-9, ["load"]).load)
+    assert loads[1] == pytest.approx(loads[0], rel=1e-13)
+
+
+def test_radii_that_rounding_alone_parts_are_refused():
+    with pytest.raises(SceneError, match=r"must be radii that increase, by more than 1e-14"):
+        profiles.Sampled.from_points([0.0, 0.3, 0.1 + 0.2, 1.0], [0.0, 0.1, 0.1 + 1e-16, 1.0])
+
+
+@pytest.mark.parametrize("compliance", [0.0, 0.1])
+@pytest.mark.parametrize("radius", [1.3e-6, 1.7e-8, 1.7e-12])
+def test_a_small_contact_of_a_sphere_is_that_of_the_paraboloid(radius, compliance):
+    """The fall of H cancelled: the load was off by 4e-11, 3e-10 and 1e-5, with errors of 4e-15."""
+    sphere, parabola = (
+        solve(Scene(0.3, compliance * radius, profile=one, contact_radius=radius))
+        for one in (profiles.Sphere(1.0), profiles.Parabola(1.0))
+    )
+    for name in ("load", "approach"):
+        expected = getattr(parabola, name)
+        assert getattr(sphere, name) == pytest.approx(expected, rel=radius**2 + 1e-13)
+
+
+@pytest.mark.parametrize("radius", [1e-9, 1e-4, 0.499, 0.501, 0.999])
+def test_the_closed_form_of_a_sphere_has_its_digits(radius):
+    """Its load cancelled: at a ten thousandth of the sphere eight digits were lost."""
+    with mpmath.workdps(60):
+        a = mpmath.mpf(radius)
+        load = 4 * ((1 + a**2) * mpmath.atanh(a) - a)
+        approach = a * mpmath.atanh(a)
+    found = closed_forms.sphere_contact(radius, 1.0)
+    assert found.load == pytest.approx(float(load), rel=2e-15)
+    assert found.approach == pytest.approx(float(approach), rel=2e-15)

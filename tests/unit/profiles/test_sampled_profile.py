@@ -5,6 +5,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from oracles.property_settings import bounded
+from scipy.special import modstruve
 
 from spectral_contact import Scene, SceneError, profiles, solve
 
@@ -215,3 +216,31 @@ def test_heights_next_to_the_centre_and_to_a_break_have_digits():
     found = solve(coupled, 1e-5, ["load"])
     parabola = solve(coupled.replace(profile=profiles.Parabola(1.0)), 1e-5, ["load"])
     assert found.load == pytest.approx(parabola.load, rel=0.1**2)
+
+
+def test_a_piece_before_a_steep_one_has_its_own_digits():
+    """It was fitted to a part of the largest slope of all, and came out flat, with error 0."""
+    steep = profiles.Sampled.from_functions(
+        lambda r: (np.cosh(5.0 * r) - 1.0) / 5.0,
+        lambda r: np.sinh(5.0 * r),
+        reach=10.0,
+        breaks=(1.0,),
+    )
+    assert steep.flat_part == 0.0
+    radius = 0.3
+    expected = np.pi * radius * modstruve(0, 5.0 * radius)
+    found = float(steep._transform(np.array([radius]))[0])
+    assert abs(found / expected - 1.0) < steep._relative_error(radius) < 1e-11
+
+
+def test_rounding_next_to_a_flat_part_is_no_reason_to_refuse():
+    def slope(r):
+        return np.maximum((r**2 - 1.0) / 4.0, 0.0)
+
+    flat_ended = profiles.Sampled.from_functions(
+        lambda r: np.where(r > 1.0, (r**3 - 3.0 * r + 2.0) / 12.0, 0.0),
+        lambda r: slope(r) + 1e-16 * np.sin(1e5 * r),
+        reach=2.0,
+        breaks=(1.0, 1.0001),
+    )
+    assert 1e-16 < flat_ended._slope_error(1.0) < 1e-14
