@@ -82,7 +82,7 @@ class Layered(ABC):
         return solver, fields
 
     def _misplacement(self, form: Form, fields: LayeredFields) -> Misplacement:
-        """Return bounds of the errors by bends of the law at which no part ends."""
+        """Return bounds of the errors due to bends of the law that are no end of a part."""
         return NO_MISPLACEMENT
 
     def _with_errors(
@@ -148,6 +148,8 @@ class Layered(ABC):
         stiffness_error = (
             (2.0 * a * stiffness_part + _STIFFNESS_FACTOR * stiffness_change) / totals.stiffness
             + (solver.edge_stiffness_error(fields) + misplaced.stiffness) / totals.stiffness
+            # the stiffness changes as fast as the load at most, both relative
+            + load_by_shift / totals.load
             + iteration_error
             + 2.0 * ROUNDING
         )
@@ -202,14 +204,14 @@ def at_centre(contact: Indentation) -> tuple[float, float]:
 
 
 def _at_load(contact: Indentation, load: float) -> Indentation:
-    """Return the contact with just this load, whose error becomes one of the approach."""
+    """Return the contact with exactly this load; the error of its load is one of the approach."""
     error = contact.load_error + 2.0 * abs(contact.load / load - 1.0)
     result = _with_approach_error(contact, error * contact.load / contact.stiffness)
     return replace(result, load=load, load_error=0.0)
 
 
 def _with_approach_error(contact: Indentation, change: float) -> Indentation:
-    """Add to all errors those by a change of the approach."""
+    """Add to every error what an error `change` of the approach contributes."""
     load_change = change * contact.stiffness / contact.load
     return replace(
         contact,
@@ -223,7 +225,7 @@ def _with_approach_error(contact: Indentation, change: float) -> Indentation:
 
 
 def _pressure_by_load(contact: Indentation) -> float:
-    """Return the largest ``dln p/dln P``, with the mean of the pressure where p is less."""
+    """Return the largest ``dln p/dln P``; where p is below its mean, relative to the mean."""
     if contact.pressure is None or contact.flat is None:
         return inf
     p = contact.pressure(RADII, 1.0 - RADII)

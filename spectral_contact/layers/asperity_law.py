@@ -115,7 +115,7 @@ class GreenwoodWilliamson(Layer):
 
 def _gaussian(order: int, h: Array) -> Array:
     """Return the moment of Gaussian heights of unit deviation, for an odd order."""
-    within = np.clip(h, _NEAREST, _FARTHEST)
+    within = np.clip(np.where(np.isnan(h), _FARTHEST, h), _NEAREST, _FARTHEST)
     place = np.minimum((within - _NEAREST).astype(int), int(_FARTHEST - _NEAREST) - 1)
     local = 2.0 * (within - _NEAREST - place) - 1.0
     rows, twice = _series(order)[:, place], 2.0 * local
@@ -125,7 +125,7 @@ def _gaussian(order: int, h: Array) -> Array:
     found = rows[0] + local * found - before
     with np.errstate(under="ignore"):
         found = found * np.exp(-0.5 * np.maximum(within, 0.0) ** 2)
-    found = np.where(h > _FARTHEST, 0.0, found)
+    found = np.where(h > _FARTHEST, 0.0, np.where(np.isnan(h), h, found))
     deep = h < _NEAREST
     if deep.any():
         found = np.where(deep, _deep(order / 2.0, np.maximum(-h, 1.0)), found)

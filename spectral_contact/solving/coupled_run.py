@@ -133,10 +133,7 @@ class CoupledRun(Run):
         if slip is None:
             self._store_unresolved_slip(stick, max_onset_distance)
             return
-        # so far it was that of full stick
-        if "opening" in self.values:
-            self.values["opening"] = None
-        self.store(slip, 1.0)
+        self._store_slip(slip)
         reason = "pressure and traction are one system"
         if slip.layout is not None and slip.zones[0].kind == "stick":
             larger_radii = search.larger_radii(slip.layout.logits[0])
@@ -144,6 +141,14 @@ class CoupledRun(Run):
                 radii = ", ".join(f"{radius:.3g}" for radius in larger_radii)
                 reason += f"; a larger stick radius may satisfy the friction law, too: {radii}"
         self.ran(reason, COUPLING)
+
+    def _store_slip(self, slip: PartialSlip) -> None:
+        """Store partial slip, whose pressure is positive up to the edge."""
+        # the opening stored so far is that of full stick
+        if "opening" in self.values:
+            self.values["opening"] = None
+        self.ran("pressure and traction are one system", COUPLING)
+        self.store(slip, 1.0)
 
     def _searched_zones(
         self, search: CoupledSearch, max_onset_distance: float
@@ -184,7 +189,7 @@ class CoupledRun(Run):
         return slip if accurate or max_onset_distance > ONSET_BAND else None
 
     def _store_refuted(self, stick: FullStick, error: NoZonesError) -> None:
-        """Store what violates the friction law least, where no zones were found that obey it.
+        """Store the state that violates the friction law least, as no zones obey it.
 
         That is the best outcome of the search, or full stick. The violation, relative to ``f p``,
         changes the fields by about its own size. Where the surface slips is not known.
@@ -197,7 +202,7 @@ class CoupledRun(Run):
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
         else:
             violation = best.violation
-            self.store(replace(best, consistent=False), 1.0)
+            self._store_slip(replace(best, consistent=False))
             self.ran(self.refusal, PARTIAL_SLIP)
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * violation
@@ -209,7 +214,7 @@ class CoupledRun(Run):
     def _store_unresolved_slip(self, stick: FullStick, max_onset_distance: float) -> None:
         """Store full stick in place of slip that is too narrow to be resolved.
 
-        The traction of full stick exceeds ``f p`` by the share ``1 - f/f_crit`` of itself at most.
+        The traction of full stick exceeds ``f p`` by at most the fraction ``1 - f/f_crit`` of it.
         Slip would change the fields by about as much, which is added to their errors. Where that is
         above `rtol` it may be due to the error of the critical friction, and full stick is first
         solved to a tighter tolerance.

@@ -505,15 +505,22 @@ class Run:
         """Store partial slip, with all that is tangential scaled as in `store_full_stick`."""
         reason = f"friction is below the critical {self.values['critical_friction']:.6g}"
         self.ran(reason, PARTIAL_SLIP)
-        states = [zone.kind for zone in solved.zones]
-        if len(states) > 2 or states == ["slip", "stick"]:
-            reason = f"one stick disk breaks the friction law; {len(solved.zones)} zones found"
+        kinds = [zone.kind for zone in solved.zones]
+        if solved.consistent and kinds == ["stick", "slip"]:
+            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
+        else:
+            reason = f"{len(kinds)} zones satisfy the friction law"
+            if not solved.consistent:
+                reason = "no zones that were tried satisfy the friction law"
+            elif kinds == ["stick"]:
+                reason = "slip cannot be told from full stick"
             if len(solved.trials) > 1:
                 reason += f"; tried: {'; '.join(trial.text for trial in solved.trials)}"
             self.ran(reason, ZONE_SEARCH)
+        if kinds == ["stick"]:
+            self.skip("slip cannot be told from full stick", SLIP_FIELD)
         else:
-            self.skip("one stick disk satisfies the friction law", ZONE_SEARCH)
-        self.ran("there is slip; its sense is checked", SLIP_FIELD)
+            self.ran("there is slip; its sense is checked", SLIP_FIELD)
         self.values.update(
             approach=solved.approach,
             zones=solved.zones,

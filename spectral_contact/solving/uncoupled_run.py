@@ -47,11 +47,11 @@ class UncoupledRun(Run):
     """The steps of a plan without elastic coupling; parameters are those of `Run`."""
 
     def given_radius(self, logit: float) -> RadiusFriction | None:
-        """Return the friction at which the zones are one stick disk of a given radius.
+        """Return the friction at which the contact sticks in a disk of a given radius alone.
 
-        The friction of the scene does not matter. A sweep solves few radii, and interpolates at the
-        frictions between: the friction law holds there, too, if it holds at both ends and the
-        traction is positive (docs/internals).
+        The friction of the scene only has to be positive. A sweep solves few radii, and
+        interpolates at the frictions between: the friction law holds there, too, if it holds at
+        both ends and the traction is positive (docs/internals).
 
         None is returned if there is no such friction, if the friction law does not hold there, if
         the tolerance is not met, or if the traction at an end of the stick disk is negative.
@@ -76,7 +76,7 @@ class UncoupledRun(Run):
         disk = solved.best.value
         outcome = zones_outcome(disk, self.parameters._replace(friction=friction), contact)
         positive = bool((disk.shears[0].at_ends() >= 0.0).all())
-        if not (outcome.verified and positive) or disk.shear_error > self.rtol:
+        if not (outcome.verified and positive and disk.shear_error <= self.rtol):
             return None
         kappa = self.scene.kappa
         friction_error = float(disk.logit_errors[0])  # with a given radius the unknown is ln f
@@ -139,7 +139,9 @@ class UncoupledRun(Run):
         unloading: Unloading | None = self.cache.get(UNLOADING, key, from_largest_load)
         told = f"the state unloaded to {load_ratio!r}"
         if unloading is None:
-            reason = "the slip at the largest load is too narrow to be resolved"
+            reason = (
+                "the zones at the largest load are too narrow to be resolved, or none are found"
+            )
             raise NotComputedError(told, reason)
         path = self.cache.get(LOAD_RATIOS, key, ZonePath)
         place = (log(load_ratio),)

@@ -73,3 +73,24 @@ def test_a_contact_that_grows_without_a_stick_disk_to_follow_is_refused_for_that
     )
     with pytest.raises(NotComputedError, match="the stick disk is too small to be followed"):
         solve(scene, 1e-3, strict=False)
+
+
+def test_what_violates_the_law_least_has_no_opening_of_full_stick(monkeypatch):
+    scene = Scene(0.0, 1e-4, 1e-4, 0.3, coupling=True)
+    best = CoupledSearch.outcome
+    refused = []
+
+    def outcome(self):
+        error = NoZonesError("nothing fits")
+        error.least_wrong = best(self)
+        refused.append(error)
+        raise error
+
+    monkeypatch.setattr(CoupledSearch, "outcome", outcome)
+    found = solve(scene, 1e-3, strict=False)
+    assert refused
+    assert [zone.kind for zone in found.zones] == ["stick", "slip"]
+    assert found.opening is None
+    steps = {step.name: step.reason for step in found.plan.steps}
+    assert steps["elastic coupling"] == "pressure and traction are one system"
+    assert "no zones that were tried satisfy" in steps["zone search"]

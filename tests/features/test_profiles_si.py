@@ -160,7 +160,7 @@ def test_the_command_line_takes_si(capsys):
     assert main(["solve", *tip, *body, "--normal-compliance-si", "2e-18"]) == 0
     assert "8.868" in capsys.readouterr().out
     for options, said in (
-        ((*tip, *body[:2]), "--poisson-ratio = None: must be given with SI data"),
+        ((*tip, *body[:2]), "--poisson-ratio is missing: it must be given with SI data"),
         ((*tip, *body, "--normal-compliance", "1"), "use --normal-compliance-si, in m/Pa"),
     ):
         assert main(["solve", *options]) == 2
@@ -201,7 +201,7 @@ def test_the_command_line_takes_units_of_a_profile(capsys):
     assert "Cone(half_angle=1.22696646415" in capsys.readouterr().out
     for options, said in (
         ((*cone, "--contact-radius", "1 mm"), "must be a number without a unit"),
-        ((*cone, "--load", "5 ??"), "is not a number, nor a number and a unit, as '5 mm'"),
+        ((*cone, "--load", "5 ??"), "is not a number (which may have a unit, as '5 mm'"),
         ((*cone[:2], "--half-angle", "70.3 N", "--load", "1"), "a number in rad"),
         (
             (*flat, *body, "--contact-radius", "2 N"),

@@ -691,13 +691,16 @@ def test_the_command_line_looks_into_the_punch(capsys):
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["--kappa", "0.1", "--poisson-ratio", "0.3"], "--kappa is instead of --poisson-ratio"),
+        (
+            ["--kappa", "0.1", "--poisson-ratio", "0.3"],
+            "give one of --kappa, --poisson-ratio: both are given",
+        ),
         ([*BALL_OPTIONS, *OF_RUBBER, "--kappa", "0.1"], "--kappa is dimensionless"),
-        ([*BALL_OPTIONS, *OF_RUBBER, *OF_GLASS[:2]], "--punch-poisson-ratio = None"),
+        ([*BALL_OPTIONS, *OF_RUBBER, *OF_GLASS[:2]], "--punch-poisson-ratio is missing"),
         ([*BALL_OPTIONS, "--reduced-modulus", "1e7", "--friction", "1"], "--friction = 1.0"),
         (
             [*BALL_OPTIONS, *OF_GLASS],
-            "--youngs-modulus, --poisson-ratio = None: must be given with SI data",
+            "--youngs-modulus, --poisson-ratio are missing: they must be given with SI data",
         ),
     ],
 )

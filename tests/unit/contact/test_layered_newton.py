@@ -224,3 +224,12 @@ def test_slow_convergence_leaves_all_further_changes_together(monkeypatch, steps
     exact_pressure, pressure = map(solver.sampling.values, (exact.pressure, fields.pressure))
     error = np.abs(pressure - exact_pressure).max() / exact_pressure.max()
     assert 1e-12 < error < 2.0 * fields.iteration_error < 4.0 * error
+
+
+def test_the_stiffness_is_as_uncertain_as_the_load_where_lengths_round():
+    """The overclosure is a millionth of the clearance: its rounding is an error of both."""
+    law = layers.Exponential(1e4, 1.0)
+    scene = Scene(None, profile=BALL, layer=law, contact_radius=1e-4)
+    found = solve(scene, 1e-9, ["load", "stiffness"], strict=False)
+    assert found.error.load > 1e-11
+    assert found.error.stiffness >= 0.9 * found.error.load
