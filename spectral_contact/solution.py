@@ -248,10 +248,11 @@ class Solution(Output):
         Raises
         ------
         NotComputedError
-            If the pressure was not asked for; with elastic coupling where the surface slips, which
-            dissipates, or a compliance is 0.
+            If approach or pressure was not asked for; with elastic coupling where the surface
+            slips, which dissipates, or a compliance is 0.
         """
         self._require("pressure")
+        self._require("approach")
         if self.scene.profile is not None:
             raise NotComputedError("approach_bounds", "there are none with a profile")
         if self.scene.couples:

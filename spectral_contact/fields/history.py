@@ -139,8 +139,9 @@ class ContactHistory:
         given: Any = self.radii if contact_radius is None else contact_radius
         told = f"in [{low:.17g}, {high:.17g}], the range of the history"
         radii = reals("contact_radius", given, told)
-        # today's radius may be known to a rounding only
-        outside = ~((radii >= low * (1.0 - _ROUNDING)) & (radii <= high * (1.0 + _ROUNDING)))
+        # the ends are known to the rounding of their logarithms
+        begin, end = (1.0 + np.abs(self.ends[[0, -1]])) * _ROUNDING
+        outside = ~((radii >= low * (1.0 - begin)) & (radii <= high * (1.0 + end)))
         if outside.any():
             raise SceneError("contact_radius", radii[outside].flat[0], told)
         logs = np.log(np.asarray(radii, dtype=np.float64))

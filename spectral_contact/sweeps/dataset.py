@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact.errors import optional
+from spectral_contact.errors import NotComputedError, optional
 from spectral_contact.io.documents import netcdf, replace_file, reported
 from spectral_contact.io.parameters import SCENE
 from spectral_contact.processes import VERSION
@@ -177,6 +177,8 @@ def of_solution(
     """Return the dataset of one solution; see `Solution.to_xarray`."""
     needed()
     scene, quantities, radii = solution.scene, solution.plan.quantities, None
+    if not quantities:
+        raise NotComputedError("a quantity to tabulate", "the solution has none")
     if s is None and from_edge is None and not set(FIELDS).isdisjoint(quantities):
         radii = graded_radii(solution)
         request = Request(quantities, solution.rtol, 1, "s", radii.s, radii.from_edge)

@@ -169,6 +169,8 @@ class Output(Suggesting):
         ------
         SceneError
             For both arguments, or a radius outside [0, 1].
+        NotComputedError
+            If the solution has no quantity.
         MissingDependencyError
             If xarray is not installed (extra: sweep).
         """

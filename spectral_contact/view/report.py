@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -137,7 +138,7 @@ def _csv_columns(solution: Solution) -> dict[str, Any]:
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """One scalar: its label, value, unit and the estimate of its relative error."""
+    """One scalar: its label, value, unit and error estimate, as `ErrorEstimates` has it."""
 
     label: str
     value: float | None
@@ -145,11 +146,13 @@ class _Row:
     error: float | None
     #: what the error is relative to, over the value
     scale: float = 1.0
+    #: a quantity that was not asked for, without which the value is not known in this unit
+    takes: str = ""
 
     @property
     def own_error(self) -> float | None:
-        """The error relative to the value."""
-        return None if self.error is None else self.error * self.scale
+        """The error relative to the value, which is told beside it."""
+        return self.error * self.scale if self.error else self.error
 
 
 def _rows(solution: Solution) -> list[_Row]:
@@ -170,12 +173,12 @@ def _si_rows(solution: Solution) -> list[_Row]:
     units = {one.name: one.si_unit for one in OUTPUTS}
     if solution.scene.profile is not None:
         rows = [row for row in _scalars(physical, solution, units) if row.unit]
-        of_unit = 0.0 if data.contact_radius is not None else solution.error.contact_radius or 0.0
-        return [_with_error_of_unit(row, of_unit) for row in rows]
+        return [_with_error_of_unit(row, _error_of_radius(solution)) for row in rows]
     approach_error = solution.error.approach or 0.0
     # from an approach the load is computed, and everything scaled by it inherits its error
     inherited = 0.0 if data.approach is None else approach_error
-    rows = [_Row("load", physical.load, "N", inherited)]
+    load, takes = _if_known(lambda: physical.load)
+    rows = [_Row("load", load, "N", inherited, takes=takes)]
     for row in _scalars(physical, solution, units):
         if row.label == "approach":
             error: float | None = 0.0 if data.approach is not None else approach_error
@@ -183,8 +186,15 @@ def _si_rows(solution: Solution) -> list[_Row]:
             error = row.error
         else:
             error = row.error + inherited
-        rows.append(_Row(row.label, row.value, row.unit, error))
+        rows.append(replace(row, error=error))
     return [row for row in rows if row.unit]
+
+
+def _error_of_radius(solution: Solution) -> float:
+    """Return the relative error of the contact radius, in which zones are measured."""
+    scene = solution.scene
+    given = scene.profile is None or scene.contact_radius is not None
+    return 0.0 if given else solution.error.contact_radius or 0.0
 
 
 def _with_error_of_unit(row: _Row, of_unit: float) -> _Row:
@@ -202,15 +212,28 @@ def _scalars(
     for name in solution.plan.quantities:
         unit, error = units.get(name, ""), getattr(solution.error, name)
         if name == "pressure":
-            rows.append(_Row("pressure, centre", float(source.pressure(0.0)), unit, error))
+            centre, takes = _if_known(lambda: float(source.pressure(0.0)))
+            rows.append(_Row("pressure, centre", centre, unit, error, takes=takes))
         if name in FIELDS and _has_edge_value(name, solution.scene):
-            edge = float(getattr(source, name)(from_edge=0.0))
-            rows.append(_Row(f"{name}, edge", edge, unit, error))
+            edge, takes = _if_known(partial(_edge_value, source, name))
+            rows.append(_Row(f"{name}, edge", edge, unit, error, takes=takes))
         elif name not in (*FIELDS, "zones"):
-            value = getattr(source, name)
+            value, takes = _if_known(partial(getattr, source, name))
             scale = _relative_to(name, solution)
-            rows.append(_Row(name.replace("_", " "), value, unit, error, scale))
+            rows.append(_Row(name.replace("_", " "), value, unit, error, scale, takes))
     return rows
+
+
+def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
+    return float(getattr(source, name)(from_edge=0.0))
+
+
+def _if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:
+    """Return a value, or None and the name of the quantity that it takes and was not asked for."""
+    try:
+        return read(), ""
+    except NotComputedError as missing:
+        return None, missing.quantity
 
 
 def _has_edge_value(name: str, scene: Scene) -> bool:
@@ -224,7 +247,9 @@ def _has_edge_value(name: str, scene: Scene) -> bool:
 def _relative_to(name: str, solution: Solution) -> float:
     """Return what an error is relative to, over the value; 1 unless that may vanish."""
     scale, value = solution.error_scales.get(name), solution.values.get(name)
-    return scale / abs(value) if scale and value else 1.0
+    if scale is None or value is None:
+        return 1.0
+    return scale / abs(value) if value else math.inf
 
 
 def scene_text(scene: Scene) -> str:
@@ -313,7 +338,9 @@ def _quantity_cells(rows: list[_Row], title: str) -> list[tuple[str, ...]]:
     for row in rows:
         unit = "" if row.value is None else row.unit
         value = f"{digits_text(row.value, row.own_error)} {unit}".rstrip()
-        cells.append((row.label, value, "-" if row.value is None else estimate_text(row.error)))
+        if row.takes:
+            value = f"not known without {row.takes}"
+        cells.append((row.label, value, "-" if row.value is None else estimate_text(row.own_error)))
     return cells
 
 
@@ -333,8 +360,9 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
         cells.append(
             (_zone_text(zone), *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
         )
-    if solution.scene.physical is not None:
-        metres = (digits_text(zone.outer, estimate) for zone in solution.physical.zones)
+    if solution.scene.physical is not None and not _if_known(lambda: solution.physical.radius)[1]:
+        known = None if estimate is None else estimate + _error_of_radius(solution)
+        metres = (digits_text(zone.outer, known) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
     return cells
 
@@ -398,9 +426,11 @@ def _csv_comments(solution: Solution) -> list[str]:
         "p_error, q_error, slip_error: estimates of relative errors",
     ]
     for row in (*_rows(solution), *_si_rows(solution)):
-        unit = f" {row.unit}" if row.unit else ""
+        unit = f" {row.unit}" if row.unit and row.value is not None else ""
         value = "none" if row.value is None else repr(row.value)
-        error = f"relative error {row.error:.1e}" if row.error else "exact"
+        if row.takes:
+            value = f"not known without {row.takes}"
+        error = f"relative error {row.own_error:.1e}" if row.own_error else "exact"
         estimate = "" if row.error is None or row.value is None else f" ({error})"
         lines.append(f"{row.label} = {value}{unit}{estimate}")
     if "zones" in solution.plan.quantities:

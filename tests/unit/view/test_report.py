@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from spectral_contact import ErrorEstimates, Scene, profiles, solve
+from spectral_contact import ErrorEstimates, NotComputedError, Scene, profiles, solve
 from spectral_contact.view.report import report
 
 STEEL = {
@@ -85,3 +85,69 @@ def test_what_no_digit_is_known_of_is_said_to_be_so():
     assert row.endswith("   inf: no digit is known")
     assert repr(unsure).endswith("but for slip, of which no digit is known>")
     assert "slip, of which no digit is known" in unsure._repr_html_()
+
+
+def test_a_load_that_adhesion_cancels_has_no_digit():
+    # at this radius the load is 0 but for rounding, a difference of two parts of 0.2
+    sphere = profiles.Sphere(1.0)
+    radius = 0.4103546108046176
+    scene = Scene(None, 0.05, profile=sphere, work_of_adhesion=0.01, contact_radius=radius)
+    solution = solve(scene)
+    [line] = [one for one in report(solution).splitlines() if one.startswith("  load ")]
+    assert float(line.split()[-1]) == pytest.approx(
+        solution.error.load * solution.error_scales["load"] / abs(solution.load), rel=0.1
+    )
+    assert float(line.split()[-1]) > 0.1
+
+
+def test_csv_tells_errors_relative_to_the_value(tmp_path):
+    sphere = profiles.Sphere(1.0)
+    scene = Scene(None, 0.05, profile=sphere, work_of_adhesion=0.01, contact_radius=0.41035461)
+    solution = solve(scene)
+    solution.to_csv(tmp_path / "fields.csv")
+    text = (tmp_path / "fields.csv").read_text()
+    told = float(re.search(r"# load = \S+ \(relative error (\S+)\)", text)[1])
+    own = solution.error.load * solution.error_scales["load"] / abs(solution.load)
+    assert told == pytest.approx(own, rel=0.1)
+
+
+SI_TIP = {name: value for name, value in STEEL.items() if name not in ("radius", "friction")}
+
+
+@pytest.mark.parametrize(
+    ("scene", "quantity", "takes"),
+    [
+        (
+            Scene.from_physical(**SI_TIP, load=1000.0, profile=profiles.Parabola(0.01)),
+            "pressure",
+            "contact_radius",
+        ),
+        (Scene.from_physical(**STEEL, approach=1e-7), "traction", "approach"),
+        (Scene.from_physical(**STEEL, approach=1e-7), "zones", "approach"),
+    ],
+)
+def test_what_si_values_take_and_was_not_asked_for_is_named(scene, quantity, takes, tmp_path):
+    solution = solve(scene, 1e-2, [quantity])
+    told = f"not known without {takes}"
+    assert told in solution.summary()
+    assert told in str(solution.physical)
+    assert told in solution._repr_html_()
+    if quantity != "zones":
+        solution.to_csv(tmp_path / "fields.csv")
+        assert told in (tmp_path / "fields.csv").read_text()
+
+
+def test_zones_in_metres_have_the_error_of_the_contact_radius():
+    tip = Scene.from_physical(**SI_TIP, friction=0.1, load=1000.0, profile=profiles.Parabola(0.01))
+    pressed = solve(tip, 1e-2, ["zones", "contact_radius"])
+    error = ErrorEstimates(zones=1e-9, contact_radius=1e-3)
+    text = report(replace(pressed, error=error)).split("\nzones ", 1)[1]
+    *_, to, from_edge, _, metres = text.splitlines()[1].split()
+    assert (to, from_edge) == ("1", "0")
+    assert float(metres) == float(f"{pressed.contact_radius:.4g}")
+
+
+def test_a_dataset_of_no_quantity_is_refused():
+    solution = solve(Scene(0.3, 0.5), 1e-2, ["slip"])
+    with pytest.raises(NotComputedError):
+        solution.to_xarray()
