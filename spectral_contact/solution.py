@@ -232,7 +232,7 @@ class Solution(Output):
         SceneError
             For both or neither argument, or a radius that is inside or beyond the profile.
         NotComputedError
-            If the punch is flat, or the pressure was not asked for.
+            If the punch is flat, or pressure, contact radius or approach was not asked for.
         """
         from spectral_contact.equations.gap import gap_outside
 

@@ -45,6 +45,7 @@ from spectral_contact.view.radii import (
     known_zones,
     layer_depth,
 )
+from spectral_contact.view.report import if_known
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,7 +96,8 @@ def plot_solution(solution: Solution) -> Figure:
     """Plot p*, q*, f p*, the slip, the zones and the error estimates of a solution.
 
     A scene that was made from SI data has its axes in SI units: p, q and f p over r. They are
-    dimensionless if the load is not known, as an approach was given and none asked for.
+    dimensionless if their scale is not known: under a flat punch whose approach was given, if that
+    was not asked for; under a profile, if the contact radius is neither given nor asked for.
 
     The left panels show the fields over the radius; where they are singular, or nearly so, at the
     edge, they are cut off, and a note says so. The right panels show them over the distance from
@@ -164,13 +166,15 @@ class _AxisUnits:
 
     @classmethod
     def of(cls, solution: Solution) -> _AxisUnits:
-        """Return the units of the scene; dimensionless if the load is not known."""
+        """Return the units of the scene; dimensionless if load or contact radius is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
-        if profile is not None and data is None:
+        radius_known = profile is None or not if_known(lambda: _radius(solution))[1]
+        if profile is not None and (data is None or not radius_known):
             symbol = "a" if "contact_radius" in solution.values else "R"
-            radius = rf"${symbol} = {math_number(solution.domain_radius)}\,L$"
             layer = solution.scene.layer
-            shown = [profile.brief, *([] if layer is None else [layer.brief]), radius]
+            shown = [profile.brief, *([] if layer is None else [layer.brief])]
+            if radius_known:
+                shown.append(rf"${symbol} = {math_number(_radius(solution))}\,L$")
             title = (",   ".join(shown),)
             return cls(1.0, 1.0, stress_unit="$E'$", slip_unit="$L$", title=title)
         known = data is not None and (
@@ -196,7 +200,8 @@ class _AxisUnits:
         edged = profile is None or "contact_radius" in solution.values
         radius = rf"${'a' if edged else 'R'} = {math_number(physical.radius)}$ m"
         shown = [one.brief for one in (profile, data.layer) if one is not None]
-        load = rf"$P = {math_number(physical.load)}$ N"
+        load, _ = if_known(lambda: physical.load)
+        told = [] if load is None else [rf"$P = {math_number(load)}$ N"]
         return cls(
             scales.length / 10.0**length_power,
             scales.stress / 10.0**stress_power,
@@ -204,7 +209,7 @@ class _AxisUnits:
             f"{_PREFIXES[length_power]}m",
             f"{_PREFIXES[stress_power]}Pa",
             f"{_PREFIXES[slip_power]}m",
-            (",   ".join([*shown, modulus, radius, load]),),
+            (",   ".join([*shown, modulus, radius, *told]),),
         )
 
     @property
@@ -240,6 +245,12 @@ class _AxisUnits:
         return (
             f"${name}$ [{self.stress_unit}]" if self.stress_unit else f"${name}^* = a^2 {name} / P$"
         )
+
+
+def _radius(solution: Solution) -> float:
+    """Return the radius at s = 1 under a profile, in L."""
+    given = solution.scene.contact_radius
+    return solution.domain_radius if given is None else given
 
 
 def _prefix_power(scale: float) -> int:

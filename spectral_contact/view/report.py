@@ -177,7 +177,7 @@ def _si_rows(solution: Solution) -> list[_Row]:
     approach_error = solution.error.approach or 0.0
     # from an approach the load is computed, and everything scaled by it inherits its error
     inherited = 0.0 if data.approach is None else approach_error
-    load, takes = _if_known(lambda: physical.load)
+    load, takes = if_known(lambda: physical.load)
     rows = [_Row("load", load, "N", inherited, takes=takes)]
     for row in _scalars(physical, solution, units):
         if row.label == "approach":
@@ -212,13 +212,13 @@ def _scalars(
     for name in solution.plan.quantities:
         unit, error = units.get(name, ""), getattr(solution.error, name)
         if name == "pressure":
-            centre, takes = _if_known(lambda: float(source.pressure(0.0)))
+            centre, takes = if_known(lambda: float(source.pressure(0.0)))
             rows.append(_Row("pressure, centre", centre, unit, error, takes=takes))
         if name in FIELDS and _has_edge_value(name, solution.scene):
-            edge, takes = _if_known(partial(_edge_value, source, name))
+            edge, takes = if_known(partial(_edge_value, source, name))
             rows.append(_Row(f"{name}, edge", edge, unit, error, takes=takes))
         elif name not in (*FIELDS, "zones"):
-            value, takes = _if_known(partial(getattr, source, name))
+            value, takes = if_known(partial(getattr, source, name))
             scale = _relative_to(name, solution)
             rows.append(_Row(name.replace("_", " "), value, unit, error, scale, takes))
     return rows
@@ -228,7 +228,7 @@ def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
     return float(getattr(source, name)(from_edge=0.0))
 
 
-def _if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:
+def if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:
     """Return a value, or None and the name of the quantity that it takes and was not asked for."""
     try:
         return read(), ""
@@ -360,7 +360,7 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
         cells.append(
             (_zone_text(zone), *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
         )
-    if solution.scene.physical is not None and not _if_known(lambda: solution.physical.radius)[1]:
+    if solution.scene.physical is not None and not if_known(lambda: solution.physical.radius)[1]:
         known = None if estimate is None else estimate + _error_of_radius(solution)
         metres = (digits_text(zone.outer, known) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]

@@ -13,6 +13,7 @@ from spectral_contact import (
     SceneError,
     SolutionFileError,
     plan,
+    profiles,
     solve,
 )
 from spectral_contact.view import plotting
@@ -381,6 +382,17 @@ def test_an_approach_in_si_is_drawn_dimensionless_if_it_leaves_the_load_open():
     assert r"radius $s = r / a$" in labels(plotting.plot_solution(solve(scene, 1e-4, ["pressure"])))
     whole = solve(scene, 1e-4, ["approach", "pressure"])
     assert "$p$ [MPa]" in labels(plotting.plot_solution(whole))
+
+
+@pytest.mark.parametrize("given", [{"load": 0.1}, {"contact_radius": 0.1}])
+def test_under_a_profile_the_pressure_alone_can_be_drawn(given):
+    tip = profiles.Sphere(1.0)
+    figure = solve(Scene(0.3, profile=tip, **given), 1e-2, ["pressure"]).plot()
+    assert figure.axes[0].get_xlabel() == "radius $s = r / a$"
+    assert ("a =" in figure.get_suptitle()) == ("contact_radius" in given)
+    in_si = Scene.from_physical(youngs_modulus=1e9, poisson_ratio=0.3, profile=tip, **given)
+    figure = solve(in_si, 1e-2, ["pressure"]).plot()
+    assert ("[" in figure.axes[0].get_xlabel()) == ("contact_radius" in given)
 
 
 def test_a_notebook_shows_a_figure_without_pyplot():
