@@ -169,8 +169,10 @@ class _AxisUnits:
         """Return the units of the scene; dimensionless if load or contact radius is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
         radius_known = profile is None or not if_known(lambda: _radius(solution))[1]
+        given = solution.scene.contact_radius is not None
+        edged = profile is None or given or "contact_radius" in solution.values
+        symbol = "a" if edged else "R"
         if profile is not None and (data is None or not radius_known):
-            symbol = "a" if "contact_radius" in solution.values else "R"
             layer = solution.scene.layer
             shown = [profile.brief, *([] if layer is None else [layer.brief])]
             if radius_known:
@@ -197,8 +199,7 @@ class _AxisUnits:
             for symbol, one in named.items()
             if one is not None
         )
-        edged = profile is None or "contact_radius" in solution.values
-        radius = rf"${'a' if edged else 'R'} = {math_number(physical.radius)}$ m"
+        radius = rf"${symbol} = {math_number(physical.radius)}$ m"
         shown = [one.brief for one in (profile, data.layer) if one is not None]
         load, _ = if_known(lambda: physical.load)
         told = [] if load is None else [rf"$P = {math_number(load)}$ N"]
