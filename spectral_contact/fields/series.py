@@ -196,7 +196,9 @@ class EdgeWeight:
     logarithmic: bool = False
 
     def __call__(self, y: Array) -> Array:
-        """Evaluate at `y` in [0, 1]; ``inf`` at y = 0 when the shift is zero."""
+        """Evaluate at `y` in [0, 1]; infinite at y = 0 if the shift is 0 and the amplitude not."""
+        if self.amplitude == 0.0:
+            return np.zeros(np.shape(y))
         if self.shift > 0.0:  # nothing to divide by zero; the logarithmic one has no shift
             return np.asarray(self.amplitude / np.sqrt(y + self.shift))
         with np.errstate(divide="ignore"):

@@ -4,7 +4,9 @@ import mpmath
 import numpy as np
 import pytest
 
+from spectral_contact import Scene, solve
 from spectral_contact.fields.series import LogSeries, Radius
+from spectral_contact.profiles import Flat
 
 
 @pytest.mark.parametrize("logit", [-60.0, -1.0, 0.0, 2.0, 40.0, 600.0])
@@ -40,3 +42,10 @@ def test_one_value_is_that_of_an_array(root_tail, power):
     assert values == pytest.approx(series(d), rel=1e-12)
     scale = np.polynomial.legendre.legval(2.0 * (-np.log(0.1) / 2.0 - 1.0) - 1.0, np.eye(7))
     assert series.value(0.1) == pytest.approx(0.1**power * series.coefficients[1] @ scale)
+
+
+def test_a_smooth_flat_punch_without_load_has_no_pressure_at_its_edge():
+    scene = Scene(0.3, profile=Flat(1.0), work_of_adhesion=0.01, load=0.0)
+    solution = solve(scene)
+    assert solution.pressure(1.0) == 0.0
+    assert solution.pressure([0.0, 0.5, 1.0]).tolist() == [0.0, 0.0, 0.0]
