@@ -267,6 +267,8 @@ def _value(row: TextRow, one: Expected, source: Source, decimal: str) -> float:
         value, text = number(cell, decimal)
         if value != 0.0 and source.factor != 1:
             value = float(Fraction(text) * source.factor)  # exact, and rounded once
+            if value == 0.0:
+                raise OverflowError
     except (OverflowError, ValueError) as error:
         told = "is not within the range of a double" if isinstance(error, OverflowError) else error
         raise Refused(f"{where}: {cell[:_LONGEST_CELL]} {told}") from None

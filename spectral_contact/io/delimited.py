@@ -46,6 +46,8 @@ _SEVERAL_NUMBERS: Final = re.compile(r"[-+0-9.,eEdD]+(?:\s*[;\s]\s*[-+0-9.,eEdD]
 _THOUSANDS: Final = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 #: What programs write where there is no value.
 _MISSING: Final = frozenset(("", "-", "na", "n/a", "nan", "null", "none", "nv", "--"))
+#: Those of them that stand for no unit, too.
+_DASHES: Final = frozenset(("", "-", "--"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,7 +297,7 @@ def _first_row(
     are_headings: Callable[[tuple[str, ...]], bool],
     header: int | None,
 ) -> int:
-    """Return the place of the first row of numbers."""
+    """Return the place of the first row of numbers, or of marks that there is no value."""
     widths = Counter(len(row.cells) for row in every if any(map(_is_number, row.cells)))
     usual = max(widths, key=widths.__getitem__, default=0)
 
@@ -304,6 +306,12 @@ def _first_row(
         # a line of text with a number in it, as a date, has not as many cells as rows have
         is_row = len(cells) == usual or all(map(_is_number, cells))
         return is_row and any(map(_is_number, cells))
+
+    def has_no_value(place: int) -> bool:
+        cells = every[place].cells
+        # a line of dashes may have the units of numbers without one
+        told = not _DASHES.issuperset(cells)
+        return told and len(cells) == usual and all(map(is_missing, cells))
 
     above = -1
     for place, row in enumerate(every):
@@ -320,7 +328,8 @@ def _first_row(
                 )
     # What is below the line of headings may be a line of units.
     below = range(above + 1, len(every))
-    return next((place for place in below if has_number(place)), len(every))
+    rows = (place for place in below if has_number(place) or has_no_value(place))
+    return next(rows, len(every))
 
 
 def _without_empty_ends(rows: Sequence[TextRow], above: Sequence[TextRow]) -> list[TextRow]:

@@ -265,3 +265,23 @@ def test_numbers_survive_a_round_trip(read):
         rows = [delimiter.join(map(repr, row)).replace(".", sign) for row in points.tolist()]
         found = read("\n".join(["r" + delimiter + "z", *rows]))
         assert np.array_equal(np.column_stack([found.values["r"], found.values["z"]]), points)
+
+
+@pytest.mark.parametrize("first", ["nan,nan", "NaN,", "n/a,-", "#N/A,#N/A"])
+def test_a_first_row_without_values_is_no_line_of_units(read, first):
+    text = f"r,z\n{first}\n1,2\n3,4\n"
+    for invalid in ("skip", "missing"):
+        found = read(text, invalid=invalid)
+        assert values(found, "r", "z") == [[1.0, 3.0], [2.0, 4.0]]
+        assert len(found.unread) == 1
+    with pytest.raises(SolutionFileError, match="line 2, column 1"):
+        read(text)
+
+
+def test_dashes_below_headings_are_units_of_numbers_without_one(read):
+    assert values(read("r,z\n-,-\n1,2\n"), "r", "z") == [[1.0], [2.0]]
+
+
+def test_a_number_that_vanishes_in_si_units_is_out_of_range(read):
+    with pytest.raises(SolutionFileError, match="1e-320 is not within the range of a double"):
+        read("r [nm],z [m]\n1e-320,1\n", IN_METRES)
