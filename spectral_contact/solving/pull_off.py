@@ -245,7 +245,12 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:
-    return _changed(scene, "contact_radius", radius)
+    """Return the scene at the radius of pull-off, which follows from the work of adhesion."""
+    try:
+        return _changed(scene, "contact_radius", radius)
+    except SceneError as refused:
+        told = f"such that the contact_radius of pull-off, {radius:.3g}, is {refused.allowed}"
+        raise SceneError("work_of_adhesion", scene.work_of_adhesion, told) from None
 
 
 def _changed(scene: Scene, name: str, value: float) -> Scene:
