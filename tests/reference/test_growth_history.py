@@ -121,7 +121,7 @@ def test_the_command_line_writes_it(tmp_path, capsys):
     assert path.read_text().startswith("contact_radius,load,load_error,approach")
     path.unlink()
     assert main(["solve", *scene]) == 2
-    assert "history not computed" in capsys.readouterr().err
+    assert "needs a contact that grows" in capsys.readouterr().err
     assert not path.exists()
 
 

@@ -11,6 +11,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.full_stick import full_stick
@@ -31,11 +32,19 @@ PANELS = LogPanels(20, 2.0, 24)
 CUTS = (0.3, 0.1, 0.02, 1e-3)
 
 
-def pressure(from_edge):
-    """Return 1/pi but for two dips by half, at depths 1.2 and 4 in ``-ln(1 - s**2)``."""
-    x = -np.log(from_edge * (2.0 - from_edge))
+def dipped(x):
+    """Return 1 but for two dips by half, at depths 1.2 and 4 in ``x = -ln(1 - s**2)``."""
     dips = np.exp(-(((x - 1.2) / 0.9) ** 2)) + np.exp(-(((x - 4.0) / 0.9) ** 2))
-    return (1.0 - 0.5 * dips) / np.pi
+    return 1.0 - 0.5 * dips
+
+
+#: Pressure where it does not dip, for unit load.
+LEVEL = 1.0 / (np.pi * quad(lambda x: dipped(x) * np.exp(-x), 0.0, 50.0, epsabs=1e-14)[0])
+
+
+def pressure(from_edge):
+    """Return the pressure for unit load."""
+    return LEVEL * dipped(-np.log(from_edge * (2.0 - from_edge)))
 
 
 @functools.cache
@@ -46,7 +55,7 @@ def contact():
     y = np.exp(-PANELS.width * (np.arange(PANELS.count)[:, None] + (1.0 + g) / 2.0))
     table = pressure(y / (1.0 + np.sqrt(1.0 - y))) @ legendre_expansion_matrix(points, points - 1).T
     tail = np.zeros(PANELS.tail_terms)
-    tail[0] = 1.0 / np.pi
+    tail[0] = LEVEL
     coefficients = np.concatenate([table.ravel(), tail])
     field = PressureField(None, series_of(PANELS, coefficients))
     nothing = np.zeros(PANELS.size)

@@ -89,7 +89,7 @@ def test_the_plan_tells_which_zones_were_tried():
     solution = solve(Scene(0.3, 0.05, 1.0, 0.23 / 7.0), 1e-6)
     [step] = [step for step in solution.plan.steps if step.name == "zone search"]
     assert step.state is StepState.RUN
-    assert "3 zones found; tried: 2 zones (one stick disk): " in step.reason
+    assert "3 zones satisfy the friction law; tried: 2 zones (one stick disk): " in step.reason
     assert step.reason.endswith(HOLDS)
 
 
