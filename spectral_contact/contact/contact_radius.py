@@ -270,6 +270,11 @@ class _RadiusSearch:
     def _refuse(self) -> None:
         """Raise that the profile has no such radius."""
         radius = self.scale.radius(self.v)
+        if radius <= self.profile.flat_part:
+            allowed = (
+                "larger: the contact radius is rounded to that of the flat part of the profile"
+            )
+            raise SceneError(*self._given, f"{allowed}, {radius:.6g}")
         allowed = (
             f"that of a contact radius in ({self.profile.flat_part:.6g}, "
             f"{self.profile.reach:.6g}), the range of the profile; {radius:.6g} is not enough"

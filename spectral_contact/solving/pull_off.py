@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
-from math import pi
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -227,6 +228,8 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
         told = "None under control of the load, to which a machine adds nothing"
         raise SceneError("machine_stiffness", machine_stiffness, told)
     stiffness /= _modulus(scene) or 1.0
+    if not 1.0 / sys.float_info.max <= stiffness < inf:
+        raise SceneError("machine_stiffness", machine_stiffness, "in [1e-308, 1e308], in E'L")
     return Control(1.0 / stiffness, 1.0)
 
 

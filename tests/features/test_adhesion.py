@@ -412,3 +412,9 @@ def test_pull_off_under_the_thinnest_layer_is_that_of_a_smooth_surface():
     scene = Scene(0.3, 1e-3, profile=BALL, load=0.0, work_of_adhesion=1e30)
     last = pull_off(scene, quantities=("load",))
     assert last.load == pytest.approx(-1.5e30 * math.pi, rel=1e-10)
+
+
+def test_a_machine_whose_compliance_is_infinite_is_refused():
+    """It was said that the contact shrinks to a point before it comes off."""
+    with pytest.raises(SceneError, match=r"machine_stiffness = .* in \[1e-308"):
+        pull_off(sticky(load=0.0), "approach", machine_stiffness=1e-310)

@@ -75,3 +75,9 @@ def test_the_error_of_the_radius_is_positive_under_the_thinnest_layer():
     assert 0.0 < error < 1e-10
     # the load of a thin layer is smaller by about the compliance over the radius
     assert abs(value_of(solved).radius - 1.0) <= error + 1e-13
+
+
+def test_a_load_whose_radius_is_rounded_to_the_flat_part_is_said_to_be_too_small():
+    """The error said that the radius was not enough, as of loads that are too large."""
+    with pytest.raises(SceneError, match="load = 1e-12: must be larger"):
+        found(profiles.TruncatedCone(0.5, 1.2), load=1e-12)
