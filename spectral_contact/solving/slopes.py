@@ -1,7 +1,7 @@
-"""How a solution changes with the parameters of its scene, as the system of its zones says.
+"""Derivatives of a solution by the parameters of its scene.
 
-Without coupling the system is that for kappa = 1, whose friction is ``f/kappa``; here that becomes
-the scene's.
+Without coupling the zones are solved for kappa = 1 and the friction ``f/kappa``. This module
+converts the derivatives of that system to ones by the friction and Poisson's ratio of the scene.
 """
 
 from __future__ import annotations
@@ -30,17 +30,19 @@ from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
 
-#: What can be differentiated by, and what the system calls it.
+#: Parameters of a scene by which a solution can be differentiated; `_COLUMNS` has their names in
+#: the system.
 PARAMETERS: Final = ("normal_compliance", "tangential_compliance", "friction", "poisson_ratio")
-#: What scenes below their largest load are differentiated by.
+#: A further parameter, of scenes below their largest load: the load ratio.
 LOAD_RATIO: Final = "unloaded_to"
 _COLUMNS: Final = {
     **dict(zip(PARAMETERS, ("alpha", "beta", "friction", "kappa"), strict=True)),
     LOAD_RATIO: LOG_DISPLACEMENT,
 }
-_MOST_UNKNOWNS: Final = 20_000
-#: An error of the zones from which on nothing follows from them.
-_HARDLY_KNOWN: Final = 1e-3
+#: Largest number of unknowns of the normal contact.
+_MAX_UNKNOWNS: Final = 20_000
+#: Largest relative error of the zones at which derivatives are returned; beyond it they are NaN.
+_MAX_ZONE_ERROR: Final = 1e-3
 
 
 def kappa_slope(scene: Scene) -> float:
@@ -56,27 +58,29 @@ def _state(own: Solution, zone: Zone) -> int:
     return 0 if zone.kind == "stick" else int(math.copysign(1.0, own.traction(from_edge=middle)))
 
 
-def _of_smooth_surface(quantity: str, rim: Radius, own: Solution) -> float:
-    """Return the derivative of a number by ``f/kappa`` without compliances, in closed form.
+def _of_smooth_surface(quantity: str, stick_radius: Radius, own: Solution) -> float:
+    """Return the derivative by ``f/kappa`` on a smooth surface, in closed form.
 
+    The quantity is the stick radius c or ``Q/kappa``; K' and E' are complete elliptic integrals of
+    the parameter ``1 - c**2``:
     ``f/kappa = ln((1+c)/(1-c)) / (c K')`` and ``Q/kappa = (f/kappa) E' + ln(1-c**2)``.
     """
-    c, z, y = rim.value, rim.square, rim.rest
+    c, z, y = stick_radius.value, stick_radius.square, stick_radius.rest
     ratio = (own.scene.friction or 0.0) / own.scene.kappa
-    first, second = float(ellipkm1(z)), float(ellipe(y))
+    elliptic_k, elliptic_e = float(ellipkm1(z)), float(ellipe(y))
     log = 2.0 * math.atanh(c) if c < 0.5 else math.log((1.0 + c) ** 2 / y)
-    rise = 2.0 / (y * log) - 1.0 / c + (second - z * first) / (c * y * first)
-    by_ratio = 1.0 / (ratio * rise)
+    log_slope = 2.0 / (y * log) - 1.0 / c + (elliptic_e - z * elliptic_k) / (c * y * elliptic_k)
+    by_ratio = 1.0 / (ratio * log_slope)
     if quantity == "stick_radius":
         return by_ratio
-    return second + c / y * (ratio * (first - second) - 2.0) * by_ratio
+    return elliptic_e + c / y * (ratio * (elliptic_k - elliptic_e) - 2.0) * by_ratio
 
 
 class SolutionSlopes:
     """The derivatives at a solution, in spaces for a tolerance.
 
-    Without coupling the system is that for kappa = 1 and the friction ``f/kappa``. Below the
-    largest load and with slip, `largest` has the derivatives there.
+    For a scene below its largest load in which slip has occurred, `largest` has the derivatives at
+    the largest load.
     """
 
     def __init__(
@@ -87,7 +91,7 @@ class SolutionSlopes:
         zones = own.zones if self.scene.friction is not None and self.scene.kappa else ()
         self.inner = [Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1]]
         self.states = tuple(_state(own, zone) for zone in zones)
-        #: with coupling friction acts on the pressure, from none on
+        #: whether friction changes the pressure: there is elastic coupling, and there are zones
         self.couples = self.scene.coupling and bool(zones)
         #: whether all slips, around a stick disk that is too small to be solved for
         self.slips = any(self.states) and not self.inner
@@ -103,9 +107,12 @@ class SolutionSlopes:
 
     @cached_property
     def normal(self) -> tuple[NormalContact, NormalContact | None]:
-        """The pressure as it is without coupling, and its derivative by the compliance."""
+        """The normal contact without coupling, and its derivative by the normal compliance.
+
+        The derivative is None on a smooth surface.
+        """
         solved = solve_normal(
-            self.scene.normal_compliance, max(0.1 * self.tolerance, 1.2e-13), _MOST_UNKNOWNS
+            self.scene.normal_compliance, max(0.1 * self.tolerance, 1.2e-13), _MAX_UNKNOWNS
         )
         if isinstance(solved, Refinement):
             return solved.best.value, compliance_derivative(solved)
@@ -113,70 +120,77 @@ class SolutionSlopes:
 
     @cached_property
     def zones(self) -> ZoneDerivatives:
-        """The derivatives by what moves; where all slips that is with coupling."""
+        """The derivatives by all parameters in `moving`.
+
+        Where everything slips they exist only with coupling.
+        """
         return self._differentiated()
 
     def _differentiated(self, *, slip: bool = False) -> ZoneDerivatives:
         scene = self.scene
         known: list[NormalContact] = []
         friction = scene.friction if scene.friction is not None else math.inf
-        own = scene.normal_compliance, scene.tangential_compliance
-        parameters = Parameters(*own, scene.kappa, friction)
+        compliances = scene.normal_compliance, scene.tangential_compliance
+        parameters = Parameters(*compliances, scene.kappa, friction)
         layout = Layout(tuple(one.logit for one in self.inner), self.states)
         if self.slips:
             parameters, layout = full_slip_problem(parameters)
         elif not self.couples:
             known = [one for one in self.normal if one is not None]
-            parameters = Parameters(*own, 1.0, friction / scene.kappa)
+            parameters = Parameters(*compliances, 1.0, friction / scene.kappa)
         names = [_COLUMNS[name] for name in self.moving]
         given = parameters, layout, names, self.tolerance, known
         if self.largest is None:
             return differentiated(*given, slip=slip)
-        kept = self.largest.own.slip_field
-        assert isinstance(kept, ZonalField)
-        fields = *self.largest._differentiated(slip=True).slip, kept.times(1.0 / scene.kappa)
+        kept_slip = self.largest.own.slip_field
+        assert isinstance(kept_slip, ZonalField)
+        fields = *self.largest._differentiated(slip=True).slip, kept_slip.times(1.0 / scene.kappa)
         factor = 1.0 / scene.unloaded_to
         displacements = [KnownDisplacement(one, factor, 0.0) for one in fields]
         displaced_by = dict(zip(names, displacements, strict=True))
         return differentiated(*given, displacements[-1], displaced_by)
 
     def scalar(self, quantity: str, name: str, boundary: int = 0) -> float:
-        """Return the derivative of a number; NaN where zones are hardly known.
+        """Return the derivative of a scalar by a parameter.
 
-        In place of the stick radius any other boundary may be chosen by its number.
+        NaN if the error of the zones is too large. For the quantity ``stick_radius``, `boundary` is
+        the number of the boundary, counted from the centre.
         """
-        if self.inner and (self.own.error.zones or 0.0) > _HARDLY_KNOWN:
+        if self.inner and (self.own.error.zones or 0.0) > _MAX_ZONE_ERROR:
             return math.nan
         scene, kappa = self.scene, self.scene.kappa
-        rise = kappa_slope(scene)
-        if name == LOAD_RATIO:  # the displacement over the load goes like one over the load
-            moved = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
-            whole = self.own.total_shear - kappa * moved if quantity == "total_shear" else -moved
-            return whole / scene.unloaded_to
+        kappa_rate = kappa_slope(scene)
+        if name == LOAD_RATIO:  # in units of the load the slip that is kept is like 1/load
+            by_zones = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
+            explicit_part = (
+                self.own.total_shear - kappa * by_zones if quantity == "total_shear" else -by_zones
+            )
+            return explicit_part / scene.unloaded_to
         if self.couples:
             column, factor = self._column(name)
             return factor * self._of_system(quantity, column, boundary)
         if name == "poisson_ratio":  # kappa enters shear as a factor, and friction as f/kappa
             ratio = scene.friction / kappa if self.inner and scene.friction else 0.0
-            moved = ratio * self._of_system(quantity, "friction", boundary) if ratio else 0.0
-            whole = self.own.total_shear / kappa if quantity == "total_shear" else 0.0
+            by_zones = ratio * self._of_system(quantity, "friction", boundary) if ratio else 0.0
+            explicit_part = self.own.total_shear / kappa if quantity == "total_shear" else 0.0
             scale = 1.0 if quantity == "total_shear" else 1.0 / kappa
-            return rise * (whole - moved) * scale + 0.0
+            return kappa_rate * (explicit_part - by_zones) * scale + 0.0
         factor = kappa if quantity == "total_shear" else 1.0
         of_system = self._of_system(quantity, name, boundary)
         return factor * of_system / (kappa if name == "friction" else 1.0)
 
     def _column(self, name: str) -> tuple[str, float]:
-        """Return the parameter of the system, with coupling, and what multiplies its derivatives.
+        """Return the column of the system with coupling, and the factor of its derivatives.
 
-        Where all slips the pressure depends on the product of kappa and the friction.
+        Where everything slips the pressure depends on ``kappa f`` alone, so that the column of the
+        friction serves for Poisson's ratio.
         """
         if name != "poisson_ratio":
             return name, 1.0
-        rise = kappa_slope(self.scene)
+        kappa_rate = kappa_slope(self.scene)
         if self.slips:
-            return "friction", rise * (self.scene.friction or 0.0) / self.scene.kappa
-        return name, rise
+            return "friction", kappa_rate * (self.scene.friction or 0.0) / self.scene.kappa
+        return name, kappa_rate
 
     def _of_system(self, quantity: str, name: str, boundary: int) -> float:
         """Return the derivative of a number by a parameter of the system."""
@@ -191,7 +205,7 @@ class SolutionSlopes:
         return self.scene.unloaded_to * float(self.zones.shear[i])
 
     def noise(self, name: str, boundary: int) -> float:
-        """Return what rounding makes of the derivative of a boundary, relative to that."""
+        """Return the relative error by rounding of the derivative of a boundary."""
         column = "friction" if name == "poisson_ratio" and not self.couples else name
         i = self.moving.index(column)
         size = abs(float(self.zones.logits[boundary, i]))
@@ -222,11 +236,11 @@ class SolutionSlopes:
 
     def _traction(self, name: str, s: Array, from_edge: Array) -> Array:
         scene, kappa, own = self.scene, self.scene.kappa, self.own
-        rise = kappa_slope(scene)
+        kappa_rate = kappa_slope(scene)
         if name == LOAD_RATIO:
-            moved = self._traction_in_stick(name, s, from_edge) if self.inner else 0.0
+            by_zones = self._traction_in_stick(name, s, from_edge) if self.inner else 0.0
             q = own.traction(from_edge=from_edge)
-            return np.asarray((q - kappa * moved) / scene.unloaded_to)
+            return np.asarray((q - kappa * by_zones) / scene.unloaded_to)
         beyond = [one.below(s, from_edge) < 0.0 for one in self.inner]
         sign = np.array(self.states)[np.sum(beyond, axis=0, dtype=int)]
         if name == "poisson_ratio" and not self.couples:
@@ -234,12 +248,12 @@ class SolutionSlopes:
             if self.inner:
                 by_ratio = self._traction_in_stick("friction", s, from_edge)
                 q = q - (scene.friction or 0.0) / kappa * by_ratio
-            return rise * np.where(sign == 0, q, 0.0)
+            return kappa_rate * np.where(sign == 0, q, 0.0)
         value = np.zeros(s.shape)
         if not self.slips:
             value = self._traction_in_stick(name, s, from_edge)
         if self.couples:
-            value = value * (rise if name == "poisson_ratio" else 1.0)
+            value = value * (kappa_rate if name == "poisson_ratio" else 1.0)
         elif name != "friction":
             value = value * kappa
         if not any(self.states):
