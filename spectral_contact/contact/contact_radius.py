@@ -15,7 +15,7 @@ from math import exp, inf, isfinite, isinf, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.indented import solve_indentation
+from spectral_contact.contact.indented import REPRESENTABLE, solve_indentation
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
@@ -114,7 +114,8 @@ def find_radius(
     Raises
     ------
     SceneError
-        If the load or the approach is larger than that of any contact within the profile.
+        If the load or the approach is larger than that of any contact within the profile, or load
+        and work are too small or too large for floating-point numbers.
     """
     search = _RadiusSearch(profile, load, approach, near, origin)
 
@@ -205,7 +206,12 @@ class _RadiusSearch:
         radius = self.scale.radius(self.v)
         if not self.profile.flat_part < radius < self.profile.reach:
             self._refuse()
-        self.last = solve(radius)
+        try:
+            self.last = solve(radius)
+        except SceneError as refused:
+            if refused.allowed != REPRESENTABLE:
+                raise
+            raise SceneError(*self._given, REPRESENTABLE) from None
         contact = value_of(self.last)
         if self.approach is None:
             assert self.load is not None
@@ -216,6 +222,11 @@ class _RadiusSearch:
             value = contact.approach - self.origin
             given = self.approach - self.origin
             rate = contact.growth
+        if value < 0.0:
+            allowed = "such that the layer is not thinner than 1e-14 of the contact radius"
+            raise SceneError(*self._given, allowed)
+        if value == 0.0:
+            raise SceneError(*self._given, REPRESENTABLE)
         residual = log(value / given)
         self.residual_error = self._value_error(contact)
         self.slope = rate * self.scale.slope(radius) / value
@@ -251,15 +262,24 @@ class _RadiusSearch:
         inside = self.low < v < self.high
         self.v = v if inside or not isfinite(self.low + self.high) else (self.low + self.high) / 2.0
 
+    @property
+    def _given(self) -> tuple[str, float | None]:
+        """Name and value of the load or approach that is given."""
+        return ("load", self.load) if self.approach is None else ("approach", self.approach)
+
     def _refuse(self) -> None:
         """Raise that the profile has no such radius."""
-        name, value = ("load", self.load) if self.approach is None else ("approach", self.approach)
         radius = self.scale.radius(self.v)
+        if radius <= self.profile.flat_part:
+            allowed = (
+                "larger: the contact radius is rounded to that of the flat part of the profile"
+            )
+            raise SceneError(*self._given, f"{allowed}, {radius:.6g}")
         allowed = (
             f"that of a contact radius in ({self.profile.flat_part:.6g}, "
             f"{self.profile.reach:.6g}), the range of the profile; {radius:.6g} is not enough"
         )
-        raise SceneError(name, value, allowed)
+        raise SceneError(*self._given, allowed)
 
     def outcome(self) -> tuple[Contact, float]:
         """Return the contact, with the given load or approach exact, and its radius's error.
@@ -271,7 +291,8 @@ class _RadiusSearch:
         # The error of load or approach at a radius, and twice the residual (the slope has an error,
         # too), are an error of the radius at the given load or approach.
         value_error = self._value_error(contact) + 2.0 * abs(self.residual)
-        error = value_error / self.slope * self.scale.slope(contact.radius) / contact.radius
+        per_residual = self.scale.slope(contact.radius) / contact.radius / self.slope
+        error = value_error * per_residual if self.slope > 0.0 else inf
         # by the error of the radius the approach changes by its growth, the load by the stiffness
         # times that, and the work by the load times that
         approach_change = contact.growth * contact.radius * error

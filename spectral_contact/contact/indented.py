@@ -42,6 +42,7 @@ from spectral_contact.contact.on_parts import (
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine, within_budget
 from spectral_contact.contact.smooth_indented import smooth_contact
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
+from spectral_contact.errors import SceneError
 from spectral_contact.fields.series import EdgeWeight, LogSeries
 from spectral_contact.profiles.profile_base import Profile
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
@@ -50,10 +51,17 @@ from spectral_contact.spectral.spaces import Space, disk_space
 
 Array = NDArray[np.float64]
 
+#: What is required of the radius, load or approach of a contact.
+REPRESENTABLE = "such that load and work of the contact are in [2.3e-308, 1.7e308], the range of "
+REPRESENTABLE += "floating-point numbers"
+
 #: The slope of the pressure at the edge is taken at this distance y from there, in units of the
 #: width of the layer at the edge. Under a sphere the half-integral has a pole at the equator; if
 #: that is nearer than the layer is wide, the unit is the distance to it.
 _SLOPE_DISTANCE = 1e-4
+#: A layer thinner than this share of 1, of the distance to the pole and of the last part of the
+#: profile changes ``ddelta/da`` by about 20 times this share.
+_THIN = 1e-8
 #: The error of an integral is this times the energy of what the top degrees contribute. The worst
 #: of 900 random profiles needs this factor.
 _ENERGY_FACTOR = 2.0
@@ -209,8 +217,8 @@ class _IndentationProblem(PartedProblem):
         return Indentation(
             a,
             a * (self._smooth_approach + solved.shift),
-            4 * a**2 * float(weights @ solved.pressure_half),
-            a**3 * float(weights @ (solved.pressure_half * solved.target)),
+            4 * a * a * float(weights @ solved.pressure_half),
+            a * a * a * float(weights @ (solved.pressure_half * solved.target)),
             4 * a * float(weights @ solved.flat_half),
             self._growth(edge_series, self.parts.ends[-1][2], solved.flat_edge),
             field_of(self.parts, series) if self.pointwise else None,
@@ -229,6 +237,7 @@ class _IndentationProblem(PartedProblem):
         """Return the contact with its error estimates."""
         a = self.radius
         contact = self._contact(space, used, solved)
+        _check_range(contact)
         # in units of the radius: int F dt of the pressure and of the flat punch, the work, the
         # approach on a smooth surface and the approach
         moment = contact.load_size / (4 * a**2)
@@ -304,10 +313,33 @@ class _IndentationProblem(PartedProblem):
         the slope of the pressure there. This is the pressure that a flat punch of the approach
         ddelta has at the edge. `edge` is the pressure on the last part, and `extent` the extent of
         that part in ``s**2``.
+
+        Under a thin layer the pressure there is lost in the rounding of that at the edge; the rate
+        is then that on a smooth surface.
         """
         to_pole = self.profile._to_pole(self.radius)
+        if self.compliance < _THIN * min(to_pole, extent, 1.0):
+            return _smooth_growth(self.profile, self.radius)
         y = min(_SLOPE_DISTANCE * min(self.compliance, to_pole, 1.0), 0.5 * extent)
         return 2.0 * edge.value(y / extent) / y / flat_edge
+
+
+def _check_range(contact: Indentation) -> None:
+    """Refuse a contact whose load or work is no normal double: it has lost digits, or is infinite.
+
+    Products with powers of the radius overflow to infinity; a power itself would raise an error.
+    """
+    limits = np.finfo(float)
+    for value in (contact.load_size, contact.work):
+        if not limits.tiny <= value <= limits.max:
+            raise SceneError("contact_radius", contact.radius, REPRESENTABLE)
+
+
+def _smooth_growth(profile: Profile, radius: float) -> float:
+    """Return ``ddelta/da`` on a smooth surface, without adhesion."""
+    last_break = max((b for b in profile.breaks if b < radius), default=0.0)
+    past_break = (radius - last_break) * (radius + last_break) if last_break else 0.0
+    return float(profile._rate(np.array([radius]), np.array([past_break]))[0]) / 2.0
 
 
 def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float) -> Indentation:
@@ -323,15 +355,13 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float
     pull = sqrt(pi * a * adhesion / 2.0)
     flat_half = 2.0 * pull / a
     weight = EdgeWeight(-2.0 / pi * flat_half, 0.0) if adhesion else None
-    last_break = max((b for b in profile.breaks if b < a), default=0.0)
-    past_break = (a - last_break) * (a + last_break) if last_break else 0.0
     return Indentation(
         a,
         float(profile._transform(np.asarray(a))) / 2.0 - pull,
-        4 * a**2 * (contact.moment - flat_half),
-        a**3 * (contact.energy - flat_half * (2.0 * contact.moment - flat_half)),
+        4 * a * a * (contact.moment - flat_half),
+        a * a * a * (contact.energy - flat_half * (2.0 * contact.moment - flat_half)),
         8 * a,
-        float(profile._rate(np.array([a]), np.array([past_break]))[0]) / 2.0,
+        _smooth_growth(profile, a),
         None if pressure is None else field_of(parts, pressure.series, weight),
         None,
         ROUNDING,
@@ -377,9 +407,19 @@ def solve_indentation(
     Indentation or Refinement
         An `Indentation` on a smooth surface, where the half-integral is known and there is nothing
         to refine. Else a `Refinement`.
+
+    Raises
+    ------
+    SceneError
+        If load or work are too small or too large for floating-point numbers.
     """
+    limits = np.finfo(float)
+    if not limits.tiny <= radius * radius <= limits.max:
+        raise SceneError("contact_radius", radius, REPRESENTABLE)
     if compliance == 0.0:
-        return _smooth(profile, radius, pointwise=pointwise, adhesion=adhesion)
+        contact = _smooth(profile, radius, pointwise=pointwise, adhesion=adhesion)
+        _check_range(contact)
+        return contact
     problem = _IndentationProblem(
         profile, radius, compliance, tolerance, pointwise=pointwise, adhesion=adhesion
     )

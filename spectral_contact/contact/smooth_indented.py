@@ -161,11 +161,13 @@ class _KnownPart:
 
     def _rates(self, t: Array, points: OffsetRadii) -> Array:
         """Return ``H'`` at the points, whose radii are t."""
-        return self._profile._rate(self._radius * t, self._radius**2 * self._past_break(points))
+        return self._profile._rate(
+            self._radius * t, self._radius * self._radius * self._past_break(points)
+        )
 
     def half_integral(self) -> Array:
         """Return ``F`` at the points."""
-        past_break = self._radius**2 * self._past_break(self.points)
+        past_break = self._radius * self._radius * self._past_break(self.points)
         decrement = self._profile._fall(self._radius, self.t, self.points.y, past_break)
         return np.asarray(decrement / self._radius)
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
-from math import pi
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -227,6 +228,8 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
         told = "None under control of the load, to which a machine adds nothing"
         raise SceneError("machine_stiffness", machine_stiffness, told)
     stiffness /= _modulus(scene) or 1.0
+    if not 1.0 / sys.float_info.max <= stiffness < inf:
+        raise SceneError("machine_stiffness", machine_stiffness, "in [1e-308, 1e308], in E'L")
     return Control(1.0 / stiffness, 1.0)
 
 
@@ -245,7 +248,12 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:
-    return _changed(scene, "contact_radius", radius)
+    """Return the scene at the radius of pull-off, which follows from the work of adhesion."""
+    try:
+        return _changed(scene, "contact_radius", radius)
+    except SceneError as refused:
+        told = f"such that the contact_radius of pull-off, {radius:.3g}, is {refused.allowed}"
+        raise SceneError("work_of_adhesion", scene.work_of_adhesion, told) from None
 
 
 def _changed(scene: Scene, name: str, value: float) -> Scene:

@@ -397,3 +397,24 @@ def test_cycles_are_drawn_with_their_stable_part_and_both_jumps(control):
     assert np.isnan(drawn[~cycle.stable][1:]).all()
     with pytest.raises(SceneError, match="cycle"):
         plotting.plot_adhesion_cycle(cycle.scene)
+
+
+@pytest.mark.parametrize("adhesion", [1e-100, 1e100])
+def test_a_radius_of_pull_off_out_of_range_is_said_of_the_work_of_adhesion(adhesion):
+    """The error was about a contact radius, which nobody had given."""
+    scene = Scene(0.3, 1.0, profile=BALL, load=0.0, work_of_adhesion=adhesion)
+    with pytest.raises(SceneError, match=r"^work_of_adhesion = .* contact_radius of pull-off"):
+        pull_off(scene, quantities=("load",))
+
+
+def test_pull_off_under_the_thinnest_layer_is_that_of_a_smooth_surface():
+    """The rate of the load was rounding, and a root finder raised a ValueError."""
+    scene = Scene(0.3, 1e-3, profile=BALL, load=0.0, work_of_adhesion=1e30)
+    last = pull_off(scene, quantities=("load",))
+    assert last.load == pytest.approx(-1.5e30 * math.pi, rel=1e-10)
+
+
+def test_a_machine_whose_compliance_is_infinite_is_refused():
+    """It was said that the contact shrinks to a point before it comes off."""
+    with pytest.raises(SceneError, match=r"machine_stiffness = .* in \[1e-308"):
+        pull_off(sticky(load=0.0), "approach", machine_stiffness=1e-310)

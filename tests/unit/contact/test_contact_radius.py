@@ -7,7 +7,7 @@ import pytest
 
 from spectral_contact import SceneError, profiles
 from spectral_contact.contact import contact_radius
-from spectral_contact.contact.contact_radius import find_radius, indenter
+from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 
 BALL = profiles.Parabola(1.0)
 #: Load and radius of a smooth contact, ``P = 16/3 a**3`` in units of E'.
@@ -51,3 +51,33 @@ def test_a_load_beyond_the_profile_is_refused():
     with pytest.raises(SceneError, match="the range of the profile") as refused:
         found(profiles.Sphere(1.0), load=1e9)
     assert refused.value.parameter == "load"
+
+
+@pytest.mark.parametrize("compliance", [0.0, 1.0])
+@pytest.mark.parametrize("size", [1e-305, 1e305])
+@pytest.mark.parametrize("name", ["load", "approach"])
+def test_what_floating_point_numbers_cannot_hold_is_refused_by_its_name(name, size, compliance):
+    """Divisions by a work of 0, powers that overflow and logarithms of 0 raised other errors."""
+    given = {"load": None, "approach": None, name: size}
+    solve = indenter(profiles.Parabola(10.0), compliance, 1000)
+    with pytest.raises(SceneError, match=f"^{name} = "):
+        find_radius(profiles.Parabola(10.0), solve, 1e-10, **given, pointwise=False)
+
+
+def test_the_error_of_the_radius_is_positive_under_the_thinnest_layer():
+    """It was negative: the rate of the load was lost in rounding, and had the wrong sign."""
+    cone = profiles.Cone(0.1)
+    smooth = value_of(indenter(cone, 0.0, 1000)(1.0, 1e-10, False))
+    solve = indenter(cone, 1e-14, 1000)
+    solved, error = find_radius(
+        cone, solve, 1e-10, load=smooth.load, approach=None, pointwise=False
+    )
+    assert 0.0 < error < 1e-10
+    # the load of a thin layer is smaller by about the compliance over the radius
+    assert abs(value_of(solved).radius - 1.0) <= error + 1e-13
+
+
+def test_a_load_whose_radius_is_rounded_to_the_flat_part_is_said_to_be_too_small():
+    """The error said that the radius was not enough, as of loads that are too large."""
+    with pytest.raises(SceneError, match="load = 1e-12: must be larger"):
+        found(profiles.TruncatedCone(0.5, 1.2), load=1e-12)

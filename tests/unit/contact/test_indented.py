@@ -6,8 +6,12 @@ from math import pi
 import numpy as np
 import pytest
 
-from spectral_contact import profiles
-from spectral_contact.contact.indented import _IndentationProblem
+from spectral_contact import SceneError, profiles
+from spectral_contact.contact.indented import (
+    _IndentationProblem,
+    solve_indentation,
+    values_only,
+)
 from spectral_contact.spectral.panels import DiscreteSpace
 
 #: A profile with a tip, a contact radius, a normal compliance and a work of adhesion. In a thin
@@ -43,3 +47,23 @@ def test_the_rounding_of_the_pressure_at_a_tip_is_within_its_estimate(
     errors = np.abs(np.array(at_tip) - truth) / size
     estimates = np.array([contact.pressure_error for contact in found])
     assert (errors <= estimates).all(), errors / estimates
+
+
+@pytest.mark.parametrize("compliance", [1e-10, 1e-14])
+@pytest.mark.parametrize("profile", [profiles.Cone(0.1), profiles.RoundedFlat(0.5, 1.0)])
+def test_the_growth_of_the_approach_keeps_its_digits_under_thin_layers(profile, compliance):
+    """That under a layer of 1e-14 was -44 in place of 16, from a pressure that was rounding."""
+
+    def approach(radius: float) -> float:
+        return values_only(profile, radius, compliance, 1e-10, 1000).approach
+
+    slope = (approach(1.001) - approach(0.999)) / 0.002
+    growth = values_only(profile, 1.0, compliance, 1e-10, 1000).growth
+    assert growth == pytest.approx(slope, rel=1e-5)
+
+
+@pytest.mark.parametrize("radius", [1e-300, 1e-110, 1e110, 1e300])
+def test_a_radius_whose_load_is_no_floating_point_number_is_refused(radius):
+    """The load was 0, with an estimate of 4e-15, or Python raised an OverflowError."""
+    with pytest.raises(SceneError, match=r"^contact_radius = .* floating-point numbers"):
+        solve_indentation(profiles.Parabola(10.0), radius, 0.0, 1e-10, 1000)
