@@ -58,3 +58,20 @@ def pytest_collection_modifyitems(config, items):
                 patterns = [] if isinstance(kept, int) else kept
                 if not ids or not all(any(fnmatchcase(i, p) for i in ids) for p in patterns):
                     raise pytest.UsageError(f"{EXTENDED.name}: {file}: {name}: no such test")
+
+
+@pytest.fixture
+def corrections(monkeypatch):
+    """Return a list that takes the size of every linear system, of which there are few."""
+    from spectral_contact.contact.layered_newton import LayeredNewton
+
+    sizes = []
+    linear_step = LayeredNewton._linear_step
+
+    def counted(self, *arguments):
+        sizes.append(len(arguments[-1]))
+        assert len(sizes) < 1000
+        return linear_step(self, *arguments)
+
+    monkeypatch.setattr(LayeredNewton, "_linear_step", counted)
+    return sizes

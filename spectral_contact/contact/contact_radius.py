@@ -15,7 +15,11 @@ from math import exp, inf, isfinite, isinf, log, pi
 
 import numpy as np
 
-from spectral_contact.contact.indented import REPRESENTABLE, solve_indentation
+from spectral_contact.contact.indented import (
+    REPRESENTABLE,
+    UnrepresentableError,
+    solve_indentation,
+)
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
@@ -208,9 +212,7 @@ class _RadiusSearch:
             self._refuse()
         try:
             self.last = solve(radius)
-        except SceneError as refused:
-            if refused.allowed != REPRESENTABLE:
-                raise
+        except UnrepresentableError:
             raise SceneError(*self._given, REPRESENTABLE) from None
         contact = value_of(self.last)
         if self.approach is None:

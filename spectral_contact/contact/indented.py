@@ -83,6 +83,10 @@ _BREAK_ROUNDINGS, _BREAK_FIELD_ROUNDINGS = 0.2, 0.7
 _LAYER_ROUNDING = 2.5e-15
 
 
+class UnrepresentableError(SceneError):
+    """Load or work of a contact of this radius are out of the range of floating-point numbers."""
+
+
 @dataclass(frozen=True, slots=True)
 class _TwoPressures:
     """The pressures under a flat punch and under the profile, in one space.
@@ -332,7 +336,7 @@ def _check_range(contact: Indentation) -> None:
     limits = np.finfo(float)
     for value in (contact.load_size, contact.work):
         if not limits.tiny <= value <= limits.max:
-            raise SceneError("contact_radius", contact.radius, REPRESENTABLE)
+            raise UnrepresentableError("contact_radius", contact.radius, REPRESENTABLE)
 
 
 def _smooth_growth(profile: Profile, radius: float) -> float:
@@ -415,7 +419,7 @@ def solve_indentation(
     """
     limits = np.finfo(float)
     if not limits.tiny <= radius * radius <= limits.max:
-        raise SceneError("contact_radius", radius, REPRESENTABLE)
+        raise UnrepresentableError("contact_radius", radius, REPRESENTABLE)
     if compliance == 0.0:
         contact = _smooth(profile, radius, pointwise=pointwise, adhesion=adhesion)
         _check_range(contact)

@@ -61,6 +61,7 @@ from spectral_contact.contact.tuning import (
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.contact.zone_search import Candidate, NoZonesError, ZoneSearch
 from spectral_contact.fields.series import Array
+from spectral_contact.fields.shakedown import shakedown
 from spectral_contact.records import UNLOADING
 from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.factored import factored
@@ -128,7 +129,7 @@ class UnloadedSearch(ZoneSearch):
         from spectral_contact.contact.active_set import ring_layout
 
         load_ratio = min(self.load_ratio, 3.0 / 4.0)
-        least = _shakedown_ratio(self.stick.critical, self.parameters.friction)
+        least = shakedown(self.stick.critical, 0.0, self.parameters.friction).ratio
         while True:
             rings = ring_layout(self.parameters, coupled=False, splits=3, unloaded_to=load_ratio)
             zones = Layout(tuple(radius.logit for radius in rings.boundaries), rings.states)
@@ -423,7 +424,7 @@ class Unloading:
         logs = list[float]()
         margins = list[float]()
         critical, friction = self._stick.critical, self._parameters.friction
-        log_load = log(_shakedown_ratio(critical, friction))
+        log_load = log(shakedown(critical, 0.0, friction).ratio)
         zones = self._search(exp(log_load)).forward_zones
         for _ in range(MAX_STEPS):
             solved = self._search(exp(log_load)).solve_zones(zones)
@@ -491,11 +492,6 @@ def _step_to_zero(places: list[float], values: list[float]) -> tuple[float, floa
     slope = slopes[-1] + curvature * (places[-1] - places[-2])
     root = sqrt(max(slope**2 - 4.0 * values[-1] * curvature, 0.0))
     return float(-2.0 * values[-1] / (slope + copysign(root, slope))), float(slope)
-
-
-def _shakedown_ratio(critical: float, friction: float) -> float:
-    """Return the load ratio at which slip back would begin if there were no slip in between."""
-    return (critical - friction) / (critical + friction)
 
 
 def _unrecorded(name: str, result: Any, begin: float) -> Any:

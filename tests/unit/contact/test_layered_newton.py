@@ -32,21 +32,6 @@ def solved(setting):
     return problem, *problem._solve(problem.start())
 
 
-@pytest.fixture
-def corrections(monkeypatch):
-    """Return a list that takes the size of every linear system, of which there are few."""
-    sizes = []
-    linear_step = LayeredNewton._linear_step
-
-    def counted(self, *arguments):
-        sizes.append(len(arguments[-1]))
-        assert len(sizes) < 1000
-        return linear_step(self, *arguments)
-
-    monkeypatch.setattr(LayeredNewton, "_linear_step", counted)
-    return sizes
-
-
 # the end of a law
 
 
