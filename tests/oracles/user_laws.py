@@ -11,16 +11,11 @@ from spectral_contact.layers import Layer
 
 
 @dataclass(frozen=True)
-class Hardening(Layer):
-    """``c (x + x³)`` of ``x = (w - begin)/length``."""
+class TwoScales(Layer):
+    """What the laws share: a pressure and an overclosure, which scale them."""
 
     strength: float
     length: float
-    begin: float = 0.0
-
-    @property
-    def start(self):
-        return self.begin
 
     @property
     def _size(self):
@@ -28,6 +23,17 @@ class Hardening(Layer):
 
     def _over(self, unit):
         return replace(self, strength=self.strength / unit)
+
+
+@dataclass(frozen=True)
+class Hardening(TwoScales):
+    """``c (x + x³)`` of ``x = (w - begin)/length``."""
+
+    begin: float = 0.0
+
+    @property
+    def start(self):
+        return self.begin
 
     def _x(self, w):
         return np.maximum(w - self.begin, 0.0) / self.length
@@ -47,23 +53,14 @@ class Hardening(Layer):
 
 
 @dataclass(frozen=True)
-class TwoStages(Layer):
+class TwoStages(TwoScales):
     """``c x`` up to ``x = w/length = 1``, then steeper: ``c (x + ratio (x - 1))``."""
 
-    strength: float
-    length: float
     ratio: float
 
     @property
     def knots(self):
         return (self.length,)
-
-    @property
-    def _size(self):
-        return self.length
-
-    def _over(self, unit):
-        return replace(self, strength=self.strength / unit)
 
     def _beyond(self, w):
         return np.maximum(w / self.length - 1.0, 0.0)
@@ -81,11 +78,9 @@ class TwoStages(Layer):
 
 
 @dataclass(frozen=True)
-class Ending(Layer):
+class Ending(TwoScales):
     """``c exp(w/length)``: some pressure at every gap, and a limit."""
 
-    strength: float
-    length: float
     end: float
 
     @property
@@ -95,13 +90,6 @@ class Ending(Layer):
     @property
     def limit(self):
         return self.end
-
-    @property
-    def _size(self):
-        return self.length
-
-    def _over(self, unit):
-        return replace(self, strength=self.strength / unit)
 
     def _pressure(self, w):
         return self.strength * np.exp(w / self.length)
@@ -114,22 +102,12 @@ class Ending(Layer):
 
 
 @dataclass(frozen=True)
-class Softplus(Layer):
+class Softplus(TwoScales):
     """``c ln(1 + exp(w/length))``: some pressure at every gap."""
-
-    strength: float
-    length: float
 
     @property
     def start(self):
         return -inf
-
-    @property
-    def _size(self):
-        return self.length
-
-    def _over(self, unit):
-        return replace(self, strength=self.strength / unit)
 
     def _pressure(self, w):
         return self.strength * np.logaddexp(0.0, w / self.length)
