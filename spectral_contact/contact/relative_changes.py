@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def relative_changes(system: ContactSystem, values: Array, change: Array) -> list[Array]:
-    """Return a change of the unknown fields on every panel, relative to the fields there.
+    """Return for each unknown field a bound of its change on every panel, relative to the field.
 
     Parameters
     ----------
@@ -27,7 +27,8 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
         The vector of the system, and a change of it.
     """
     alpha, beta, _, _ = system.parameters
-    # in a part where one field is singular at the edge, both are their leading terms deep down
+    # in a part where one field is singular at the edge, both are their leading terms from some
+    # depth ``x = -ln d`` on, with d the distance from the edge in units of the extent
     singular_parts = {field.part for field in system.fields if field.panels.power}
     changes = []
     for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
@@ -55,10 +56,10 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
 
     The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
-    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. Where slip that is
-    over has displaced what sticks, u changes sign, too, and the size is ``f p/s``, the most that u
-    can be. The traction in a regularising disk, which has the compliance ``1/eps``, is rounding
-    that changes no other field: the size of this field, the last one, is infinite.
+    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. In a part that
+    sticks again after slip, whose displacement is known, u may change sign, too: its size is
+    ``f p/s`` there, the most that u can be. The compliance ``1/eps`` marks a regularising disk. Its
+    traction, the last field, is rounding that changes no other field, so that its size is infinite.
     """
     _, beta, kappa, friction = system.parameters
     sizes = [

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
     from spectral_contact.spectral.parameters import Parameters
 
-#: Scenes are on one line if their distance from it is less than this fraction of that along it.
+#: A scene is on a line if its distance from it is at most this fraction of that from the latest.
 _COLLINEARITY = float(np.sqrt(np.finfo(float).eps))
 
 _T = TypeVar("_T")
@@ -58,7 +58,7 @@ class StepCache:
 def log_parameters(parameters: Parameters) -> LogParameters:
     """Return ``(ln alpha, ln beta, ln f)``, with minus infinity where a parameter is 0.
 
-    f is f/kappa without elastic coupling.
+    Without elastic coupling the friction of the parameters is f/kappa.
     """
     alpha, beta, _, friction = parameters
     log_alpha, log_beta, log_friction = (
@@ -87,7 +87,7 @@ class ZonePath:
         Parameters
         ----------
         target : tuple of float
-            Of the next scene: ``(ln alpha, ln beta, ln f/kappa)``, or ``(ln load ratio,)``.
+            `log_parameters` of the next scene, or ``(ln load ratio,)``.
         """
         if not self._scenes:
             return None
@@ -119,7 +119,7 @@ class ZonePath:
         layouts = [layout]
         for parameters, earlier in reversed(self._scenes[:-1]):
             back = _difference(last, parameters)
-            if not all(map(math.isfinite, back)):  # a compliance is 0 in one scene only
+            if not all(map(math.isfinite, back)):  # a parameter is 0 in one of both scenes
                 break
             time = back[step.index(longest)] / longest
             off_line = max(abs(b - time * a) for a, b in zip(step, back, strict=True))
@@ -154,7 +154,8 @@ class StickPath:
     Attributes
     ----------
     onset : float or None
-        The contact radius at which slip begins; None or 0 if there is none or it is not known.
+        The contact radius at which slip begins; None or 0 if there is none or it is not known. It
+        is set before scenes are added.
     """
 
     def __init__(self, alpha: float, beta: float) -> None:
@@ -202,8 +203,8 @@ def well_spaced(places: list[float], target: float) -> list[int]:
     """Return numbers of places from which to interpolate at a target, nearest first.
 
     Errors of values at two places close to each other are amplified far from there. So a place is
-    left out if it is closer to a chosen one than a fraction of its distance from the target: half
-    of that at which as many equally spaced places as are used would be kept.
+    left out if a chosen one is closer to it than ``1/(2 PATH_POINTS)`` of its distance from the
+    target. Of equally spaced places, PATH_POINTS are kept with room to spare.
     """
     chosen: list[int] = []
     for i in sorted(range(len(places)), key=lambda i: abs(places[i] - target)):
