@@ -16,6 +16,7 @@ from math import exp, inf, isfinite, isinf, log, pi
 import numpy as np
 
 from spectral_contact.contact.indented import (
+    POSITIVE,
     REPRESENTABLE,
     UnrepresentableError,
     solve_indentation,
@@ -212,8 +213,8 @@ class _RadiusSearch:
             self._refuse()
         try:
             self.last = solve(radius)
-        except UnrepresentableError:
-            raise SceneError(*self._given, REPRESENTABLE) from None
+        except UnrepresentableError as refused:
+            raise SceneError(*self._given, refused.allowed) from None
         contact = value_of(self.last)
         if self.approach is None:
             assert self.load is not None
@@ -225,8 +226,7 @@ class _RadiusSearch:
             given = self.approach - self.origin
             rate = contact.growth
         if value < 0.0:
-            allowed = "such that the layer is not thinner than 1e-14 of the contact radius"
-            raise SceneError(*self._given, allowed)
+            raise SceneError(*self._given, POSITIVE)
         if value == 0.0:
             raise SceneError(*self._given, REPRESENTABLE)
         residual = log(value / given)

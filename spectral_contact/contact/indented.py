@@ -54,6 +54,9 @@ Array = NDArray[np.float64]
 #: What is required of the radius, load or approach of a contact.
 REPRESENTABLE = "such that load and work of the contact are in [2.3e-308, 1.7e308], the range of "
 REPRESENTABLE += "floating-point numbers"
+#: What a load, work or approach has to be that came out negative.
+POSITIVE = "such that load, work and approach are positive beyond rounding: "
+POSITIVE += "the slope of the profile is too small there, or the layer is too thin"
 
 #: The slope of the pressure at the edge is taken at this distance y from there, in units of the
 #: width of the layer at the edge. Under a sphere the half-integral has a pole at the equator; if
@@ -84,7 +87,7 @@ _LAYER_ROUNDING = 2.5e-15
 
 
 class UnrepresentableError(SceneError):
-    """Load or work of a contact of this radius are out of the range of floating-point numbers."""
+    """Load or work of a contact of this radius are no positive floating-point numbers."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,12 +332,17 @@ class _IndentationProblem(PartedProblem):
 
 
 def _check_range(contact: Indentation) -> None:
-    """Refuse a contact whose load or work is no normal double: it has lost digits, or is infinite.
+    """Refuse a contact whose load or work is negative or no normal double.
+
+    Where the slope of a profile is as small as the errors of its series, a load may have any sign.
+    One that is no normal double has lost digits, or is infinite.
 
     Products with powers of the radius overflow to infinity; a power itself would raise an error.
     """
     limits = np.finfo(float)
     for value in (contact.load_size, contact.work):
+        if value < 0.0:
+            raise UnrepresentableError("contact_radius", contact.radius, POSITIVE)
         if not limits.tiny <= value <= limits.max:
             raise UnrepresentableError("contact_radius", contact.radius, REPRESENTABLE)
 

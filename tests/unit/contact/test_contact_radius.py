@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from spectral_contact import SceneError, profiles
+from spectral_contact import Scene, SceneError, profiles, solve
 from spectral_contact.contact import contact_radius
 from spectral_contact.contact.contact_radius import find_radius, indenter, value_of
 
@@ -81,3 +81,12 @@ def test_a_load_whose_radius_is_rounded_to_the_flat_part_is_said_to_be_too_small
     """The error said that the radius was not enough, as of loads that are too large."""
     with pytest.raises(SceneError, match="load = 1e-12: must be larger"):
         found(profiles.TruncatedCone(0.5, 1.2), load=1e-12)
+
+
+@pytest.mark.parametrize("given", [{"contact_radius": 1e-16}, {"load": 1e-60}])
+def test_a_slope_below_its_error_is_said_to_be_too_small(given):
+    """The load of this contact is negative by rounding, not out of the range of doubles."""
+    steep = profiles.Sampled((0.0, 2.0), ((0.5 - 1e-16, 0.5),))
+    with pytest.raises(SceneError, match="slope of the profile is too small there") as refused:
+        solve(Scene(0.0, profile=steep, **given))
+    assert refused.value.parameter in given
