@@ -33,6 +33,7 @@ from spectral_contact.contact.tuning import (
     NEGLIGIBLE_FRACTION,
     PANEL_WIDTH,
     RESIDUAL_NOISE,
+    RIGID_TRACTION_ROUNDING,
     ROUNDING,
 )
 from spectral_contact.fields.series import Array
@@ -218,7 +219,7 @@ def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
             break
         length_before = length
         if contraction > MAX_CONTRACTION:
-            if exact_factors:
+            if exact_factors or length < RIGID_TRACTION_ROUNDING:
                 break  # only rounding is left
             if contraction < 1.0 or length > COARSE_TOL:
                 fields = fields.refactored()

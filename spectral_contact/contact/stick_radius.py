@@ -7,6 +7,7 @@ edge are as easy as others.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from math import copysign, log, log1p, pi
 
 import numpy as np
@@ -69,6 +70,7 @@ def enclosed_root(
     """
     from scipy.optimize import toms748
 
+    function = cache(function)  # the bracketing method begins with values at ends that are known
     x = other = guess
     value = other_value = function(guess)
     step = 0.5
