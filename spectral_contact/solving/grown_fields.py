@@ -10,7 +10,7 @@ pressure grows at both times, its slip only before it sticks. Radii are logarith
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -36,6 +36,9 @@ from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.spectral.parts import GradedMesh, gap
 from spectral_contact.spectral.transforms import sampled_series
 
+#: Values of fields at some radii, by name.
+Fields = dict[str, Array]
+
 #: Width in a logarithm of the panels towards the ends of a part, and the factor by which each
 #: degree of their Legendre series divides the error: the nearest singularity is at the other end.
 _WIDTH, _GAIN = 2.0, 3.05
@@ -60,6 +63,8 @@ _APART = 1e-6
 #: Range of minus the logarithm of the distance from the edge in which the pressure is sampled for a
 #: change of sign, and the number of samples.
 _SEEN, _LOOKS = (0.1, 45.0), 300
+#: A field of a flat punch is of the order of its load over this power of the contact radius.
+_POWERS = {"pressure": 2, "traction": 2, "slip": 1}
 #: Bisections that find when a radius stuck.
 _BISECTIONS = 60
 
@@ -89,9 +94,19 @@ class GrownFields:
     layer : float
         The least compliance, in radii; where it is zero there are square roots.
     tolerance : float
+    names : collection of str
+        The fields that are wanted, of "pressure", "traction" and "slip". They are sampled at the
+        same radii, and computed together there.
     """
 
-    def __init__(self, growth: Growth, stick: Radius, layer: float, tolerance: float) -> None:
+    def __init__(
+        self,
+        growth: Growth,
+        stick: Radius,
+        layer: float,
+        tolerance: float,
+        names: Collection[str],
+    ) -> None:
         digits = -math.log(tolerance)
         # on a smooth surface roots go on to the edge
         edge = -math.log(min(max(layer, TINY), 1.0))
@@ -106,7 +121,11 @@ class GrownFields:
             rule=tanh_rule(exact, depth=half_depth + min(edge, half_depth)),
             degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
         )
-        self._slipping_pressures = dict[bytes, Array]()
+        self._while_stuck = [name for name in ("pressure", "traction") if name in names]
+        self._while_slipping = ["pressure"] if self._while_stuck else []
+        if "slip" in names:
+            self._while_slipping.append("slip")
+        self._increments: dict[bytes, tuple[Fields, Fields]] = {}
         self.stick, self._count = stick, min(count, _ROOT_PANELS)
         self._inner = self._cuts(-math.inf, stick.log)
         self._outer = self._cuts(stick.log, 0.0)
@@ -134,11 +153,10 @@ class GrownFields:
         """
 
         def values(log_r: Array) -> Array:
-            when = self.history.when_stuck(log_r)
-            total = self.history.while_stuck("traction", log_r, when)
-            if self.stick.from_edge > 0.0:
-                total += friction * self._pressure_while_slipping(log_r, when)
-            return total
+            stuck, slipping = self._increments_at(log_r)
+            if self.stick.from_edge == 0.0:
+                return stuck["traction"]
+            return stuck["traction"] + friction * slipping["pressure"]
 
         found = self._sampled(values, [CENTRE, *self._inner, self.stick], power=1)
         if self.stick.from_edge == 0.0:
@@ -155,30 +173,29 @@ class GrownFields:
         """Return the pressure."""
 
         def values(log_r: Array) -> Array:
-            when = self.history.when_stuck(log_r)
-            total = self.history.while_stuck("pressure", log_r, when)
-            return total + self._pressure_while_slipping(log_r, when)
+            stuck, slipping = self._increments_at(log_r)
+            return stuck["pressure"] + slipping["pressure"]
 
         return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=0)
-
-    def _pressure_while_slipping(self, log_r: Array, when: Array) -> Array:
-        """Return by how much the pressure grew at radii before they stuck.
-
-        Pressure and traction are sampled at the same radii of the stick disk: it is computed once.
-        """
-        key = log_r.tobytes()
-        if key not in self._slipping_pressures:
-            self._slipping_pressures[key] = self.history.while_slipping("pressure", log_r, when)
-        return self._slipping_pressures[key]
 
     def slip(self) -> GrownField:
         """Return by how far points have slipped since they came into contact."""
 
         def values(log_r: Array) -> Array:
-            when = self.history.when_stuck(log_r)
-            return self.history.while_slipping("slip", log_r, when, power=1)
+            return self._increments_at(log_r)[1]["slip"]
 
         return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=1)
+
+    def _increments_at(self, log_r: Array) -> tuple[Fields, Fields]:
+        """Return by how much fields grew at radii since they stuck, and before; computed once."""
+        key = log_r.tobytes()
+        if key not in self._increments:
+            when = self.history.when_stuck(log_r)
+            self._increments[key] = (
+                self.history.while_stuck(self._while_stuck, log_r, when),
+                self.history.while_slipping(self._while_slipping, log_r, when),
+            )
+        return self._increments[key]
 
     def _ends(self) -> list[Radius]:
         """Return the stick radius, unless it is the edge, and what is outside."""
@@ -269,9 +286,9 @@ class _History:
         panels = at_centre if boundary is CENTRE else count
         return LogPanels(panels, _WIDTH, self.degree)
 
-    def while_stuck(self, name: str, log_r: Array, stuck: Array) -> Array:
-        """Return by how much a field grew at radii since they stuck."""
-        total = np.zeros(len(log_r))
+    def while_stuck(self, names: Sequence[str], log_r: Array, stuck: Array) -> Fields:
+        """Return by how much fields grew at radii since they stuck."""
+        total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
             # what stuck long before has a smooth integrand
             near = panel.stretch.before(stuck) < _NEAR * panel.stretch.extent
@@ -279,13 +296,13 @@ class _History:
                 (near & (stuck < panel.high), self.rule),
                 (~near, self.smooth_rule),
             ):
-                if rows.any():
-                    total[rows] += _while_stuck(name, panel, log_r[rows], stuck[rows], rule)
-        return total
+                if names and rows.any():
+                    total[:, rows] += _while_stuck(names, panel, log_r[rows], stuck[rows], rule)
+        return dict(zip(names, total, strict=True))
 
-    def while_slipping(self, name: str, log_r: Array, stuck: Array, power: int = 2) -> Array:
-        """Return by how much a field, that of flat punches over ``b**power``, grew before."""
-        total = np.zeros(len(log_r))
+    def while_slipping(self, names: Sequence[str], log_r: Array, stuck: Array) -> Fields:
+        """Return by how much fields grew at radii before they stuck."""
+        total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
             begin, end = np.maximum(log_r, panel.low), np.minimum(stuck, panel.high)
             # far from where radii began to slip and stuck the integrand is smooth
@@ -296,10 +313,10 @@ class _History:
                 (slipped & near, self.rule),
                 (slipped & ~near, self.smooth_rule),
             ):
-                if rows.any():
+                if names and rows.any():
                     span = begin[rows], end[rows]
-                    total[rows] += _while_slipping(name, panel, log_r[rows], span, rule, power)
-        return total
+                    total[:, rows] += _while_slipping(names, panel, log_r[rows], span, rule)
+        return dict(zip(names, total, strict=True))
 
     def when_stuck(self, log_r: Array) -> Array:
         """Return the logarithm of the contact radius at which these radii stuck."""
@@ -317,9 +334,9 @@ class _History:
 
 
 def _while_stuck(
-    name: str, panel: Panel, log_r: Array, stuck: Array, rule: tuple[Array, Array]
+    names: Sequence[str], panel: Panel, log_r: Array, stuck: Array, rule: tuple[Array, Array]
 ) -> Array:
-    """Return what the increments of one panel add to radii that stick."""
+    """Return what the increments of one panel add to radii that stick, (names, radii)."""
     stretch, begin = panel.stretch, np.maximum(stuck, panel.low)
     points, weights = rule
     depth = stretch.depth_of(begin)[:, None]
@@ -335,29 +352,29 @@ def _while_stuck(
     else:
         inside = ahead + (begin - log_r)[:, None]
     t = t.ravel()
-    values = panel.where_stuck(name, t, inside.ravel()) * panel.increment(t)
-    values = values.reshape(ahead.shape) * np.exp(-2.0 * (begin[:, None] + ahead))
+    values = panel.where_stuck(names, t, inside.ravel()) * panel.increment(t)
+    values = values.reshape(-1, *ahead.shape) * np.exp(-2.0 * (begin[:, None] + ahead))
     return np.asarray(extent[:, 0] * (values @ weights))
 
 
 def _while_slipping(
-    name: str,
+    names: Sequence[str],
     panel: Panel,
     log_r: Array,
     span: tuple[Array, Array],
     rule: tuple[Array, Array],
-    power: int,
 ) -> Array:
-    """Return what the increments of one panel add to radii while they slip."""
+    """Return what the increments of one panel add to radii while they slip, (names, radii)."""
     stretch, (begin, end) = panel.stretch, span
     points, weights = rule
     depth = stretch.depth_of(begin)[:, None]
     extent = stretch.step(depth, (end - begin)[:, None])
     t = stretch.place(depth + extent * points).ravel()
     ahead = stretch.ahead(depth, extent * points)
-    values = panel.where_slipping(name, t, ((begin - log_r)[:, None] + ahead).ravel())
-    values = (values * panel.increment(t)).reshape(ahead.shape)
-    values *= np.exp(-power * (begin[:, None] + ahead))
+    values = panel.where_slipping(names, t, ((begin - log_r)[:, None] + ahead).ravel())
+    values = (values * panel.increment(t)).reshape(-1, *ahead.shape)
+    for name, of_field in zip(names, values, strict=True):
+        of_field *= np.exp(-_POWERS[name] * (begin[:, None] + ahead))
     return np.asarray(extent[:, 0] * (values @ weights))
 
 

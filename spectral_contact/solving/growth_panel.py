@@ -8,7 +8,7 @@ panel, in units of its radius; ``c*`` and ``Q*`` are its stick radius and its sh
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -179,16 +179,35 @@ class Panel:
         g, w = gauss_rule(2 * self.stretch.count)
         return self.stretch.extent / 2.0 * float(w @ rates(g))
 
-    def where_stuck(self, name: str, t: Array, depth: Array) -> Array:
-        """Return a flat punch's field where it sticks, at ``ln(c*/s) = depth``."""
-        odd = np.exp(-depth) if name == "traction" else 1.0
-        with np.errstate(divide="ignore"):
-            return self._stuck(name)(t, -np.log(-np.expm1(-2.0 * depth))) * odd
+    def where_stuck(self, names: Sequence[str], t: Array, depth: Array) -> Array:
+        """Return fields of a flat punch where it sticks, at ``ln(c*/s) = depth``.
 
-    def where_slipping(self, name: str, t: Array, depth: Array) -> Array:
-        """Return a flat punch's field where it slips, at ``ln(1/s) = depth``."""
+        Parameters
+        ----------
+        names : sequence of str
+            Of "pressure" and "traction".
+        t, depth : ndarray, shape (n,)
+            Places on the panel, in [-1, 1], and depths.
+
+        Returns
+        -------
+        ndarray, shape (names, n)
+        """
+        with np.errstate(divide="ignore"):
+            x = -np.log(-np.expm1(-2.0 * depth))
+        fields = FieldTable.several([self._stuck(name) for name in names], t, x)
+        for name, values in zip(names, fields, strict=True):
+            if name == "traction":
+                values *= np.exp(-depth)  # the table has the traction over s/c*
+        return fields
+
+    def where_slipping(self, names: Sequence[str], t: Array, depth: Array) -> Array:
+        """Return fields of a flat punch where it slips, at ``ln(1/s) = depth``.
+
+        As `where_stuck`; the names are of "pressure" and "slip".
+        """
         y, width = -np.expm1(-2.0 * depth), -np.expm1(2.0 * self.log_stick(t))
-        return self._at_share(name, t, y / np.maximum(width, np.maximum(y, TINY)))
+        return self._at_share(names, t, y / np.maximum(width, np.maximum(y, TINY)))
 
     def _stuck(self, name: str) -> FieldTable:
         """Return a field in the stuck disk over ``-ln d``, ``d = 1 - (s/c*)**2``.
@@ -201,20 +220,24 @@ class Panel:
 
         return self._table(name, values, 0.0, _DEEP)
 
-    def _at_share(self, name: str, t: Array, share: Array) -> Array:
-        """Return a field where it slips: share is 0 at the edge and 1 at the stick radius.
+    def _at_share(self, names: Sequence[str], t: Array, share: Array) -> Array:
+        """Return fields where they slip: share is 0 at the edge and 1 at the stick radius.
 
         It is ``1 - s**2`` over what that is at the stick radius.
 
         All stages are seen in their slip zones, in which fields are smooth but for the ends.
         """
+        with np.errstate(divide="ignore"):
+            x = np.log1p(-share) - np.log(share)
+        return FieldTable.several([self._slipping(name) for name in names], t, x)
+
+    def _slipping(self, name: str) -> FieldTable:
+        """Return a field in the slip zone over the logarithm of the ratio of `_in_slip_zone`."""
 
         def values(one: Solution, x: Array) -> Array:
             return _in_slip_zone(one, name, np.exp(x))
 
-        with np.errstate(divide="ignore"):
-            x = np.log1p(-share) - np.log(share)
-        return self._table(name, values, -_DEEP, _DEEP + _DEEP // 2)(t, x)
+        return self._table(name, values, -_DEEP, _DEEP + _DEEP // 2)
 
     def _table(
         self, name: str, values: Callable[[Solution, Array], Array], low: float, panels: int
@@ -261,7 +284,7 @@ class Panel:
     @cached_property
     def slips_by(self) -> Array:
         """The slip of the stages at some places, (stages, places)."""
-        return self._at_nodes(lambda t, d: self._at_share("slip", t, d), _SLIPPING_LOOKS)
+        return self._at_nodes(lambda t, d: self._at_share(["slip"], t, d)[0], _SLIPPING_LOOKS)
 
     @cached_property
     def slip_error(self) -> float:

@@ -344,13 +344,15 @@ class ProfileRun(Run):
         growth = history.grower(least, radius).grown(least, radius, self.values["load"])
         today = self._take_zones(history, growth)
         self.errors["total_shear"] += self.errors["load"]
+        wanted = {"traction", "slip"}.intersection(self.plan.quantities)  # the pressure is known
+        fields = self._superposed(growth, today, wanted)
         if "traction" in self.plan.quantities:
             assert scene.friction is not None
             assert self.pressure is not None
-            found = self._superposed(growth, today).traction(scene.friction, self.pressure)
+            found = fields.traction(scene.friction, self.pressure)
             self.traction = found.field
             self.errors["traction"] = growth.error + found.share_lost + self.errors["pressure"]
-        self._take_slip(growth, today, self.errors["load"])
+        self._take_slip(fields, self.errors["load"])
         known = self.errors["load"] + self.errors["approach"]
         self._take_history(growth, begin, known)
 
@@ -393,18 +395,23 @@ class ProfileRun(Run):
         self.values["stiffness"] = radius / today.approach
         # the stiffness grows like the radius on a smooth surface, like its square on a soft layer
         self.errors["stiffness"] = (today.error.approach or 0.0) + 2.0 * radius_error
-        if {"pressure", "traction"}.intersection(self.plan.quantities):
-            self._take_fields(growth, today, error)
-        self._take_slip(growth, today, error)
+        wanted = {"slip"}.intersection(self.plan.quantities)
+        pointwise = not {"pressure", "traction"}.isdisjoint(self.plan.quantities)
+        if pointwise:
+            wanted |= {"pressure", "traction"}
+        fields = self._superposed(growth, today, wanted)
+        if pointwise:
+            self._take_fields(fields, today, error)
+        self._take_slip(fields, error)
         self._take_history(growth, begin)
 
-    def _take_fields(self, growth: Growth, today: Solution, error: float) -> None:
+    def _take_fields(self, fields: GrownFields, today: Solution, error: float) -> None:
         """Add up pressure and traction."""
+        growth = fields.history.growth
         friction = self.scene.friction
         assert friction is not None
         from spectral_contact.solving.grown_fields import opening
 
-        fields = self._superposed(growth, today)
         pressed = fields.pressure()
         self.pressure = pressed.field
         if today.opening is not None:
@@ -420,13 +427,14 @@ class ProfileRun(Run):
         self.traction = found.field
         self.errors["traction"] = left + found.share_lost
 
-    def _take_slip(self, growth: Growth, today: Solution, load_error: float) -> None:
+    def _take_slip(self, fields: GrownFields, load_error: float) -> None:
         """Add up the slip, if it is asked for and there was any."""
+        growth = fields.history.growth
         if "slip" not in self.plan.quantities:
             return
         self.errors["slip"] = 0.0
         if any(one.slips for one in growth.panels):
-            found = self._superposed(growth, today).slip()
+            found = fields.slip()
             self.slip = found.field
             left = growth.slip_error / found.largest + found.share_lost
             by_radius = growth.load_rate * self.errors["contact_radius"]
@@ -439,13 +447,14 @@ class ProfileRun(Run):
         self.history = history_of(growth, known)
         self.record(GROWTH, growth, begin)
 
-    def _superposed(self, growth: Growth, today: Solution) -> GrownFields:
+    def _superposed(self, growth: Growth, today: Solution, names: set[str]) -> GrownFields:
+        """Return the fields of these names that a history has left."""
         from spectral_contact.solving.grown_fields import GrownFields
         from spectral_contact.solving.growth_panel import stick_radius
 
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         layer = min(compliances) / math.exp(growth.log_radius)
-        return GrownFields(growth, stick_radius(today), layer, self.rtol)
+        return GrownFields(growth, stick_radius(today), layer, self.rtol, names)
 
     def _uncoupled_bound(self) -> tuple[float, float]:
         """Return radius and load of normal contact without coupling.

@@ -10,7 +10,7 @@ serve many decades of ``b``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -204,16 +204,26 @@ class FieldTable:
 
     def __call__(self, t: Array, x: Array) -> Array:
         """Return the field at places t of radii in [-1, 1] and logarithms x, both (n,)."""
-        x = np.clip((x - self._low) / _WIDTH, 0.0, self._panels)
-        own = np.minimum(x.astype(np.intp), self._panels - 1)
-        order = np.argsort(own, kind="stable")
-        local = np.clip(2.0 * (x - own) - 1.0, -1.0, 1.0)
-        ends = np.searchsorted(own[order], np.arange(self._panels + 1))
-        sums = np.empty(len(x))
+        return np.asarray(self.several([self], t, x)[0])
+
+    @staticmethod
+    def several(tables: Sequence[FieldTable], t: Array, x: Array) -> Array:
+        """Return the fields of tables with the same panels at the same places, (tables, n)."""
+        first = tables[0]
+        count = first._panels
+        degrees = first._table.shape[1]
+        x = np.clip((x - first._low) / _WIDTH, 0.0, count)
+        panels = np.minimum(x.astype(np.intp), count - 1)
+        local = np.clip(2.0 * (x - panels) - 1.0, -1.0, 1.0)
+        order = np.argsort(panels, kind="stable")
+        ends = np.searchsorted(panels[order], np.arange(count + 1))
+        sums = np.empty((len(tables), len(x)))
         for k in np.flatnonzero(np.diff(ends)):
             here = order[ends[k] : ends[k + 1]]
-            terms = self._table[k] @ _rows(local[here], _TERMS)
-            sums[here] = np.einsum("ij,ij->j", terms, _rows(t[here], self._table.shape[1]))
+            in_logarithm = _rows(local[here], _TERMS)
+            in_radius = _rows(t[here], degrees)
+            for table, row in zip(tables, sums, strict=True):
+                row[here] = np.einsum("ij,ij->j", table._table[k] @ in_logarithm, in_radius)
         return sums
 
 

@@ -18,7 +18,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.special import roots_jacobi
@@ -153,8 +153,7 @@ class SmoothWeight:
         return np.asarray(4.0 * np.exp(u) * self.profile._transform(np.exp(u)))
 
 
-@dataclass(frozen=True, slots=True)
-class _PanelPlaces:
+class _PanelPlaces(NamedTuple):
     """Places of a panel: how far behind its end, in shares of its punches, and what they sink."""
 
     behind: Array
@@ -174,23 +173,36 @@ class _Span:
         The surface around its punches.
     at_break : bool
         Whether it begins at one, where ``dH/du`` may behave like a square root.
-    seen : dict
-        Its places, as they are seen from far away or not.
+    places : dict
+        Its `_PanelPlaces`, as they are taken far away from it (True) and near it (False).
     """
 
     stretch: RadiusStretch
     rates: Array
     around: list[LogSeries]
     at_break: bool
-    seen: dict[bool, _PanelPlaces] = field(default_factory=dict)
+    places: dict[bool, _PanelPlaces] = field(default_factory=dict)
 
     def shares(self, depth: Array) -> Array:
-        """Return the weights of the punches at depths, (places, punches)."""
-        return interpolation_weights(self.stretch.place(depth), self.stretch.count)
+        """Return the weights of the punches at depths of any shape, (..., punches)."""
+        t = self.stretch.place(depth)
+        return interpolation_weights(t.ravel(), self.stretch.count).reshape(*t.shape, -1)
 
     def kernel(self, shares: Array, ahead: Array) -> Array:
-        """Return ``1 - omega`` from places with these shares to radii that are so far ahead."""
-        return np.asarray(1.0 - np.einsum("nk,kn->n", shares, reached(self.around, ahead)))
+        """Return ``1 - omega`` from places with these shares to radii that are so far ahead.
+
+        Parameters
+        ----------
+        shares : ndarray, shape (..., places, punches)
+        ahead : ndarray, shape (radii, places)
+            Logarithms of a radius over that of a place.
+
+        Returns
+        -------
+        ndarray, shape (radii, places)
+        """
+        omega = reached(self.around, ahead.ravel()).reshape(-1, *ahead.shape)
+        return np.asarray(1.0 - np.einsum("...nk,k...n->...n", shares, omega))
 
 
 class CoupledWeight:
@@ -223,7 +235,8 @@ class CoupledWeight:
         self._last = first, outside_displacement(first)
         self._low, self._around = low, [self._last[1]]
         self._behind, self._first = self._begun()
-        self._first *= self._height(low) / self._from_first(low)
+        at_low = np.array([low])
+        self._first *= self._height(at_low) / self._from_first(at_low)
         approach = float(self._first.sum())
         # the approach of smaller punches, for unit load, is that of the layer and that of the body
         radii, layer = np.exp(-self._behind), first.scene.normal_compliance / math.pi
@@ -242,17 +255,19 @@ class CoupledWeight:
         around = [self._surface(one) for one in flats]
         panel = _Span(stretch, np.zeros(stretch.count), around, at_break)
         points, weights = self._both if panel.at_break else self._graded
-        rows, right = [], []
-        for depth in stretch.depth(_radau(math.ceil(_PLACES * stretch.count))):
-            r = float(stretch.log_radius(depth)[0])
-            ahead = -stretch.ahead(depth, -depth * points)
-            shares = panel.shares(depth * (1.0 - points))
-            growth = weights * panel.kernel(shares, ahead) * self._sinking(r - ahead)
-            rows.append(depth * (growth / stretch.bends(depth * (1.0 - points)) @ shares))
-            before = sum(self._from_panel(one, r) for one in self._panels)
-            right.append(self._height(r) - self._from_first(r) - before)
-        rates = np.linalg.lstsq(np.array(rows), np.array(right), rcond=None)[0]
-        self._looked = replace(panel, rates=rates, seen={})
+        depth = stretch.depth(_radau(math.ceil(_PLACES * stretch.count)))[:, None]
+        log_radii = stretch.log_radius(depth)
+        places = depth * (1.0 - points)
+        ahead = -stretch.ahead(depth, -depth * points)
+        shares = panel.shares(places)
+        growth = weights * panel.kernel(shares, ahead) * self._sinking(log_radii - ahead)
+        matrix = depth * np.einsum("rn,rnk->rk", growth / stretch.bends(places), shares)
+        radii = log_radii[:, 0]
+        right = self._height(radii) - self._from_first(radii)
+        for earlier in self._panels:
+            right -= self._from_panel(earlier, radii)
+        rates = np.linalg.lstsq(matrix, right, rcond=None)[0]
+        self._looked = replace(panel, rates=rates, places={})
         return self._weights(self._looked, flats)
 
     def _surface(self, flat: Solution) -> LogSeries:
@@ -298,30 +313,42 @@ class CoupledWeight:
         """Forget all panels but the first ones."""
         del self._panels[count:], self._ends[count + 1 :]
 
-    def _from_first(self, r: float) -> float:
-        """Return what the self-similar beginning adds to the height at a radius."""
-        ahead = r - self._low + self._behind
-        return float(self._first @ (1.0 - reached(self._around, ahead)[0]))
+    def _from_first(self, log_radii: Array) -> Array:
+        """Return what the self-similar beginning adds to the height at radii (n,)."""
+        ahead = log_radii[:, None] - self._low + self._behind
+        omega = reached(self._around, ahead.ravel())[0].reshape(ahead.shape)
+        return np.asarray((1.0 - omega) @ self._first)
 
-    def _from_panel(self, panel: _Span, r: float) -> float:
-        """Return what a panel of the history adds to the height at a radius."""
-        stretch = panel.stretch
-        far = not panel.at_break and r - stretch.high > _FAR
-        seen = panel.seen.get(far)
-        if seen is None:
+    def _from_panel(self, panel: _Span, log_radii: Array) -> Array:
+        """Return what a panel of the history adds to the height at radii (n,)."""
+        beyond = log_radii - panel.stretch.high
+        far = (beyond > _FAR) & (not panel.at_break)
+        added = np.empty(len(beyond))
+        for is_far in (False, True):
+            rows = far == is_far
+            if rows.any():
+                behind, shares, growth = self._places_of(panel, is_far)
+                added[rows] = panel.kernel(shares, beyond[rows, None] + behind) @ growth
+        return added
+
+    def _places_of(self, panel: _Span, far: bool) -> _PanelPlaces:
+        """Return the places of a panel for radii near or far away, made once."""
+        if far not in panel.places:
+            stretch = panel.stretch
             points, weights = self._smooth if far else self._graded
             if panel.at_break:
                 points, weights = self._both
             extent = stretch.extent
             depth = extent * (1.0 - points)
-            behind, shares = -stretch.ahead(np.array(extent), -extent * points), panel.shares(depth)
+            behind = -stretch.ahead(np.array(extent), -extent * points)
+            shares = panel.shares(depth)
             growth = (shares @ panel.rates) * self._sinking(stretch.high - behind)
             growth *= extent * weights / stretch.bends(depth)
-            seen = panel.seen[far] = _PanelPlaces(behind, shares, growth)
-        return float(seen.growth @ panel.kernel(seen.shares, r - stretch.high + seen.behind))
+            panel.places[far] = _PanelPlaces(behind, shares, growth)
+        return panel.places[far]
 
-    def _height(self, log_r: float) -> float:
-        return float(self.profile._height(np.exp(np.asarray(log_r))))
+    def _height(self, log_radii: Array) -> Array:
+        return self.profile._height(np.exp(log_radii))
 
     def _begun(self) -> tuple[Array, Array]:
         """Return how far back places before the panels are, and how ``H`` grows there."""
@@ -335,13 +362,14 @@ class CoupledWeight:
         return behind, weights * self._sinking(self._low - behind)
 
     def _sinking(self, u: Array) -> Array:
-        """Return ``dH/du``."""
+        """Return ``dH/du`` at logarithms of radii, of any shape."""
+        u, shape = u.ravel(), u.shape
         b, last = np.exp(u), np.searchsorted(self._breaks, u, side="right") - 1
         past = np.zeros(len(u))
         if len(self._breaks):
             at = self._breaks[np.maximum(last, 0)]
             past = np.where(last >= 0, np.exp(2.0 * at) * np.expm1(2.0 * (u - at)), 0.0)
-        return np.asarray(b * self.profile._rate(b, past))
+        return np.asarray(b * self.profile._rate(b, past)).reshape(shape)
 
 
 #: Where loads come from, panel by panel from the first touch on.
