@@ -199,6 +199,8 @@ def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
     tolerance : float
         Relative, of the fields.
     """
+    # where beta > 0, new factors may lower the rounding
+    rounding = RIGID_TRACTION_ROUNDING if fields.system.parameters.beta == 0.0 else 0.0
     length_before = inf
     remaining = inf
     for _ in range(MAX_STEPS):
@@ -219,7 +221,7 @@ def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
             break
         length_before = length
         if contraction > MAX_CONTRACTION:
-            if exact_factors or length < RIGID_TRACTION_ROUNDING:
+            if exact_factors or length < rounding:
                 break  # only rounding is left
             if contraction < 1.0 or length > COARSE_TOL:
                 fields = fields.refactored()
