@@ -58,6 +58,8 @@ class AdhesionCycle:
         load, whose work is not bounded.
     dissipated_error : float or None
         Estimate of its absolute error.
+    si_units : bool
+        Whether all of this is in SI units, as `in_si` returns it.
     """
 
     scene: Scene
@@ -72,15 +74,18 @@ class AdhesionCycle:
     jump_out: tuple[CycleState, ...]
     dissipated: float | None
     dissipated_error: float | None
+    si_units: bool = False
 
     def in_si(self) -> AdhesionCycle:
-        """Return the cycle in m, N, J and N/m.
+        """Return the cycle in m, N, J and N/m; itself if it is in these units.
 
         Raises
         ------
         NotComputedError
             If the scene was not made by `Scene.from_physical`.
         """
+        if self.si_units:
+            return self
         data = self.scene.physical
         if data is None:
             raise NotComputedError("in_si", "the scene was not made by Scene.from_physical")
@@ -101,4 +106,5 @@ class AdhesionCycle:
             jump_out=states(self.jump_out),
             dissipated=scaled(self.dissipated),
             dissipated_error=scaled(self.dissipated_error),
+            si_units=True,
         )

@@ -367,6 +367,7 @@ def test_cycles_in_si_are_those_without_units():
     assert np.array_equal(si.load, own.load * 2500.0)
     assert si.machine_stiffness == pytest.approx(0.01, rel=1e-15)
     assert si.dissipated == own.dissipated * 2500.0
+    assert si.in_si() is si
     with pytest.raises(NotComputedError, match="from_physical"):
         bare.in_si()
 
