@@ -11,12 +11,12 @@ unit load and in units of its radius,
     h(r) = int_0^r [1 - omega(b, r)] d delta(b),        dP = b d delta / delta*(b),
 
 This is a Volterra equation of the first kind for ``d delta``. Its kernel on the diagonal,
-``1 - omega(r, r)``, is the compression ``alpha p`` of the layer at the edge, for unit approach. The equation
-is collocated on the panels of the history, from the first touch on, at more Radau points than there
-are unknowns, which makes it stable. The unknowns are the ratios of ``d delta/du``, ``u = ln b``, to
-``dH/du``, at the nodes of a panel; ``H(b)`` is the half-integral of the profile. The ratio is
-almost constant, next to breaks of the profile, too. Under a flat part the load is 0 until the
-contact grows beyond it.
+``1 - omega(r, r)``, is the compression ``alpha p`` of the layer at the edge, for unit approach. The
+equation is collocated on the panels of the history, from the first touch on, at more Radau points
+than there are unknowns, which makes it stable. The unknowns are the ratios of ``d delta/du``,
+``u = ln b``, to ``dH/du``, at the nodes of a panel; ``H(b)`` is the half-integral of the profile.
+The ratio is almost constant, even next to breaks of the profile. Under a flat part the load is 0
+until the contact grows beyond it.
 """
 
 from __future__ import annotations
