@@ -1,10 +1,16 @@
-"""The fields that a growing contact leaves, at every radius and as series.
+"""Pressure, traction and slip under a grown contact: integrals over its history, and their series.
 
-A point at radius ``r`` comes into contact when the contact radius ``b`` is ``r``. It sticks from
-``b_r`` on, when the stick radius is ``r``; without slip that is at once. Its traction is that of
-all later flat punches and, if it slipped before, friction times the pressure of that time. Its
-pressure grows at both times, its slip only before it sticks. Radii are logarithms:
-``log_r`` of points, and ``u = ln b``; t in [-1, 1] is the place in a panel of the history.
+A point at radius ``r`` comes into contact when the contact radius ``b`` is ``r``. It slips until
+the stick radius has grown to ``r``, and sticks from then on; without slip it sticks at once. Each
+field at the point is the integral of the fields of flat punches over the increments of the load:
+
+- the pressure over the whole time since the point came into contact,
+- the slip over the time in which it slips,
+- the traction over the time in which it sticks, plus friction times the pressure gained before.
+
+Radii are given by their logarithms: ``log_r`` of points, ``u = ln b`` of contacts, and ``stuck``,
+the ``u`` at which a point begins to stick. ``t`` in [-1, 1] is the place in a panel of the history,
+and ``depth`` is the distance from its lower end in the coordinate ``x`` of its `RadiusStretch`.
 """
 
 from __future__ import annotations
@@ -39,39 +45,58 @@ from spectral_contact.spectral.transforms import sampled_series
 #: Values of fields at some radii, by name.
 Fields = dict[str, Array]
 
-#: Width in a logarithm of the panels towards the ends of a part, and the factor by which each
-#: degree of their Legendre series divides the error: the nearest singularity is at the other end.
-_WIDTH, _GAIN = 2.0, 3.05
-#: The least number of panels towards the centre.
-_AT_CENTRE = 4
-#: The fewest panels, and how many where there are square roots, as a smooth surface has them.
-_FEWEST, _ROOT_PANELS = 11, 26
-#: How far into the edge, as a power of the tolerance in shares of the layer, panels go, where
-#: fields are bounded.
-_DEEP = 0.75
-#: Tolerance of the quadrature over the history, relative to that of the fields: estimates may be a
-#: fiftieth of the tolerance that is asked for.
+#: Width of the panels on which fields have series, in the logarithm of the distance from the end of
+#: an annulus.
+_WIDTH = 2.0
+#: Factor by which each degree of the Legendre series on a panel divides the error. The nearest
+#: singularity is at the other end of the annulus.
+_GAIN = 3.05
+#: Least number of panels towards the centre.
+_FEWEST_AT_CENTRE = 4
+#: Least number of panels towards any other end of an annulus.
+_FEWEST_PANELS = 11
+#: Largest number of them; it is enough for square roots, which fields have on a smooth surface.
+_MOST_PANELS = 26
+#: Within the layer, where fields are bounded, panels go on towards the edge to this power of the
+#: tolerance, in units of the thickness.
+_EDGE_POWER = 0.75
+#: Tolerance of the quadrature over the history, relative to that of the fields. It is this small
+#: because estimates may be a fiftieth of the tolerance that is asked for.
 _QUADRATURE = 1e-3
-#: Gauss points for a smooth part of the history.
-_SMOOTH = 16
-#: A history is smooth if it begins so far from a singularity, in lengths of the panel.
+#: Number of Gauss points for a smooth integrand over a part of the history.
+_SMOOTH_POINTS = 16
+#: An integrand is smooth if its part of the history begins farther than this from a singularity, in
+#: lengths of the panel.
 _NEAR = 0.3
-#: What series leave out, over their last terms: 1.3 for a traction with square roots.
+#: Safety factor on the last coefficients of series. The error of a traction with square roots was
+#: 1.3 times these.
 _SAFETY = 3.0
-#: Radii at which a field is not smooth count as one if their logarithms are closer.
+#: Radii at which a field is not smooth are merged if their logarithms are closer than this.
 _APART = 1e-6
 #: Range of minus the logarithm of the distance from the edge in which the pressure is sampled for a
-#: change of sign, and the number of samples.
-_SEEN, _LOOKS = (0.1, 45.0), 300
-#: A field of a flat punch is of the order of its load over this power of the contact radius.
-_POWERS = {"pressure": 2, "traction": 2, "slip": 1}
-#: Bisections that find when a radius stuck.
+#: change of sign.
+_OPENING_RANGE = (0.1, 45.0)
+#: Number of these samples.
+_OPENING_SAMPLES = 300
+#: Powers of the contact radius by which fields of a flat punch are divided, when its load is given
+#: and its radius is not 1.
+_RADIUS_POWERS = {"pressure": 2, "traction": 2, "slip": 1}
+#: Number of bisections for the contact radius at which a point begins to stick.
 _BISECTIONS = 60
 
 
 @dataclass(frozen=True, slots=True)
 class GrownField:
-    """A field, an estimate of what series and quadrature leave out, and its largest value."""
+    """A field with the error of its series and quadrature.
+
+    Attributes
+    ----------
+    field : ZonalField
+    lost : float
+        Estimate of the error, in the unit of the field.
+    largest : float
+        Largest absolute value of the field at the ends of panels.
+    """
 
     field: ZonalField
     lost: float
@@ -79,21 +104,24 @@ class GrownField:
 
     @property
     def share_lost(self) -> float:
-        """What the series leave out, relative to the largest value."""
+        """The error, relative to the largest value; 0 for a field that is zero."""
         return self.lost / self.largest if self.largest else 0.0
 
 
 class GrownFields:
-    """Fields over ``s = r/a`` that a history has left.
+    """Fields over ``s = r/a`` at the end of a history.
 
     Parameters
     ----------
     growth : Growth
+        The history, up to today's contact radius ``a``.
     stick : Radius
         Today's stick radius over the contact radius.
     layer : float
-        The least compliance, in radii; where it is zero there are square roots.
+        The least compliance of the layer, in contact radii. If it is zero, fields have square roots
+        at the edge.
     tolerance : float
+        Relative to the largest value of each field.
     names : collection of str
         The fields that are wanted, of "pressure", "traction" and "slip". They are sampled at the
         same radii, and computed together there.
@@ -108,9 +136,9 @@ class GrownFields:
         names: Collection[str],
     ) -> None:
         digits = -math.log(tolerance)
-        # on a smooth surface roots go on to the edge
+        # square roots go on to within the thickness of the layer, on a smooth surface to the edge
         edge = -math.log(min(max(layer, TINY), 1.0))
-        count = max(2 + int((2.0 * edge + _DEEP * digits) / _WIDTH), _FEWEST)
+        count = max(2 + int((2.0 * edge + _EDGE_POWER * digits) / _WIDTH), _FEWEST_PANELS)
         self._quadrature_error = _QUADRATURE * tolerance
         exact = -math.log(self._quadrature_error)
         # A field goes like ln(x)/sqrt(x) at the edge, and nodes from x = exp(-2 half_depth) on
@@ -121,25 +149,33 @@ class GrownFields:
             rule=tanh_rule(exact, depth=half_depth + min(edge, half_depth)),
             degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
         )
-        self._while_stuck = [name for name in ("pressure", "traction") if name in names]
-        self._while_slipping = ["pressure"] if self._while_stuck else []
+        # which fields grow while a point sticks, and which while it slips
+        self._names_stuck = [name for name in ("pressure", "traction") if name in names]
+        self._names_slipping = ["pressure"] if self._names_stuck else []
         if "slip" in names:
-            self._while_slipping.append("slip")
+            self._names_slipping.append("slip")
+        #: results of `_increments_at`, by the bytes of the radii
         self._increments: dict[bytes, tuple[Fields, Fields]] = {}
-        self.stick, self._count = stick, min(count, _ROOT_PANELS)
-        self._inner = self._cuts(-math.inf, stick.log)
-        self._outer = self._cuts(stick.log, 0.0)
+        self.stick = stick
+        self._panel_count = min(count, _MOST_PANELS)
+        self._kinks_inside = self._kinks(-math.inf, stick.log)
+        self._kinks_outside = self._kinks(stick.log, 0.0)
 
-    def _cuts(self, lowest: float, highest: float) -> list[Radius]:
-        """Return where fields are not smooth: where something began, and what stuck then."""
-        growth, found = self.history.growth, [lowest]
-        begun = [*growth.breaks, *([growth.onset] if growth.onset else [])]
-        logs = [math.log(one) for one in begun]
-        places = logs + [u + stick for u in logs for stick in growth.log_stick(u)]
-        for place in sorted(places):
-            if found[-1] + _APART < place - growth.log_radius < highest - _APART:
-                found.append(place - growth.log_radius)
-        return [Radius(math.exp(x), -math.expm1(x)) for x in found[1:]]
+    def _kinks(self, log_low: float, log_high: float) -> list[Radius]:
+        """Return the radii between two, given by ``ln s``, at which fields are not smooth.
+
+        These are the breaks of the profile and the contact radius at which slip began, and the
+        stick radii of the contacts of these radii.
+        """
+        growth = self.history.growth
+        events = [*growth.breaks, *([growth.onset] if growth.onset else [])]
+        log_events = [math.log(b) for b in events]
+        candidates = log_events + [u + stick for u in log_events for stick in growth.log_stick(u)]
+        kinks = [log_low]
+        for candidate in sorted(candidates):
+            if kinks[-1] + _APART < candidate - growth.log_radius < log_high - _APART:
+                kinks.append(candidate - growth.log_radius)
+        return [Radius(math.exp(log_s), -math.expm1(log_s)) for log_s in kinks[1:]]
 
     def traction(self, friction: float, pressure: PressureField | ZonalField) -> GrownField:
         """Return the traction.
@@ -149,7 +185,7 @@ class GrownFields:
         friction : float
             Infinite for full stick.
         pressure : PressureField or ZonalField
-            Today's.
+            Today's pressure. In the slip zone the traction is friction times it.
         """
 
         def values(log_r: Array) -> Array:
@@ -158,16 +194,18 @@ class GrownFields:
                 return stuck["traction"]
             return stuck["traction"] + friction * slipping["pressure"]
 
-        found = self._sampled(values, [CENTRE, *self._inner, self.stick], power=1)
+        stick_disk = self._sampled(values, [CENTRE, *self._kinks_inside, self.stick], power=1)
         if self.stick.from_edge == 0.0:
-            return found
-        whole = pressure.pieces if isinstance(pressure, ZonalField) else [ZonePiece(EDGE, pressure)]
-        slipping = [
-            replace(one, factor=friction)
-            for one in whole
-            if one.outer.from_edge < self.stick.from_edge
+            return stick_disk
+        pieces = (
+            pressure.pieces if isinstance(pressure, ZonalField) else [ZonePiece(EDGE, pressure)]
+        )
+        slip_zone = [
+            replace(piece, factor=friction)
+            for piece in pieces
+            if piece.outer.from_edge < self.stick.from_edge
         ]
-        return GrownField(ZonalField((*found.field.pieces, *slipping)), found.lost, found.largest)
+        return replace(stick_disk, field=ZonalField((*stick_disk.field.pieces, *slip_zone)))
 
     def pressure(self) -> GrownField:
         """Return the pressure."""
@@ -176,7 +214,7 @@ class GrownFields:
             stuck, slipping = self._increments_at(log_r)
             return stuck["pressure"] + slipping["pressure"]
 
-        return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=0)
+        return self._sampled(values, [CENTRE, *self._kinks_inside, *self._outer_ends()], power=0)
 
     def slip(self) -> GrownField:
         """Return by how far points have slipped since they came into contact."""
@@ -184,72 +222,100 @@ class GrownFields:
         def values(log_r: Array) -> Array:
             return self._increments_at(log_r)[1]["slip"]
 
-        return self._sampled(values, [CENTRE, *self._inner, *self._ends()], power=1)
+        return self._sampled(values, [CENTRE, *self._kinks_inside, *self._outer_ends()], power=1)
 
     def _increments_at(self, log_r: Array) -> tuple[Fields, Fields]:
-        """Return by how much fields grew at radii since they stuck, and before; computed once."""
+        """Return by how much fields grew at radii while they stuck, and while they slipped.
+
+        It is computed once for the same radii.
+        """
         key = log_r.tobytes()
         if key not in self._increments:
-            when = self.history.when_stuck(log_r)
+            stuck = self.history.when_stuck(log_r)
             self._increments[key] = (
-                self.history.while_stuck(self._while_stuck, log_r, when),
-                self.history.while_slipping(self._while_slipping, log_r, when),
+                self.history.while_stuck(self._names_stuck, log_r, stuck),
+                self.history.while_slipping(self._names_slipping, log_r, stuck),
             )
         return self._increments[key]
 
-    def _ends(self) -> list[Radius]:
-        """Return the stick radius, unless it is the edge, and what is outside."""
-        return [EDGE] if self.stick.from_edge == 0.0 else [self.stick, *self._outer, EDGE]
+    def _outer_ends(self) -> list[Radius]:
+        """Return the ends of annuli from the stick radius to the edge; they may be the same."""
+        if self.stick.from_edge == 0.0:
+            return [EDGE]
+        return [self.stick, *self._kinks_outside, EDGE]
 
     def _sampled(
         self, values: Callable[[Array], Array], ends: list[Radius], *, power: int
     ) -> GrownField:
-        pieces, lost, largest = [], 0.0, 0.0
+        """Return a field as two series on every annulus, one towards each of its ends.
+
+        Parameters
+        ----------
+        values : callable
+            The field at logarithms of radii, in the units of the history.
+        ends : list of Radius
+            The ends of the annuli, from the centre on.
+        power : int
+            The series are of the field over ``s**power``: 1 for odd fields, 0 for even ones.
+        """
+        pieces = []
+        lost = 0.0
+        largest = 0.0
         for low, high in pairwise(ends):
             halves = []
             for boundary, sign in ((low, 1), (high, -1)):
                 reach = gap(low, high) / 2.0
-                panels = self.history.panels(boundary, reach, self._count)
+                panels = self.history.panels(boundary, reach, self._panel_count)
                 mesh = GradedMesh(boundary, sign, reach, panels)
                 series = self._series(values, mesh, power)
                 if boundary is CENTRE and power == 0 and self.history.growth.log_beginning:
-                    series = _logarithmic(series)
+                    series = _with_logarithm(series)
                 halves.append(series)
-                size = _largest_radii(mesh) ** power
-                last = _SAFETY * np.abs(series.coefficients[:, -2:]).max(axis=1)
-                lost = max(lost, float((size * last).max()))
-                largest = max(largest, float((size * np.abs(series.at_ends()[:-1])).max()))
+                scale = _largest_radii(mesh) ** power
+                errors = _SAFETY * np.abs(series.coefficients[:, -2:]).max(axis=1)
+                lost = max(lost, float((scale * errors).max()))
+                largest = max(largest, float((scale * np.abs(series.at_ends()[:-1])).max()))
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
         lost += self._quadrature_error * largest
         return GrownField(ZonalField(tuple(pieces)), lost, largest)
 
     def _series(self, values: Callable[[Array], Array], mesh: GradedMesh, power: int) -> LogSeries:
-        """Return a field over ``s**power`` on a half of a part."""
-        points = mesh.points(mesh.panels.sampling_distances)
-        near_edge = points.y < 0.5
-        outer, inner = np.where(near_edge, points.y, 0.0), np.where(near_edge, 1.0, points.z)
-        shift = (np.log1p(-outer) + np.log(inner)) / 2.0
-        found = values(self.history.growth.log_radius + shift) / np.exp(power * shift)
-        return sampled_series(mesh.panels, found)
+        """Return the series of a field over ``s**power`` on one half of an annulus."""
+        radii = mesh.points(mesh.panels.sampling_distances)
+        # ln s from 1 - s**2 near the edge, and from s**2 elsewhere
+        near_edge = radii.y < 0.5
+        from_edge = np.where(near_edge, radii.y, 0.0)
+        square = np.where(near_edge, 1.0, radii.z)
+        log_s = (np.log1p(-from_edge) + np.log(square)) / 2.0
+        samples = values(self.history.growth.log_radius + log_s) / np.exp(power * log_s)
+        return sampled_series(mesh.panels, samples)
 
 
 def opening(pressure: ZonalField) -> float | None:
-    """Return the distance from the edge at which the pressure first changes sign, if it does."""
+    """Return the distance from the edge at which the pressure becomes negative.
 
-    def at(x: float | Array) -> Array:
-        from_edge = np.exp(-np.atleast_1d(x))
+    It is that of the first change of sign from the centre on. None if no sample is negative, or if
+    the first sample, next to the centre, is.
+    """
+
+    def pressure_at(log_distance: float | Array) -> Array:
+        from_edge = np.exp(-np.atleast_1d(log_distance))
         return pressure(1.0 - from_edge, from_edge)
 
-    x = np.linspace(_SEEN[0], _SEEN[1], _LOOKS)
-    negative = np.flatnonzero(at(x) < 0.0)
+    samples = np.linspace(_OPENING_RANGE[0], _OPENING_RANGE[1], _OPENING_SAMPLES)
+    negative = np.flatnonzero(pressure_at(samples) < 0.0)
     if not len(negative) or negative[0] == 0:
         return None
     i = int(negative[0])
-    return math.exp(-float(brentq(lambda x: float(at(x)[0]), x[i - 1], x[i])))
+    root = brentq(lambda x: float(pressure_at(x)[0]), samples[i - 1], samples[i])
+    return math.exp(-float(root))
 
 
-def _logarithmic(series: LogSeries) -> LogSeries:
-    """Return a series that goes on as a logarithm beyond its panels."""
+def _with_logarithm(series: LogSeries) -> LogSeries:
+    """Return a series that goes on beyond its panels linearly in the logarithm of the distance.
+
+    Value and slope are those of the last panel at its end, where ``P_n' = n (n + 1)/2``.
+    """
     last = series.coefficients[-1]
     n = np.arange(len(last))
     slope = float(last @ (n * (n + 1.0))) / series.width
@@ -257,57 +323,71 @@ def _logarithmic(series: LogSeries) -> LogSeries:
 
 
 def _largest_radii(mesh: GradedMesh) -> Array:
+    """Return the largest ``s`` in every panel of a mesh."""
     d = np.exp(-_WIDTH * np.arange(mesh.panels.count))
     squares = mesh.boundary.square + mesh.extent * (d if mesh.sign > 0 else 0.0 * d)
     return np.asarray(np.sqrt(squares))
 
 
 class _History:
-    """A growth, and what it adds up to.
+    """The history of a contact, and integrals over it.
 
-    `rule` is the quadrature over a part of the history at whose ends fields may be singular: the
-    pressure of a flat punch has a root at the edge and, with coupling, one at its stick radius.
-    `smooth_rule`, of Gauss, is that over any other part. `degree` is that of the series.
+    Parameters
+    ----------
+    growth : Growth
+    rule : tuple of ndarray
+        Nodes and weights on (0, 1) for a part of the history at whose ends the integrand may be
+        singular: the pressure of a flat punch has a square root at the edge and, with coupling, at
+        the stick radius. Over any other part it is integrated by Gauss points, `smooth_rule`.
+    degree : int
+        Degree of the series of fields.
     """
 
     def __init__(self, growth: Growth, rule: tuple[Array, Array], degree: int) -> None:
         self.growth = growth
         self.rule = rule
-        self.smooth_rule = graded_rule(_SMOOTH, 1, 0.0)
+        self.smooth_rule = graded_rule(_SMOOTH_POINTS, 1, 0.0)
         self.degree = degree
 
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
-        """Return the panels towards an end of a part that extends so far in ``s**2``."""
+        """Return the panels towards an end of an annulus, of which half is `reach` in ``s**2``.
+
+        Towards the centre they go down to the radius where the history begins; towards any other
+        end there are `count` of them.
+        """
         depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low) + math.log(reach)
-        # The panels next to the centre have what continues the history below its first radius.
-        # Without that there is nothing in the last two of them.
-        short = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
-        at_centre = max(math.ceil(depth / _WIDTH) - short, _AT_CENTRE)
+        # If a panel continues the history below its first radius, the two innermost panels are not
+        # needed.
+        unneeded = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
+        at_centre = max(math.ceil(depth / _WIDTH) - unneeded, _FEWEST_AT_CENTRE)
         panels = at_centre if boundary is CENTRE else count
         return LogPanels(panels, _WIDTH, self.degree)
 
     def while_stuck(self, names: Sequence[str], log_r: Array, stuck: Array) -> Fields:
-        """Return by how much fields grew at radii since they stuck."""
+        """Return by how much fields grew at radii since they began to stick, at ``u = stuck``."""
         total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
-            # what stuck long before has a smooth integrand
+            # for points that began to stick long before the panel the integrand is smooth
             near = panel.stretch.before(stuck) < _NEAR * panel.stretch.extent
             for rows, rule in (
                 (near & (stuck < panel.high), self.rule),
                 (~near, self.smooth_rule),
             ):
                 if names and rows.any():
-                    total[:, rows] += _while_stuck(names, panel, log_r[rows], stuck[rows], rule)
+                    total[:, rows] += _added_while_stuck(
+                        names, panel, log_r[rows], stuck[rows], rule
+                    )
         return dict(zip(names, total, strict=True))
 
     def while_slipping(self, names: Sequence[str], log_r: Array, stuck: Array) -> Fields:
-        """Return by how much fields grew at radii before they stuck."""
+        """Return by how much fields grew at radii before they began to stick, at ``u = stuck``."""
         total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
-            begin, end = np.maximum(log_r, panel.low), np.minimum(stuck, panel.high)
-            # far from where radii began to slip and stuck the integrand is smooth
-            room = _NEAR * panel.stretch.extent
-            near = (panel.stretch.before(log_r) < room) | (stuck - end < panel.high - panel.low)
+            begin = np.maximum(log_r, panel.low)
+            end = np.minimum(stuck, panel.high)
+            # the integrand is smooth far from where a point began to slip and where it stopped
+            distance = _NEAR * panel.stretch.extent
+            near = (panel.stretch.before(log_r) < distance) | (stuck - end < panel.high - panel.low)
             slipped = (begin < end) & panel.slips
             for rows, rule in (
                 (slipped & near, self.rule),
@@ -315,75 +395,85 @@ class _History:
             ):
                 if names and rows.any():
                     span = begin[rows], end[rows]
-                    total[:, rows] += _while_slipping(names, panel, log_r[rows], span, rule)
+                    total[:, rows] += _added_while_slipping(names, panel, log_r[rows], span, rule)
         return dict(zip(names, total, strict=True))
 
     def when_stuck(self, log_r: Array) -> Array:
-        """Return the logarithm of the contact radius at which these radii stuck."""
+        """Return the logarithms of the contact radii at which points begin to stick.
+
+        A point that slips today gets today's contact radius.
+        """
         stuck = np.array(log_r)
         for panel in self.growth.all_panels:
             if panel.slips:
                 ends = panel.log_stick(np.array([-1.0, 1.0]))
-                here = (log_r > panel.low + ends[0]) & (log_r <= panel.high + ends[1])
-                stuck[here] = _crossed(panel, log_r[here])
+                on_panel = (log_r > panel.low + ends[0]) & (log_r <= panel.high + ends[1])
+                stuck[on_panel] = _radii_of_sticking(panel, log_r[on_panel])
         last = self.growth.panels[-1]
         if last.slips:
-            beyond = log_r > last.high + last.log_stick(np.ones(1))[0]
-            stuck[beyond] = last.high
+            still_slipping = log_r > last.high + last.log_stick(np.ones(1))[0]
+            stuck[still_slipping] = last.high
         return stuck
 
 
-def _while_stuck(
+def _added_while_stuck(
     names: Sequence[str], panel: Panel, log_r: Array, stuck: Array, rule: tuple[Array, Array]
 ) -> Array:
-    """Return what the increments of one panel add to radii that stick, (names, radii)."""
-    stretch, begin = panel.stretch, np.maximum(stuck, panel.low)
+    """Return what one panel adds to fields at radii while they stick, (names, radii)."""
+    stretch = panel.stretch
+    begin = np.maximum(stuck, panel.low)
     points, weights = rule
     depth = stretch.depth_of(begin)[:, None]
     extent = stretch.step(depth, (panel.high - begin)[:, None])
-    t, ahead = stretch.place(depth + extent * points), stretch.ahead(depth, extent * points)
-    # how far inside the stick radius: exactly at it when they stuck
+    t = stretch.place(depth + extent * points)
+    ahead = stretch.ahead(depth, extent * points)
+    # ln(b c*/r); for points that begin to stick on this panel it is exactly 0 there
     if panel.slips:
-        start = panel.log_stick(stretch.place(depth))
-        inside = ahead + panel.log_stick(t) - start
-        inside += np.where(stuck < panel.low, begin - log_r, 0.0)[:, None]
-        inside += np.where(stuck[:, None] < panel.low, start, 0.0)
-        inside = np.maximum(inside, 0.0)
+        first_stick = panel.log_stick(stretch.place(depth))
+        log_ratio = ahead + panel.log_stick(t) - first_stick
+        log_ratio += np.where(stuck < panel.low, begin - log_r, 0.0)[:, None]
+        log_ratio += np.where(stuck[:, None] < panel.low, first_stick, 0.0)
+        log_ratio = np.maximum(log_ratio, 0.0)
     else:
-        inside = ahead + (begin - log_r)[:, None]
-    t = t.ravel()
-    values = panel.where_stuck(names, t, inside.ravel()) * panel.increment(t)
+        log_ratio = ahead + (begin - log_r)[:, None]
+    places = t.ravel()
+    values = panel.where_stuck(names, places, log_ratio.ravel()) * panel.increment(places)
     values = values.reshape(-1, *ahead.shape) * np.exp(-2.0 * (begin[:, None] + ahead))
     return np.asarray(extent[:, 0] * (values @ weights))
 
 
-def _while_slipping(
+def _added_while_slipping(
     names: Sequence[str],
     panel: Panel,
     log_r: Array,
     span: tuple[Array, Array],
     rule: tuple[Array, Array],
 ) -> Array:
-    """Return what the increments of one panel add to radii while they slip, (names, radii)."""
-    stretch, (begin, end) = panel.stretch, span
+    """Return what one panel adds to fields at radii while they slip, (names, radii).
+
+    `span` is the part of the panel, in ``u``, on which each radius slips.
+    """
+    stretch = panel.stretch
+    begin, end = span
     points, weights = rule
     depth = stretch.depth_of(begin)[:, None]
     extent = stretch.step(depth, (end - begin)[:, None])
     t = stretch.place(depth + extent * points).ravel()
     ahead = stretch.ahead(depth, extent * points)
-    values = panel.where_slipping(names, t, ((begin - log_r)[:, None] + ahead).ravel())
+    log_ratio = (begin - log_r)[:, None] + ahead  # ln(b/r)
+    values = panel.where_slipping(names, t, log_ratio.ravel())
     values = (values * panel.increment(t)).reshape(-1, *ahead.shape)
-    for name, of_field in zip(names, values, strict=True):
-        of_field *= np.exp(-_POWERS[name] * (begin[:, None] + ahead))
+    for name, field_values in zip(names, values, strict=True):
+        field_values *= np.exp(-_RADIUS_POWERS[name] * (begin[:, None] + ahead))
     return np.asarray(extent[:, 0] * (values @ weights))
 
 
 def tanh_rule(digits: float, depth: float) -> tuple[Array, Array]:
-    """Return nodes and weights on (0, 1) for what is singular at one end or both.
+    """Return nodes and weights on (0, 1) for integrands that are singular at one end or both.
 
     It is the trapezoidal rule in ``y``, ``x = 1/(1 + exp(-y))`` (Trefethen and Weideman 2014,
-    section 14): what is analytic in a strip of half width ``pi/2``, which is the disk over (0, 1),
-    has an error of ``exp(-pi**2/step)``.
+    section 14). Its error is ``exp(-pi**2/step)`` for an integrand that is analytic in the strip
+    ``|Im y| < pi/2``, which is the disk in ``x`` whose diameter is (0, 1).
 
     Parameters
     ----------
@@ -399,13 +489,15 @@ def tanh_rule(digits: float, depth: float) -> tuple[Array, Array]:
     return nodes, step * nodes * expit(-y)
 
 
-def _crossed(panel: Panel, log_r: Array) -> Array:
-    """Return where the stick radius is these radii."""
+def _radii_of_sticking(panel: Panel, log_r: Array) -> Array:
+    """Return the ``u`` of contacts whose stick radii are these radii, by bisection on a panel."""
     if panel.alike:
         return np.asarray(log_r - panel.stick[0])
-    low, high = -np.ones(len(log_r)), np.ones(len(log_r))
+    low = -np.ones(len(log_r))
+    high = np.ones(len(log_r))
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2.0
         below = panel.stretch.log_radius_at(middle) < log_r - panel.log_stick(middle)
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        low = np.where(below, middle, low)
+        high = np.where(below, high, middle)
     return panel.stretch.log_radius_at((low + high) / 2.0)
