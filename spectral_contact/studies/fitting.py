@@ -75,12 +75,17 @@ class Rate:
     def at(self, unknowns: ArrayLike) -> Array:
         """Return the error that the law gives for numbers of unknowns.
 
+        It is NaN where the factor of the law is 0 or infinite, which is beyond the doubles.
+
         Raises
         ------
         SceneError
             If they are not real numbers above 0.
         """
-        slope = self.value if self.kind == "algebraic" else math.log(self.value)
+        slope = self.value
+        if self.kind != "algebraic":
+            known = 0.0 < self.value < math.inf
+            slope = math.log(self.value) if known else math.nan
         with np.errstate(all="ignore"):  # errors may be beyond the doubles
             numbers = reals("unknowns", unknowns, "> 0").astype(np.float64)
             if not (numbers > 0.0).all():
@@ -201,6 +206,8 @@ def _laws(numbers: Array, logs: Array) -> list[_FittedLaw]:
         for kind, scale in _MODELS.items():
             centre = scale(numbers[:count]).mean()  # else a narrow range would cost digits
             x = scale(numbers) - centre
+            if np.ptp(x[:count]) == 0.0:  # numbers so large that their logarithms are equal
+                continue
             (slope, height), covariance = np.polyfit(x[:count], logs[:count], 1, cov=True)
             deviations = logs - height - slope * x
             if len(plateau) and (slope >= 0.0 or deviations[count:].min() <= 0.0):

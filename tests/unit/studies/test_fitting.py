@@ -53,6 +53,19 @@ def test_a_law_whose_factor_is_beyond_the_doubles():
         rate.at([0])
 
 
+def test_a_factor_beyond_the_doubles_gives_no_errors():
+    for errors in ([1e-3, 1e-2, 1e-1], [1e-1, 1e-2, 1e-3]):
+        rate = fit_rate([1e-5, 2e-5, 3e-5], errors)
+        assert rate.value in (0.0, math.inf)
+        assert np.isnan(rate.at([1e-5, 1.0])).all()
+
+
+def test_numbers_whose_logarithms_are_equal():
+    rate = fit_rate([1e15 - 2.0, 1e15 - 1.0, 1e15], [1e-1, 1e-2, 1e-3])
+    assert rate.kind == "geometric"
+    assert rate.value == pytest.approx(10.0, rel=1e-9)
+
+
 @pytest.mark.parametrize("confidence", [0.0, 1.0, math.nan, True, "0.5"])
 def test_confidence_is_a_share(confidence):
     with pytest.raises(SceneError, match="confidence"):
