@@ -133,11 +133,18 @@ def estimate_of(solution: Any, name: str) -> float | None:
     """Return what a solution says of the relative error of a quantity; None if nothing.
 
     NaN, as of an estimate that failed, is infinite: no digit is known.
+
+    Raises
+    ------
+    SceneError
+        For an estimate that is no real number, or below 0.
     """
     estimate = getattr(getattr(solution, "error", None), attribute_of(name), None)
     if estimate is None:
         return None
     known = scalar(f"error.{attribute_of(name)}", estimate)
+    if known < 0.0:
+        raise SceneError(f"error.{attribute_of(name)}", estimate, "at least 0")
     return math.inf if math.isnan(known) else known
 
 

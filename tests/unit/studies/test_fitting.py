@@ -54,10 +54,16 @@ def test_a_law_whose_factor_is_beyond_the_doubles():
 
 
 def test_a_factor_beyond_the_doubles_gives_no_errors():
-    for errors in ([1e-3, 1e-2, 1e-1], [1e-1, 1e-2, 1e-3]):
-        rate = fit_rate([1e-5, 2e-5, 3e-5], errors)
+    numbers = [1.0, 1.0001, 1.0002]
+    for errors in ([1e-6, 1e-1, 1e4], [1e4, 1e-1, 1e-6]):
+        rate = fit_rate(numbers, errors)
         assert rate.value in (0.0, math.inf)
-        assert np.isnan(rate.at([1e-5, 1.0])).all()
+        assert np.isnan(rate.at(numbers)).all()
+
+
+def test_less_than_one_unknown_is_refused():
+    with pytest.raises(SceneError, match=r"^unknowns = 0\.5: must be 0 or in \[1, 1e\+15\]"):
+        fit_rate([0.5, 1.0, 2.0], [1e-1, 1e-2, 1e-3])
 
 
 def test_numbers_whose_logarithms_are_equal():

@@ -264,6 +264,12 @@ def test_an_estimate_that_is_nan_is_one_of_no_digit():
     assert study.rate("approach") is None
 
 
+def test_a_negative_estimate_is_refused_by_name():
+    said = SimpleNamespace(approach=0.25, error=SimpleNamespace(approach=-1e-3))
+    with pytest.raises(SceneError, match=r"^error\.approach = -0\.001: must be at least 0"):
+        truth_of(NORMAL, said)
+
+
 def test_a_study_goes_on_where_an_error_is_zero():
     exact = SimpleNamespace(approach=0.25)
     study = convergence(lambda scene, count: exact, NORMAL, [8, 16, 32], exact, repeats=0)
