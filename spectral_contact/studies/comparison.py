@@ -497,8 +497,8 @@ class _ComparedScene:
     def _sizes(self, name: str, true: Array, places: Array) -> Array:
         """Return what errors are relative to."""
         # of the contact, and not of the radii at which values are given
-        largest = np.max(self._on_rings(name), initial=0.0)
-        largest = np.max(np.abs(true[np.isfinite(true)]), initial=largest) or 1.0
+        moduli = np.append(self._on_rings(name), np.abs(true[np.isfinite(true)]))
+        largest = np.max(moduli, initial=0.0) or 1.0
         if name == "slip":
             return np.full(len(true), largest)
         sizes = np.abs(true)
