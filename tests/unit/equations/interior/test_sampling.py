@@ -32,6 +32,7 @@ def test_radii_in_metres_keep_their_distance_from_the_edge():
         pressure = 1.0 / (2.0 * np.pi * radius**2 * np.sqrt(y))
         stress = physical.inside.stress(r, 0.0)
         assert abs(stress.zz + pressure) <= stress.error * stress.norm
+        assert physical.pressure(r) == pytest.approx(pressure, rel=1e-14)
 
 
 def test_stress_at_a_place_in_metres_has_the_error_of_the_contact_radius():
