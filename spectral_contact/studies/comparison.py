@@ -323,8 +323,8 @@ class _ComparedScene:
         lengths = np.ravel(checks.reals(name, given, allowed, unit=si))
         if not lengths.size:
             raise SceneError(name, given, "at least one radius")
-        shares = lengths / length
-        distances = np.asarray(shares if name == "from_edge" else 1.0 - shares, dtype=np.float64)
+        distances = lengths if name == "from_edge" else length - lengths
+        distances = np.asarray(distances / length, dtype=np.float64)
         outside_range = ~(np.isfinite(distances) & (distances <= 1.0))
         if outside_range.any():
             raise SceneError(name, lengths[outside_range][0].item(), allowed)
