@@ -171,6 +171,8 @@ def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     if isinstance(scene.profile, Flat) and scene.layer is None:
         told = "the flat punch with a linear layer is a scene without profile"
+        if scene.work_of_adhesion is not None:
+            told += ", and adhesion changes nothing of it but how far it can be pulled"
         raise NotComputedError("the reference", told)
     if scene.contact_radius is not None:
         return scene.contact_radius
