@@ -20,6 +20,7 @@ from spectral_contact.io import checks
 from spectral_contact.io.choices import suggesting
 from spectral_contact.layers.scene_layer import is_user_law
 from spectral_contact.processes import VERSION
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
@@ -337,6 +338,7 @@ def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
 def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
 ) -> SweepParameters:
+    _refuse_rivals(axes)
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }
@@ -349,6 +351,14 @@ def _parameters(
         if values is not None:
             raise SceneError(name, values, "None with a list of scenes")
     return listed(scenes, alone)
+
+
+def _refuse_rivals(axes: Mapping[str, Any]) -> None:
+    """Refuse two parameters of which a scene has one, where the other would be left out unsaid."""
+    for rivals, told in (((KAPPA, PARAMETERS[0]), "None where"), (ALL_CONTROLS, "left out if")):
+        given = [name for name in rivals if axes[name] is not None]
+        if len(given) > 1:
+            raise SceneError(given[0], axes[given[0]], f"{told} {given[1]} is given")
 
 
 def _several(scenes: Any) -> tuple[Scene, ...]:
