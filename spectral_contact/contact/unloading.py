@@ -383,9 +383,13 @@ class Unloading:
         if growth.least >= -growth.error:
             return outcome
         try:
-            turning = f"the turning ratio {self.turning_ratio.value:.7g}"
+            ratio = self.turning_ratio
         except NoZonesError:
             turning = "the turning ratio, which was not found,"
+        else:
+            if load_ratio > ratio.value * (1.0 + ratio.error):
+                raise NoZonesError("forward slip is too narrow to say whether it grows")
+            turning = f"the turning ratio {ratio.value:.7g}"
         raise HistoryError(f"below {turning} it depends on the loads in between")
 
     def _zones_at_less_load(self, load_ratio: float) -> Layout | None:
