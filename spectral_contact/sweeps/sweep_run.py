@@ -196,6 +196,7 @@ def sweep(
     si_axes = dict(zip(_SI_AXES, of_si, strict=True))
     if not isinstance(scenes, Scene):
         scenes = _several(scenes)
+    _refuse_rivals(axes)
     physical = _physical_scenes(scenes, axes | si_axes, layer, coupling, table)
     if physical is None:
         for name, values in si_axes.items():
@@ -338,7 +339,6 @@ def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
 def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
 ) -> SweepParameters:
-    _refuse_rivals(axes)
     alone: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }
@@ -355,10 +355,12 @@ def _parameters(
 
 def _refuse_rivals(axes: Mapping[str, Any]) -> None:
     """Refuse two parameters of which a scene has one, where the other would be left out unsaid."""
-    for rivals, told in (((KAPPA, PARAMETERS[0]), "None where"), (ALL_CONTROLS, "left out if")):
-        given = [name for name in rivals if axes[name] is not None]
-        if len(given) > 1:
-            raise SceneError(given[0], axes[given[0]], f"{told} {given[1]} is given")
+    if axes[KAPPA] is not None and axes[PARAMETERS[0]] is not None:
+        raise SceneError(KAPPA, axes[KAPPA], f"None where {PARAMETERS[0]} is given")
+    pressed = [name for name in ALL_CONTROLS if axes[name] is not None]
+    if len(pressed) > 1:
+        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
+        raise SceneError(pressed[0], axes[pressed[0]], told)
 
 
 def _several(scenes: Any) -> tuple[Scene, ...]:

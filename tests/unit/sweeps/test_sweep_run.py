@@ -459,3 +459,6 @@ def test_a_number_is_not_replaced_in_silence_by_a_list(given, name):
     scene = Scene(0.3, 0.5, profile=Parabola(1.0), load=1.0)
     with pytest.raises(SceneError, match=f"^{name}"):
         sweep(scene, **given)
+    in_si = Scene.from_physical(youngs_modulus=2e11, poisson_ratio=0.3, radius=5e-3, load=1e3)
+    with pytest.raises(SceneError, match=f"^{name}"):
+        sweep(in_si, **given)
