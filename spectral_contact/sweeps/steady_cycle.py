@@ -41,6 +41,8 @@ _LEAST_FRICTION: Final = 1e-100
 _LARGEST_FRICTION: Final = 1e100
 #: Below this lowest load the loop no longer depends on it, and its square is no double.
 _LEAST_LOAD: Final = 1e-50
+#: The slack where the surface slips back, which is 0, is off by up to 1e-12.
+_ROUNDING_OF_SLACK: Final = 1e-9
 #: Loops that dissipate next to nothing may have fewer digits: those with a friction so close to the
 #: critical one, over the distance of the deepest loop from there.
 _NEAR_SHAKEDOWN: Final = 1e-2
@@ -99,7 +101,7 @@ def steady_cycle(
         for factor in _SOLVE_TOLERANCES:
             tolerance = max(factor * rtol, _TIGHTEST)
             found = _solved(scene, lowest, rtol, tolerance, max_unknowns)
-            if found.converged or tolerance == _TIGHTEST:
+            if (found.converged and not _may_slip_forward(found)) or tolerance == _TIGHTEST:
                 break
         if _may_slip(found) and tolerance > _TIGHTEST:
             closer = _solved(scene, lowest, rtol, _TIGHTEST, max_unknowns)
@@ -122,6 +124,14 @@ def _solved(
 def _may_slip(cycle: SteadyCycle) -> bool:
     """Return whether a loop is so close to shakedown that its solves do not say if it slips."""
     return cycle.reloading_dissipation == 0.0 < cycle.error.reloading_dissipation
+
+
+def _may_slip_forward(cycle: SteadyCycle) -> bool:
+    """Return whether only the errors of its solves allow a loop without forward slip.
+
+    Where the surface slips, q = f p to rounding, so that the slack is 0 at any tolerance.
+    """
+    return cycle.unloading_dissipation is not None and cycle.slack < -_ROUNDING_OF_SLACK
 
 
 def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
