@@ -250,10 +250,11 @@ def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
     if states[0] != 0 or (len(states) > 2 and compliance == 0.0):
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
-    if error is not None and not error < 1.0:  # slip about to begin: full stick says where
-        if compliance == 0.0:
-            raise NotComputedError("the reference", "double precision does not resolve its zones")
+    unresolved = error is not None and not error < 1.0
+    if unresolved and compliance > 0.0:  # slip about to begin: full stick says where
         return PreciseLayout((0,), ())
+    if unresolved and states == [0]:  # without compliance the edge slips
+        raise NotComputedError("the reference", "double precision does not resolve its zones")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return PreciseLayout(tuple(states), radii)
 
