@@ -220,9 +220,12 @@ def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
     assert layer is not None
     assert profile is not None
     room = approach - layer.overclosure(layer.pressure(most) * 10.0 ** -(digits + _SPARE))
-    low, high = 0.0, 1.0
+    high = 1.0
     while profile.height(high) < room:
-        low, high = high, 2.0 * high
+        high *= 2.0
+    while profile.height(high / 2.0) >= room > 0.0:
+        high /= 2.0
+    low = high / 2.0
     for _ in range(_STEPS):
         middle = (low + high) / 2.0
         low, high = (middle, high) if profile.height(middle) < room else (low, middle)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spectral_contact import ConvergenceError, NotComputedError, Scene, gold
+from spectral_contact import ConvergenceError, NotComputedError, Scene, gold, layers, profiles
 from spectral_contact.precise import certified, reference
 from spectral_contact.precise.precise_run import PreciseRun
 from spectral_contact.precise.zone_trial import PreciseLayout
@@ -92,3 +92,14 @@ def test_a_guess_of_a_narrow_slip_zone_without_digits_will_do():
 def test_the_edge_ratio_of_an_incompressible_body_is_zero(friction):
     """As that of `solve` is: all of it sticks, and has no traction."""
     assert reference(Scene(0.5, friction=friction), 15).edge_ratio == 0
+
+
+@pytest.mark.parametrize("unit", [1e12, 1e-14])
+def test_the_domain_without_an_edge_does_not_depend_on_the_unit_of_length(unit):
+    def domain(unit):
+        """In this unit, of a law that is exponential in its overclosure."""
+        layer, profile = layers.CalculixExponential(1.0, 0.1 * unit), profiles.Parabola(unit)
+        scene = Scene(0.3, layer=layer, profile=profile, load=unit**2)
+        return certified._domain(scene, 0.3 * unit, 0.2 * unit, 15) / unit
+
+    assert domain(unit) == pytest.approx(domain(1.0), rel=1e-9)
