@@ -103,3 +103,18 @@ def test_the_domain_without_an_edge_does_not_depend_on_the_unit_of_length(unit):
         return certified._domain(scene, 0.3 * unit, 0.2 * unit, 15) / unit
 
     assert domain(unit) == pytest.approx(domain(1.0), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("poisson_ratio", "friction", "kind"),
+    [(0.3, 0.0, "slip"), (0.5, math.inf, "stick")],
+)
+def test_a_profile_without_traction_has_one_zone_as_a_flat_punch_has(poisson_ratio, friction, kind):
+    flat = Scene(poisson_ratio, friction=friction)
+    scene = flat.replace(profile=profiles.Parabola(1.0), contact_radius=1.0)
+    pressed, other = reference(scene, 15), reference(flat, 15)
+    assert [zone.kind for zone in pressed.zones] == [kind]
+    assert pressed.zones == other.zones
+    assert pressed.stick_radius == other.stick_radius
+    assert pressed.edge_ratio == other.edge_ratio
+    assert pressed.total_shear == pressed.traction(0.5) == 0
