@@ -46,16 +46,8 @@ def _checked(name: str, values: Any) -> tuple[float, ...]:
     return tuple(found.tolist())
 
 
-class _Series(NamedTuple):
-    """Chebyshev series on every piece: of the pressure, its derivative, and its integral."""
-
-    pressure: Rows
-    slope: Rows
-    energy: Rows
-
-
 class _Pieces(Layer):
-    """A law that is a Chebyshev series on every piece, and zero before the first."""
+    """A law that is a polynomial on every piece, and zero before the first."""
 
     __slots__ = ()
 
@@ -78,92 +70,27 @@ class _Pieces(Layer):
     def _edges(self) -> tuple[float, ...]:
         raise NotImplementedError
 
-    def _series(self) -> _Series:
-        """Return the series of the pressure, its derivative, and its integral on every piece."""
+    def _at(self, name: str, w: Array) -> Array:
+        """Return "pressure", "slope" or "energy" at overclosures; at most that of the limit."""
         raise NotImplementedError
 
     @property
     def _size(self) -> float:
         return (self.limit - self.start) / len(self._edges)
 
-    def _sum(self, rows: Rows, w: Array) -> Array:
-        edges = np.array(self._edges)
-        own = np.clip(np.searchsorted(edges, w, side="right") - 1, 0, len(rows) - 1)
-        found = np.zeros(np.shape(w))
-        for k, row in enumerate(rows):
-            here = own == k
-            local = 2.0 * (w[here] - edges[k]) / (edges[k + 1] - edges[k]) - 1.0
-            found[here] = chebyshev.chebval(np.clip(local, -1.0, 1.0), row)
-        return np.where(w < edges[0], 0.0, found)
-
     def _pressure(self, w: Array) -> Array:
         w = np.asarray(w, dtype=float)
-        own, past = self._series(), np.maximum(w - self.limit, 0.0)
-        return self._sum(own.pressure, w) + past * self._sum(own.slope, np.array(self.limit))
+        past = np.maximum(w - self.limit, 0.0)
+        return self._at("pressure", w) + past * self._at("slope", np.array(self.limit))
 
     def _slope(self, w: Array) -> Array:
-        return self._sum(self._series().slope, np.asarray(w, dtype=float))
+        return self._at("slope", np.asarray(w, dtype=float))
 
     def _energy(self, w: Array) -> Array:
         w = np.asarray(w, dtype=float)
-        own, past, end = self._series(), np.maximum(w - self.limit, 0.0), np.array(self.limit)
-        more = past * self._sum(own.pressure, end) + past**2 / 2.0 * self._sum(own.slope, end)
-        return self._sum(own.energy, w) + more
-
-    @property
-    def _fit_error(self) -> float:
-        """Error of a series over the sum of its coefficients' moduli: rounding, of exact data."""
-        return float(np.finfo(float).eps)
-
-    def _errors(self, w: float) -> LawErrors:
-        met = max(int(np.searchsorted(self._edges, w)), 1)
-        own = self._series()
-        rounded = self._fit_error
-        dropped = [_dropped(row) for row in own.pressure[:met]]
-        pressure = max(
-            rounded * float(np.abs(row).sum()) + more
-            for row, more in zip(own.pressure, dropped, strict=False)
-        )
-        slope = max(
-            rounded * float(np.abs(row).sum()) + more * len(row) ** 2 * 2.0 / (high - low)
-            for row, more, (low, high) in zip(
-                own.slope, dropped, pairwise(self._edges), strict=False
-            )
-        )
-        # the integral of the pressure's error, and the rounding of its own series
-        rounding = np.finfo(float).eps * max(float(np.abs(row).sum()) for row in own.energy[:met])
-        stiffness = float(self._slope(np.array(w)))
-        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
-        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure + rounding)
-
-
-def _dropped(row: Sequence[float]) -> float:
-    """Return a bound on the terms that a series of `Sampled.from_functions` lacks.
-
-    A polynomial of degree n that is bounded by 1 on [-1, 1] has derivatives of up to n^2.
-    """
-    if len(row) - 1 not in _DEGREES:
-        return 0.0
-    sizes = np.abs(row)
-    last, accepted = float(sizes[-3:].max()), _EXACT * float(sizes.sum())
-    if len(row) <= _DEGREES[-1]:
-        last = min(last, accepted)
-    if last > accepted:  # it is not resolved
-        return 2.0 * float(sizes[len(sizes) // 2 :].sum())
-    return _DROPPED * last
-
-
-@cache
-def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
-    slopes, energies, total = [], [], 0.0
-    for (low, high), row in zip(pairwise(edges), rows, strict=True):
-        half = (high - low) / 2.0
-        slopes.append(tuple((chebyshev.chebder(row) / half).tolist()))
-        energy = chebyshev.chebint(row, lbnd=-1.0) * half
-        energy[0] += total
-        energies.append(tuple(energy.tolist()))
-        total = float(chebyshev.chebval(1.0, energy))
-    return _Series(rows, tuple(slopes), tuple(energies))
+        past, end = np.maximum(w - self.limit, 0.0), np.array(self.limit)
+        more = past * self._at("pressure", end) + past**2 / 2.0 * self._at("slope", end)
+        return self._at("energy", w) + more
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,36 +183,56 @@ class Table(_Pieces):
     def _edges(self) -> tuple[float, ...]:
         return self.overclosures
 
-    def _series(self) -> _Series:
-        return _cubics(self.overclosures, self.pressures)
+    def _at(self, name: str, w: Array) -> Array:
+        cubics = getattr(_cubics(self.overclosures, self.pressures), name)
+        return np.where(w < self.start, 0.0, cubics(np.clip(w, self.start, self.limit)))
+
+    def _errors(self, w: float) -> LawErrors:
+        # The terms of a cubic from w_k on are at most p_k and 23 s_k (w - w_k) together, those of
+        # its derivative 51 s_k, where s_k is the slope of the line through its points: its slopes
+        # at the points are at most 3 s_k.
+        met = max(int(np.searchsorted(self.overclosures, w)), 1)
+        points, pressures = np.array(self.overclosures), np.array(self.pressures)
+        lines = (np.diff(pressures) / np.diff(points))[:met]
+        extents = np.minimum(w, points[1:][:met]) - points[:-1][:met]
+        rounding = float(np.finfo(float).eps)
+        pressure = rounding * float((pressures[:-1][:met] + 23.0 * lines * extents).max())
+        slope = rounding * 51.0 * float(lines.max())
+        stiffness = float(self._slope(np.array(w)))
+        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
+        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure)
+
+
+class _Cubics(NamedTuple):
+    """The cubics of a table, their derivatives and their integrals: SciPy's `PPoly`."""
+
+    pressure: Any
+    slope: Any
+    energy: Any
 
 
 @cache
-def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Series:
+def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Cubics:
     from scipy.interpolate import PchipInterpolator
 
-    law = PchipInterpolator(np.array(w), np.array(p))
-    nodes = chebyshev.chebpts1(4)
-    rows = []
-    for low, high in pairwise(w):
-        at_nodes = law(low + (high - low) * (1.0 + nodes) / 2.0)
-        rows.append(tuple(chebyshev.chebfit(nodes, at_nodes, 3).tolist()))
-    return _integrated(w, tuple(rows))
+    pressure = PchipInterpolator(np.array(w), np.array(p))
+    return _Cubics(pressure, pressure.derivative(), pressure.antiderivative())
 
 
 @cache
 def _bends(w: tuple[float, ...], p: tuple[float, ...]) -> tuple[float, ...]:
     """Return the points of a table that are not on one polynomial with both neighbours."""
-    rows, halves = _cubics(w, p).pressure, np.diff(w) / 2.0
+    law, lengths = _cubics(w, p).pressure, np.diff(w)
     found = []
     for k in range(1, len(w) - 1):
-        least = min(halves[k - 1], halves[k])
-        jumps = [
-            chebyshev.chebval(-1.0, chebyshev.chebder(rows[k], m)) / halves[k] ** m
-            - chebyshev.chebval(1.0, chebyshev.chebder(rows[k - 1], m)) / halves[k - 1] ** m
-            for m in (1, 2, 3)
-        ]
-        if max(abs(jump) * least**m for m, jump in enumerate(jumps, start=1)) > _STRAIGHT * p[k]:
+        least = min(lengths[k - 1], lengths[k]) / 2.0
+        jumps = []
+        for order in (1, 2, 3):
+            derivative = law.derivative(order)
+            # the polynomial of the piece before, continued to the point
+            before = np.polyval(derivative.c[:, k - 1], lengths[k - 1])
+            jumps.append(abs(derivative.c[-1, k] - before) * least**order)
+        if max(jumps) > _STRAIGHT * p[k]:
             found.append(w[k])
     return tuple(found)
 
@@ -376,13 +323,38 @@ class Sampled(_Pieces):
     def _edges(self) -> tuple[float, ...]:
         return self.edges
 
-    def _series(self) -> _Series:
-        return _integrated(self.edges, self.series)
+    def _at(self, name: str, w: Array) -> Array:
+        edges = np.array(self.edges)
+        rows = getattr(_integrated(self.edges, self.series), name)
+        pieces = np.clip(np.searchsorted(edges, w, side="right") - 1, 0, len(rows) - 1)
+        values = np.zeros(np.shape(w))
+        for k, row in enumerate(rows):
+            here = pieces == k
+            local = 2.0 * (w[here] - edges[k]) / (edges[k + 1] - edges[k]) - 1.0
+            values[here] = chebyshev.chebval(np.clip(local, -1.0, 1.0), row)
+        return np.where(w < edges[0], 0.0, values)
 
-    @property
-    def _fit_error(self) -> float:
+    def _errors(self, w: float) -> LawErrors:
+        met = max(int(np.searchsorted(self.edges, w)), 1)
+        series = _integrated(self.edges, self.series)
+        dropped = [_dropped(row) for row in series.pressure[:met]]
         # a fit is accepted at this part of its largest value
-        return _EXACT
+        pressure = max(
+            _EXACT * float(np.abs(row).sum()) + more
+            for row, more in zip(series.pressure, dropped, strict=False)
+        )
+        slope = max(
+            _EXACT * float(np.abs(row).sum()) + more * len(row) ** 2 * 2.0 / (high - low)
+            for row, more, (low, high) in zip(
+                series.slope, dropped, pairwise(self.edges), strict=False
+            )
+        )
+        # the integral of the pressure's error, and the rounding of its own series
+        sums = [float(np.abs(row).sum()) for row in series.energy[:met]]
+        rounding = float(np.finfo(float).eps) * max(sums)
+        stiffness = float(self._slope(np.array(w)))
+        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
+        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure + rounding)
 
     def _check(self) -> None:
         w = np.concatenate([np.linspace(*ends, _LOOKS) for ends in pairwise(self.edges)])
@@ -402,6 +374,43 @@ class Sampled(_Pieces):
         if jumps.any():
             where = self.edges[1 + int(np.flatnonzero(jumps)[0])]
             raise SceneError("pressure", "a jump", f"continuous, also at {where:.6g}")
+
+
+def _dropped(row: Sequence[float]) -> float:
+    """Return a bound on the terms that a series of `Sampled.from_functions` lacks.
+
+    A polynomial of degree n that is bounded by 1 on [-1, 1] has derivatives of up to n^2.
+    """
+    if len(row) - 1 not in _DEGREES:
+        return 0.0
+    sizes = np.abs(row)
+    last, accepted = float(sizes[-3:].max()), _EXACT * float(sizes.sum())
+    if len(row) <= _DEGREES[-1]:
+        last = min(last, accepted)
+    if last > accepted:  # it is not resolved
+        return 2.0 * float(sizes[len(sizes) // 2 :].sum())
+    return _DROPPED * last
+
+
+class _Series(NamedTuple):
+    """Chebyshev series on every piece: of the pressure, its derivative, and its integral."""
+
+    pressure: Rows
+    slope: Rows
+    energy: Rows
+
+
+@cache
+def _integrated(edges: tuple[float, ...], rows: Rows) -> _Series:
+    slopes, energies, total = [], [], 0.0
+    for (low, high), row in zip(pairwise(edges), rows, strict=True):
+        half = (high - low) / 2.0
+        slopes.append(tuple((chebyshev.chebder(row) / half).tolist()))
+        energy = chebyshev.chebint(row, lbnd=-1.0) * half
+        energy[0] += total
+        energies.append(tuple(energy.tolist()))
+        total = float(chebyshev.chebval(1.0, energy))
+    return _Series(rows, tuple(slopes), tuple(energies))
 
 
 def _fitted(
