@@ -90,7 +90,8 @@ class IndentationFit:
         SI units. ``load_offset`` [N] and ``tilt`` [N/m] are a straight line that is added to the
         loads: its value at the zero point and its slope. ``work_of_adhesion`` is w [J/m²].
     errors : tuple of float
-        Their standard deviations, in the same units; to first order.
+        Their standard deviations, in the same units; to first order. NaN where the fitted contact
+        has come off at rows that count as contact: a remark says so.
     covariance : tuple of tuple of float
         ``(J^T J)^-1`` of zero point, offset and tilt, and of the logarithms of all others; it takes
         the standard deviations of the data for known.
