@@ -176,12 +176,12 @@ class Solution(Output):
 
     @property
     def error_scales(self) -> dict[str, float]:
-        """With adhesion what errors of load, approach and work of indentation are relative to.
+        """With adhesion what errors of load, approach, work and stiffness are relative to.
 
         Of load and approach it is the sum of what they are without adhesion and of what adhesion
         takes away. Empty without adhesion.
         """
-        names = ("load", "approach", "indentation_work")
+        names = ("load", "approach", "indentation_work", "stiffness_on_branch")
         return {k: self.values[f"{k}_scale"] for k in names if f"{k}_scale" in self.values}
 
     @property

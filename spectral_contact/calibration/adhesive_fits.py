@@ -17,6 +17,7 @@ and by the layer load and approach are differentiated at a fixed radius, by diff
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final, NamedTuple
 
@@ -27,6 +28,7 @@ from numpy.typing import NDArray
 from spectral_contact.calibration.indentation_curve import (
     OF_INSTRUMENT,
     CurveProblem,
+    IndentationFit,
     beyond_profile,
 )
 from spectral_contact.calibration.indentation_data import IndentationData
@@ -457,6 +459,19 @@ class AdhesiveProblem(CurveProblem):
         """Return layer and adhesion that fit best, as a scene takes them."""
         return {name: values[name] for name in ("normal_compliance", "work_of_adhesion")}
 
+    def outcome(self, y: Array, at_bounds: NDArray[np.int_]) -> IndentationFit:
+        """Return the record; its errors are NaN where rows in contact are beyond pull-off.
+
+        These rows have the load of a line that no contact follows, at which a search may end far
+        from the best parameters.
+        """
+        found = super().outcome(y, at_bounds)
+        if not self.beyond.any():
+            return found
+        size = len(self.free)
+        unknown = (math.nan,) * size
+        return replace(found, errors=unknown, covariance=(unknown,) * size)
+
     def _doubts(self, residuals: Array) -> list[str]:
         """Return what speaks against the fit, and which rows are in contact."""
         found = super()._doubts(residuals)
@@ -465,6 +480,6 @@ class AdhesiveProblem(CurveProblem):
         told = f"{rows} of {len(self.depth)} rows are in contact, from a depth of {first:.6g} m on"
         lost = int(self.beyond.sum())
         if lost:
-            told += f"; at {lost} of them the fitted contact has come off, which the deviations "
-            told += "of the parameters do not cover"
+            told += f"; at {lost} of them the fitted contact has come off: the deviations of the "
+            told += "parameters are not known"
         return [told, *found]

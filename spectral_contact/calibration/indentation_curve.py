@@ -90,7 +90,8 @@ class IndentationFit:
         SI units. ``load_offset`` [N] and ``tilt`` [N/m] are a straight line that is added to the
         loads: its value at the zero point and its slope. ``work_of_adhesion`` is w [J/m²].
     errors : tuple of float
-        Their standard deviations, in the same units; to first order.
+        Their standard deviations, in the same units; to first order. NaN where the fitted contact
+        has come off at rows that count as contact: a remark says so.
     covariance : tuple of tuple of float
         ``(J^T J)^-1`` of zero point, offset and tilt, and of the logarithms of all others; it takes
         the standard deviations of the data for known.
@@ -166,8 +167,21 @@ class IndentationFit:
         physical = self.scene.physical
         if physical is not None and physical.youngs_modulus is not None:
             at = f"at a Poisson's ratio of {self.scene.poisson_ratio:g}"
-            lines.append(f"Young's modulus {physical.youngs_modulus:.5g} Pa, {at}")
+            known = f"{physical.youngs_modulus:.5g} Pa, {self._modulus_text}{at}"
+            lines.append(f"Young's modulus {known}")
         return "\n".join(lines)
+
+    @property
+    def _modulus_text(self) -> str:
+        """The standard deviation of Young's modulus, that of E* but for the share of the punch."""
+        if "reduced_modulus" not in self.names:
+            return ""
+        physical, nu = self.scene.physical, self.scene.poisson_ratio
+        assert physical is not None
+        relative = self.error("reduced_modulus") / self["reduced_modulus"]
+        # of an elastic punch E* = E'1 E'2/(E'1 + E'2), of which E'2 is known
+        error = relative / physical.compliance_share(nu) * float(physical.youngs_modulus or 0.0)
+        return f"standard deviation {error:.2g}, "
 
 
 def first_modulus(profile: Profile, data: IndentationData) -> float:
@@ -621,7 +635,9 @@ class CurveProblem:
         """Return ``(J^T J)^-1``; `SceneError` if the data do not tell the parameters apart."""
         lengths = np.linalg.norm(jacobian, axis=0)
         if not (lengths > 0.0).all():
-            raise self._alike
+            still = [name for name, one in zip(self.free, lengths, strict=True) if not one > 0.0]
+            told = f"determined by the data, which do not change with {' and '.join(still)}"
+            raise SceneError("free", self.free, told)
         _, singular, right = np.linalg.svd(jacobian / lengths, full_matrices=False)
         if singular[-1] < _APART:
             raise self._alike

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.calibration.setting import PARAMETERS, Layer, Setting
-from spectral_contact.equations.residuals import approach_slope
+from spectral_contact.equations.residuals import approach_slope, edge_layer_breaks
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite, positive
@@ -87,7 +87,7 @@ class ApproachData:
 
         def energy(a: float) -> float:
             pressure = setting.solve(a, layer, "pressure").pressure
-            return approach_slope(lambda d: pressure(from_edge=d))
+            return approach_slope(lambda d: pressure(from_edge=d), edge_layer_breaks(a))
 
         unit = alpha * setting.stiffness
         return self._scaled(setting, energy, lambda a: unit / a**2)

@@ -15,6 +15,10 @@ from scipy import special
 
 from ._inputs import Array, Position, Values, position, refusal
 
+#: Largest degree of a function, whose recurrence takes a second at a hundred points; and of an
+#: eigenvalue, which beyond is 1/(2l) to all digits of a double.
+_LARGEST_FUNCTION, _LARGEST_EIGENVALUE = 10**6, 10**100
+
 
 def eigenvalue(degree: int, order: int) -> float:
     """Return the eigenvalue λ of N (order 0) or T (order 1) that belongs to the degree l.
@@ -35,11 +39,12 @@ def eigenvalue(degree: int, order: int) -> float:
     Raises
     ------
     ValueError
-        If the order is neither 0 nor 1, or the degree does not belong to it.
+        If the order is neither 0 nor 1, or the degree does not belong to it or is above 1e100.
     """
-    l, m = _check(degree, order)  # noqa: E741 (the field's name for it)
-    # Ratios of gamma functions at large arguments: their logarithms cancel in double precision.
-    with mpmath.workdps(30):
+    l, m = _check(degree, order, _LARGEST_EIGENVALUE)  # noqa: E741 (the field's name for it)
+    # Ratios of gamma functions at large arguments: their logarithms cancel in double precision, and
+    # the half-integers need all their digits.
+    with mpmath.workdps(30 + 2 * len(str(l))):
         half = mpmath.mpf(1) / 2
         upper = [(l + m + 1) * half, (l - m + 1) * half]
         lower = [(l + m) * half + 1, (l - m) * half + 1]
@@ -70,14 +75,14 @@ def eigenfunction(
     Raises
     ------
     ValueError
-        If degree and order do not belong together, not exactly one of the coordinates is given, or
-        a value of it lies outside [0, 1].
+        If degree and order do not belong together, the degree is above 1e6, not exactly one of the
+        coordinates is given, or a value of it lies outside [0, 1].
 
     Notes
     -----
     P_2k(√y) = P_k^(0,−1/2)(1 − 2s²) and P¹_2k+1(√y) = (2k + 1) s P_k^(1,−1/2)(1 − 2s²).
     """
-    l, m = _check(degree, order)  # noqa: E741
+    l, m = _check(degree, order, _LARGEST_FUNCTION)  # noqa: E741
     at = position(s, from_edge)
     with np.errstate(divide="ignore"):  # the weight is infinite at the edge
         return at.output(np.asarray(_legendre(l, m, at) / np.sqrt(at.y)))
@@ -107,7 +112,7 @@ def eigenfunction_image(
     ValueError
         As `eigenfunction`.
     """
-    l, m = _check(degree, order)  # noqa: E741
+    l, m = _check(degree, order, _LARGEST_FUNCTION)  # noqa: E741
     at = position(s, from_edge)
     return at.output(eigenvalue(l, m) * _legendre(l, m, at))
 
@@ -124,7 +129,7 @@ def _legendre(degree: int, order: int, at: Position) -> Array:
     return np.asarray(polynomial if order == 0 else degree * at.s * polynomial)
 
 
-def _check(degree: int, order: int) -> tuple[int, int]:
+def _check(degree: int, order: int, largest: int) -> tuple[int, int]:
     for name, value in (("degree", degree), ("order", order)):
         if isinstance(value, bool | np.timedelta64) or not isinstance(value, int | np.integer):
             raise refusal(name, value, "an integer")
@@ -133,4 +138,6 @@ def _check(degree: int, order: int) -> tuple[int, int]:
     if degree < 0 or degree % 2 != order:
         parity = "odd for order 1" if order else "even for order 0"
         raise refusal("degree", degree, f">= 0 and {parity}")
+    if degree > largest:
+        raise refusal("degree", degree, f"at most {largest:.0e}")
     return int(degree), int(order)

@@ -86,6 +86,9 @@ def flat_punch_stress(
 ) -> PunchStress:
     """Return the stress anywhere in the half-space; infinite or NaN at the edge.
 
+    Errors are rounding of the largest component at a point: far smaller components there have
+    fewer digits.
+
     Parameters
     ----------
     poisson_ratio : float

@@ -42,8 +42,8 @@ def _moderate(name: str, value: float) -> float:
 def _angle(value: float) -> float:
     """Return an angle between axis and side."""
     number = check_positive("half_angle", value)
-    if number >= math.pi / 2.0:
-        raise refusal("half_angle", value, "in (0, pi/2)")
+    if not 1e-30 <= number < math.pi / 2.0:
+        raise refusal("half_angle", value, "in [1e-30, pi/2)")
     return number
 
 
@@ -63,15 +63,21 @@ def _inside(r: ArrayLike, contact_radius: float) -> Array:
     return at
 
 
-def _above(contact_radius: float, flat_radius: float) -> float:
-    """Return the angle whose cosine is the flat part of the radius."""
+def _shaped(values: ArrayLike) -> Values:
+    """Return a float for a scalar, an array for anything else."""
+    found = np.asarray(values)
+    return found if found.ndim else float(found)
+
+
+def _checked_flat_part(contact_radius: float, flat_radius: float) -> tuple[float, float]:
+    """Return the contact radius a and the angle arccos(b/a), where b is the radius of the flat."""
     contact_radius = _moderate("contact_radius", contact_radius)
     flat_radius = _moderate("flat_radius", flat_radius)
     if contact_radius < flat_radius:
         raise ValueError(f"contact_radius = {contact_radius!r}: must be at least {flat_radius!r}")
     # without the cancellation of acos next to 1
     apart, together = contact_radius - flat_radius, contact_radius + flat_radius
-    return 2.0 * math.atan2(math.sqrt(apart), math.sqrt(together))
+    return contact_radius, 2.0 * math.atan2(math.sqrt(apart), math.sqrt(together))
 
 
 def parabola_contact(contact_radius: float, radius: float) -> SmoothContact:
@@ -108,6 +114,11 @@ def parabola_pressure(contact_radius: float, radius: float, r: ArrayLike) -> Val
     r : array_like
         Radii in [0, a].
 
+    Returns
+    -------
+    float or ndarray
+        In the shape of `r`.
+
     Raises
     ------
     ValueError
@@ -117,7 +128,7 @@ def parabola_pressure(contact_radius: float, radius: float, r: ArrayLike) -> Val
     radius = _moderate("radius", radius)
     at = _inside(r, contact_radius)
     root = np.sqrt((contact_radius - at) * (contact_radius + at))
-    return np.asarray(8.0 / (math.pi * radius) * root)
+    return _shaped(8.0 / (math.pi * radius) * root)
 
 
 def sphere_contact(contact_radius: float, radius: float) -> SmoothContact:
@@ -187,6 +198,11 @@ def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Val
     r : array_like
         Radii in [0, a].
 
+    Returns
+    -------
+    float or ndarray
+        In the shape of `r`.
+
     Raises
     ------
     ValueError
@@ -195,10 +211,11 @@ def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Val
     contact_radius = _moderate("contact_radius", contact_radius)
     half_angle = _angle(half_angle)
     at = _inside(r, contact_radius)
-    with np.errstate(divide="ignore", over="ignore"):
-        excess = (contact_radius - at) / (2.0 * at)
+    with np.errstate(divide="ignore"):
+        # the quotient of the roots is a double where that of the radii is none
+        root = np.sqrt(0.5 * (contact_radius - at)) / np.sqrt(at)
     # arcosh(a/r), without its cancellation next to the edge
-    return np.asarray(4.0 / math.tan(half_angle) * np.arcsinh(np.sqrt(excess)))
+    return _shaped(4.0 / math.tan(half_angle) * np.arcsinh(root))
 
 
 def power_law_contact(contact_radius: float, coefficient: float, exponent: float) -> SmoothContact:
@@ -252,7 +269,7 @@ def truncated_cone_contact(
     ----------
     Ejike (1969); Popov, Heß and Willert, Handbook of Contact Mechanics (2019), §2.5.
     """
-    angle = _above(contact_radius, flat_radius)
+    contact_radius, angle = _checked_flat_part(contact_radius, flat_radius)
     half_angle = _angle(half_angle)
     slope = 1.0 / math.tan(half_angle)
     load = 4.0 * slope * contact_radius**2 * (angle + math.sin(angle) * math.cos(angle))
@@ -280,7 +297,7 @@ def rounded_flat_contact(contact_radius: float, flat_radius: float, radius: floa
     ----------
     Ciavarella, Hills and Monno (1998), for the punch; Jäger (1995).
     """
-    angle = _above(contact_radius, flat_radius)
+    contact_radius, angle = _checked_flat_part(contact_radius, flat_radius)
     radius = _moderate("radius", radius)
     bent = angle**3 * float(_bessel_ratio(np.array(angle)))  # sin - angle cos
     return SmoothContact(

@@ -47,11 +47,12 @@ def partial_slip_shear(poisson_ratio: float, friction: float) -> float:
     ----------
     Equation (5.8)₂ of the paper for α = β = 0.
     """
-    stick = stick_radius(poisson_ratio, friction)
+    f = check_friction(friction)
+    stick = stick_radius(poisson_ratio, f)
     if stick.from_edge == 0.0:
         return full_stick_shear(poisson_ratio)
     # The stick condition removes ln(1 − c), against which f E' would cancel when f is large.
-    return friction * stick.shear_excess + 2.0 * kappa(poisson_ratio) * math.log1p(stick.radius)
+    return f * stick.shear_excess + 2.0 * kappa(poisson_ratio) * math.log1p(stick.radius)
 
 
 def partial_slip_traction(
@@ -97,23 +98,24 @@ def partial_slip_traction(
     the rounding of s and c alone costs half the digits of that difference.
     """
     shear = kappa(poisson_ratio)
-    stick = stick_radius(poisson_ratio, friction)
+    f = check_friction(friction)
+    stick = stick_radius(poisson_ratio, f)
     at = position(s, from_edge)
-    if shear == 0.0 or friction == 0.0:
+    if shear == 0.0 or f == 0.0:
         return at.output(np.zeros_like(at.s))
     if stick.from_edge == 0.0:
         return full_stick_traction(poisson_ratio, s, from_edge=from_edge)
     gap = _inside_stick(at, stick)
     inside = (gap > 0.0) | (at.s == 0.0)
-    q = np.array(friction * np.asarray(smooth_pressure(s, from_edge=from_edge)))
+    q = np.array(f * np.asarray(smooth_pressure(s, from_edge=from_edge)))
     radius, y = at.s[inside], at.y[inside]
     if stick.is_tiny:
         # The limit c → 0 for fixed s/c: corrections are of the order c² ln c.
         scale = stick.radius if stick.radius > 0.0 else 1.0
-        q[inside] = friction / math.pi**2 * np.arcsin(radius / scale)
+        q[inside] = f / math.pi**2 * np.arcsin(radius / scale)
     else:
         b2 = gap[inside] * (stick.radius + radius) / y
-        q[inside] = _stick_traction(stick, friction, shear, radius, y, b2)
+        q[inside] = _stick_traction(stick, f, shear, radius, y, b2)
     return at.output(q)
 
 

@@ -370,16 +370,40 @@ class Unloading:
             If the friction law holds on no zones that are tried.
         """
         search = self._search(load_ratio, record, start=start, tolerance=self._state_tolerance)
-        outcome = search.outcome()
+        try:
+            outcome = search.outcome()
+        except NoZonesError:
+            zones = self._zones_at_less_load(load_ratio)
+            if zones is None:
+                raise
+            search = self._search(load_ratio, record, start=zones, tolerance=self._state_tolerance)
+            outcome = search.outcome()
         assert search.solved is not None
         growth = search.growth(search.solved)
         if growth.least >= -growth.error:
             return outcome
         try:
-            turning = f"the turning ratio {self.turning_ratio.value:.7g}"
+            ratio = self.turning_ratio
         except NoZonesError:
             turning = "the turning ratio, which was not found,"
+        else:
+            if load_ratio > ratio.value * (1.0 + ratio.error):
+                raise NoZonesError("forward slip is too narrow to say whether it grows")
+            turning = f"the turning ratio {ratio.value:.7g}"
         raise HistoryError(f"below {turning} it depends on the loads in between")
+
+    def _zones_at_less_load(self, load_ratio: float) -> Layout | None:
+        """Return zones found at a lower load: its forward slip is wider, and easier to begin with.
+
+        None if there are none either.
+        """
+        for share in (3.0 / 4.0, 1.0 / 2.0):
+            with suppress(NoZonesError):
+                search = self._search(share * load_ratio)
+                search.outcome()
+                assert search.solved is not None
+                return search.solved.layout
+        return None
 
     def _search(
         self,

@@ -53,12 +53,23 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
     return nodes.integral(lambda: field(nodes.d) * nodes.s)
 
 
-def approach_slope(pressure: Field) -> float:
+def approach_slope(pressure: Field, breaks: Sequence[float] = ()) -> float:
     """Return ``ddelta*/dalpha* = 2 pi int p**2 s ds``, by reciprocity of (3.5).
 
-    The pressure, and errors, are as of `load`.
+    The pressure, its breaks, and errors are as of `load`. On a thin layer `edge_layer_breaks` are
+    needed.
     """
-    return 2.0 * np.pi * load(lambda d: np.square(pressure(d)))
+    return 2.0 * np.pi * load(lambda d: np.square(pressure(d)), breaks=breaks)
+
+
+def edge_layer_breaks(compliance: float) -> list[float]:
+    """Return distances from the edge between which a pressure on a layer is smooth enough.
+
+    Towards the edge it changes like ``1/sqrt(d + c)``, where c is about the compliance. The rule
+    resolves this if no interval is much more than a hundred times as long as ``d + c``.
+    """
+    largest = max(-np.log10(compliance), 0.0) / 2.0
+    return [float(compliance * 100.0**k) for k in range(int(np.ceil(largest)))]
 
 
 def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[float] = ()) -> float:

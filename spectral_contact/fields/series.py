@@ -180,7 +180,12 @@ class LogSeries:
 
     def times(self, factor: float) -> LogSeries:
         """Return the series multiplied by a number."""
-        return replace(self, coefficients=self.coefficients * factor, tail=self.tail * factor)
+        return replace(
+            self,
+            coefficients=self.coefficients * factor,
+            tail=self.tail * factor,
+            logarithm=self.logarithm * factor,
+        )
 
 
 @dataclass(frozen=True, slots=True)

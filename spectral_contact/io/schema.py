@@ -236,6 +236,7 @@ SOLUTION: Final = Record(
         **_maybe_floats("stick_radius opening"),
         **dict.fromkeys(_YOUNGER, _FLOAT),
         **_floats("domain_radius load_scale approach_scale indentation_work_scale"),
+        **_floats("stiffness_on_branch_scale"),
         stable_under=Several(_TEXT),
     ),
     pressure_field=Maybe(Either(_PRESSURE, _ZONAL)),

@@ -33,6 +33,8 @@ _GAUSSIAN: Final = math.sqrt(math.log(2.0) / math.pi)
 _WIDE: Final = 1.5
 #: Factor by which the cut-off is changed for the sensitivities.
 _CHANGED: Final = 1.25
+#: Heights over the mean plane and spacings [m] whose moments, and products of these, are doubles.
+_LENGTHS: Final = 1e-30, 1e30
 #: Heights over a mean plane that are rounding, over the largest height.
 _FLAT: Final = 1e-13
 #: Blocks along a side, whose scatter tells the errors, and the fewest points along a side.
@@ -196,16 +198,21 @@ def _heights(values: ArrayLike, dimensions: int) -> Array:
 def _statistics(heights: Array, steps: list[float], cutoff: Any) -> SurfaceStatistics:
     level = _levelled(heights, steps)
     size = float(np.nanmax(np.abs(level)))
-    if not _FLAT * float(np.nanmax(np.abs(heights))) < size < 1e100 or not all(
-        1e-100 < step < 1e100 for step in steps
-    ):
-        raise SceneError("heights", size, "not all on one plane, within the range of doubles")
+    if not size > _FLAT * float(np.nanmax(np.abs(heights))):
+        raise SceneError("heights", size, "not all on one plane")
+    low, high = _LENGTHS
+    for name, lengths in (("heights", [size]), ("spacing", steps)):
+        if not low <= min(lengths) <= max(lengths) <= high:
+            raise SceneError(name, lengths, f"in [{low:g}, {high:g}] m, as their squares count")
     shortest = None
     if cutoff is not None:
         shortest = positive("cutoff", cutoff, "m")
         extent = min(step * count for step, count in zip(steps, level.shape, strict=True))
         if not 2.0 * max(steps) <= shortest <= extent / _BLOCKS:
             told = f"in [{2.0 * max(steps):.4g}, {extent / _BLOCKS:.4g}] m"
+            if extent < 2.0 * _BLOCKS * max(steps):
+                told = f"None: a side of {extent:.4g} m is too short for a filter of any points"
+                told += f" that are {max(steps):.4g} m apart"
             raise SceneError("cutoff", cutoff, told)
     reference = 5.0 * max(steps) if shortest is None else shortest
     filtered = level if shortest is None else _filtered(level, steps, shortest)

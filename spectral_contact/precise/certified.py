@@ -123,7 +123,7 @@ def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
     if not solution.converged:
         raise ConvergenceError(
             f"the error estimate {worst:.1e} does not meet {solution.digits} digits",
-            "ask for fewer digits",
+            "ask for fewer digits, or take `solution` of this error",
             solution,
         )
     return solution
@@ -144,14 +144,20 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
     error, worst = compared(run, check)
     run.mp.dps = digits + 3
     values = {name: +run.mp.mpf(value) for name, value in run.values.items()}
-    zero = run.mp.zero
+    zero, one = run.mp.zero, run.mp.one
+    radius, zones, ratio = None, tuple[Zone, ...](), None
+    if scene.friction is not None:  # all sticks, or all slips, without traction
+        sticks = scene.kappa == 0.0
+        zones = (Zone("stick" if sticks else "slip", zero, one, one, zero),)
+        radius, ratio = (one, zero) if sticks else (zero, None)
+        error = replace(error, traction=0.0, zones=0.0, stick_radius=0.0, total_shear=0.0)
     solution = ReferenceSolution(
         scene=scene,
         digits=digits,
         total_shear=zero,
-        stick_radius=None,
-        zones=(),
-        edge_ratio=None,
+        stick_radius=radius,
+        zones=zones,
+        edge_ratio=ratio,
         opening=None,
         error=error,
         converged=_met(worst, digits),
@@ -167,10 +173,12 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
 
 def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
     """Return the contact radius in double precision, or the approach where it is the unknown."""
-    if scene.friction:
+    if _has_traction(scene):
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     if isinstance(scene.profile, Flat) and scene.layer is None:
         told = "the flat punch with a linear layer is a scene without profile"
+        if scene.work_of_adhesion is not None:
+            told += ", and adhesion changes nothing of it but how far it can be pulled"
         raise NotComputedError("the reference", told)
     if scene.contact_radius is not None:
         return scene.contact_radius
@@ -186,7 +194,7 @@ def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
     assert layer is not None
     assert profile is not None
     law_of(MPContext(), layer)
-    if scene.friction:
+    if _has_traction(scene):
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     found = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
     grid = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 200)])
@@ -220,9 +228,12 @@ def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
     assert layer is not None
     assert profile is not None
     room = approach - layer.overclosure(layer.pressure(most) * 10.0 ** -(digits + _SPARE))
-    low, high = 0.0, 1.0
+    high = 1.0
     while profile.height(high) < room:
-        low, high = high, 2.0 * high
+        high *= 2.0
+    while profile.height(high / 2.0) >= room > 0.0:
+        high /= 2.0
+    low = high / 2.0
     for _ in range(_STEPS):
         middle = (low + high) / 2.0
         low, high = (middle, high) if profile.height(middle) < room else (low, middle)
@@ -236,7 +247,7 @@ def _on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:
 
 def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
     """Return a guess of the zones; None if q = 0."""
-    if not scene.friction or scene.kappa == 0.0:
+    if not _has_traction(scene):
         return None
     if scene.couples:
         _check_stuck(scene, solve)
@@ -250,12 +261,18 @@ def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
     if states[0] != 0 or (len(states) > 2 and compliance == 0.0):
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
-    if error is not None and not error < 1.0:  # slip about to begin: full stick says where
-        if compliance == 0.0:
-            raise NotComputedError("the reference", "double precision does not resolve its zones")
+    unresolved = error is not None and not error < 1.0
+    if unresolved and compliance > 0.0:  # slip about to begin: full stick says where
         return PreciseLayout((0,), ())
+    if unresolved and states == [0]:  # without compliance the edge slips
+        raise NotComputedError("the reference", "double precision does not resolve its zones")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return PreciseLayout(tuple(states), radii)
+
+
+def _has_traction(scene: Scene) -> bool:
+    """Return whether a scene has a traction other than 0."""
+    return bool(scene.friction) and scene.kappa != 0.0
 
 
 def _check_stuck(scene: Scene, solve: _Solve) -> None:

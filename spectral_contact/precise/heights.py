@@ -128,13 +128,16 @@ class _TruncatedConeHeights(Heights):
 
     def transform(self, t: Any) -> Any:
         b = self.breaks[0]
-        return 2 * self._slope * t * self._mp.acos(b / t) if t >= b else self._mp.zero
+        if t < b:
+            return self._mp.zero
+        return 2 * self._slope * t * self._mp.atan(self.root(t) / b)
 
     def rate(self, t: Any) -> Any:
         b = self.breaks[0]
         if t < b:
             return self._mp.zero
-        return 2 * self._slope * (self.root(t) * self._mp.acos(b / t) + b)
+        root = self.root(t)
+        return 2 * self._slope * (root * self._mp.atan(root / b) + b)
 
 
 class _RoundedFlatHeights(Heights):
@@ -148,17 +151,21 @@ class _RoundedFlatHeights(Heights):
         return max(r - self.breaks[0], 0) ** 2 / (2 * self._radius)
 
     def transform(self, t: Any) -> Any:
-        b = self.breaks[0]
-        if t < b:
-            return self._mp.zero
-        return 2 * t / self._radius * (self.root(t) - b * self._mp.acos(b / t))
+        mp, b = self._mp, self.breaks[0]
+        if t <= b:
+            return mp.zero
+        # next to the flat part all but a third of (root / b)^3 cancels
+        with mp.extraprec(2 * max(-mp.mag(self.root(t) / b), 0) + 10):
+            root = self.root(t)
+            risen = root - b * mp.atan(root / b)
+        return 2 * t / self._radius * risen
 
     def rate(self, t: Any) -> Any:
         b = self.breaks[0]
         if t < b:
             return self._mp.zero
         root = self.root(t)
-        return 2 * root / self._radius * (2 * root - b * self._mp.acos(b / t))
+        return 2 * root / self._radius * (2 * root - b * self._mp.atan(root / b))
 
 
 class _SampledHeights(Heights):

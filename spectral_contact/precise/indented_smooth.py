@@ -48,7 +48,14 @@ class SmoothIndented(Contact):
         self._breaks = [b for b in self.heights.breaks if b < self.radius]
         self.approach, self.stiffness = self._top / 2 - self._pull, 8 * self.radius
         self.load = 4 * self._integral(self.heights.rate) - self.stiffness * self._pull
-        self.growth = self.heights.rate(self.radius) / self.heights.root(self.radius) / 2
+
+    @property
+    def growth(self) -> Any:
+        """``ddelta/da``; at a break, where it jumps or is infinite, that just beyond."""
+        mp, a = self._mp, self.radius
+        if self.heights.root(a) == 0:
+            a = a * (1 + mp.sqrt(mp.eps))
+        return self.heights.rate(a) / self.heights.root(a) / 2
 
     @property
     def work(self) -> Any:
@@ -99,10 +106,11 @@ class SmoothIndented(Contact):
             extent = mp.sqrt((high - low) * (high + low))
             if high == self.radius and low == r:
                 extent = self.radius * mp.sqrt(from_edge * (1 + s))
-            if start == 0:
-                if self.heights.rate(low * (1 + mp.eps * 16)) > mp.sqrt(mp.eps) * self._top:
-                    return mp.inf
-                total += mp.quad(lambda v, b=low: self._over(mp.hypot(b, v), v), [0, extent])
+            if start == 0:  # at a break
+                if self.heights.rate(low) > mp.sqrt(mp.eps) * self._top:
+                    return mp.inf  # a corner
+                with mp.workprec(2 * mp.prec):  # the square of t less that of the break keeps half
+                    total += mp.quad(lambda v, b=low: self._over(mp.hypot(b, v), v), [0, extent])
                 continue
             if inner == 0 and self.heights.order == 0:  # H'/t is smooth
                 total += self._smoothly(low, extent)

@@ -180,7 +180,9 @@ def solve_one_disk(
         If the radius does not settle.
     """
     mp = drive.fixed.mp
-    goal = mp.mpf(10) ** -(disk.mesh.digits + 2)
+    # without compliance an error of the radius leaves a traction that is infinite at the rim, and
+    # more than its root wherever the distance is less than the error
+    goal = mp.mpf(10) ** -((disk.mesh.digits + 2) if beta else 2 * disk.mesh.digits)
     before, step = None, mp.mpf(10) ** -13
     for number in range(1, _MOST_TRIALS + 2):
         tell(f"stick radius, trial {number}")
@@ -189,7 +191,7 @@ def solve_one_disk(
             slope = (trial.mismatch - before) / step
         if slope is not None:
             step = -trial.mismatch / mp.mpf(slope)
-            if abs(step) <= goal:
+            if abs(step) <= goal and abs(trial.mismatch) <= 10 * goal * trial.scale:
                 return trial.outcome(slope)
         before, logit = trial.mismatch, trial.logit + step
     raise ConvergenceError("the stick radius does not settle", "ask for fewer digits")
@@ -208,9 +210,12 @@ class _PreciseTrial:
         self._compliance = f.over(beta, f.sqrt(self.square))
         self._source = _PreciseSlipSource(drive, self.square, self.rest, disk.mesh.digits)
         edge = np.array([self.rest], dtype=object)
+        #: what the mismatch is small against; without compliance the radius is exact enough
+        self.scale = mp.inf
         if beta:  # the traction is continuous
-            mismatch = disk.series(self._coefficients).limit
-            mismatch -= f.times(friction, drive.pressure(edge)[0])
+            bound = f.times(friction, drive.pressure(edge)[0])
+            mismatch = disk.series(self._coefficients).limit - bound
+            self.scale = f.numbers(bound)
         else:  # and no more than a square root
             mismatch = drive.target(edge)[0] - f.times(friction, self._source(0 * edge)[0])
         #: what is zero at the right radius

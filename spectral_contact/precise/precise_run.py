@@ -309,6 +309,8 @@ class PreciseRun:
     def edge_ratio(self) -> Any:
         """Return q/p at the edge in full stick; None in partial slip, or without friction."""
         f, scene = self.fixed, self.scene
+        if scene.friction is not None and self.kappa == 0:
+            return f.mp.zero
         if self.layout is None or self.radii:
             return None
         if scene.tangential_compliance == 0.0:

@@ -113,7 +113,8 @@ def enclose_approach(scene: Scene, digits: int = 20) -> Enclosure:
     Returns
     -------
     Enclosure
-        Of δ*. On a smooth surface it is 1/8, by the closed form (docs/theory, Closed forms).
+        Of δ*, in units of the largest load, as in `Solution`. On a smooth surface it is 1/8 at that
+        load, by the closed form (docs/theory, Closed forms).
 
     Raises
     ------
@@ -135,9 +136,10 @@ def enclose_approach(scene: Scene, digits: int = 20) -> Enclosure:
     """
     _check(scene, digits)
     if scene.normal_compliance == 0.0:
-        eighth = _exact(1, -3)
-        return Enclosure(eighth, eighth, 0)
-    return _narrow(scene.normal_compliance, digits, edge=False)
+        numerator, denominator = (scene.unloaded_to / 8.0).as_integer_ratio()
+        closed_form = _exact(numerator, 1 - denominator.bit_length())
+        return Enclosure(closed_form, closed_form, 0)
+    return _narrow(scene, digits, edge=False)
 
 
 @suggesting()
@@ -161,7 +163,7 @@ def enclose_edge_pressure(scene: Scene, digits: int = 20) -> Enclosure:
     _check(scene, digits)
     if scene.normal_compliance == 0.0:
         raise NotComputedError("the edge pressure", "it is infinite on a smooth surface")
-    return _narrow(scene.normal_compliance, digits, edge=True)
+    return _narrow(scene, digits, edge=True)
 
 
 def _check(scene: Scene, digits: int) -> None:
@@ -178,14 +180,15 @@ def _check(scene: Scene, digits: int) -> None:
             raise NotComputedError("an enclosure", f"there is none with {reason}")
 
 
-def _narrow(compliance: float, digits: int, *, edge: bool) -> Enclosure:
+def _narrow(scene: Scene, digits: int, *, edge: bool) -> Enclosure:
     """Return the first interval that is narrow enough."""
     flint = optional("flint", "proof")
     terms = _FEWEST_TERMS
     with flint.ctx.workprec(_BITS):
         while True:
-            expansion = _Expansion(flint, compliance, terms, digits)
+            expansion = _Expansion(flint, scene.normal_compliance, terms, digits)
             ball = expansion.edge_pressure() if edge else expansion.approach()
+            ball *= flint.arb(scene.unloaded_to)  # both are proportional to the load
             found = Enclosure(_end(ball.lower()), _end(ball.upper()), terms)
             if found.width <= 10.0**-digits:
                 return found
@@ -237,22 +240,30 @@ class _Expansion:
 
     def approach(self) -> Any:
         """Return ``delta`` as a ball."""
-        return 1 / (2 * self.flint.arb.pi() * self._moment())
+        first, last = (1 / (2 * self.flint.arb.pi() * m) for m in self._moments())
+        return first.union(last)
 
     def edge_pressure(self) -> Any:
         """Return ``p(1)`` as a ball."""
-        slope = self._slope() / (2 * self.flint.arb.pi() * self._moment() ** 2)
-        sides = self.approach() + self.alpha * slope
-        return (sides / (2 * self.flint.arb.pi() * self.alpha)).sqrt()
+        twice_pi = 2 * self.flint.arb.pi()
+        least, most = self._moments()
+        lower, upper = self._norms()
+        # by Schwarz's inequality <1, w>**2 <= <1, 1> <w, w>: d delta/d alpha is at least 1/pi
+        slopes = (lower / (twice_pi * most**2)).max(2 / twice_pi), upper / (twice_pi * least**2)
+        ends = []
+        for moment, slope in zip((most, least), slopes, strict=True):
+            sides = 1 / (twice_pi * moment) + self.alpha * slope
+            ends.append((sides / (twice_pi * self.alpha)).sqrt())
+        return ends[0].union(ends[1])
 
-    def _moment(self) -> Any:
-        """Return ``m = <1, w>`` as a ball."""
+    def _moments(self) -> tuple[Any, Any]:
+        """Return a lower and an upper bound of ``m = <1, w>``, each as a ball."""
         trial = self._balls(self.trial)
         ritz = trial[0] / 2 + self._product(trial, self.residual.products)
-        return ritz.union(ritz + self.residual.squared / self.alpha)
+        return ritz, ritz + self.residual.squared / self.alpha
 
-    def _slope(self) -> Any:
-        """Return ``-dm/d alpha = <w, w>`` as a ball.
+    def _norms(self) -> tuple[Any, Any]:
+        """Return a lower and an upper bound of ``-dm/d alpha = <w, w>``, each as a ball.
 
         With ``v`` near ``A^-1 u`` and its residual ``rho = u - A v``, it is
         ``<u, u> + 2 <v, r> + 2 <rho, A^-1 r> + <A^-1 r, A^-1 r>``.
@@ -263,7 +274,7 @@ class _Expansion:
         norm = self._product(trial, [a / (2 * (2 * k + 1)) for k, a in enumerate(trial)])
         first = norm + 2 * self._product(self._balls(second), self.residual.products)
         crossed = 2 * (rest.squared * self.residual.squared).sqrt() / self.alpha
-        return (first - crossed).union(first + crossed + self.residual.squared / self.alpha**2)
+        return first - crossed, first + crossed + self.residual.squared / self.alpha**2
 
     def _residual(self, source: np.ndarray, trial: np.ndarray) -> _Residual:
         """Return ``source - A trial``."""

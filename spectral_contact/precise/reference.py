@@ -39,7 +39,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
         With elastic coupling and slip; with a profile and friction, or so many breaks that a
         dense system of 12,000 unknowns will not do; with a nonlinear layer that has bends, or
         pressure at every gap under a tip or a break; if `solve` has slip everywhere as
-        the stick disk is so small.
+        the stick disk is so small or, without tangential compliance, stick everywhere as the slip
+        zone is so narrow.
     ConvergenceError
         If the digits are not reached; it carries the solution. If no zones are found on which the
         friction law holds, or these digits do not decide whether it does; it says where.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -113,20 +114,29 @@ class ReferenceSolution:
         exact = []
         for value in values.flat:
             checks.real(name, value, allowed="in [0, 1]", low=0.0, high=1.0)
-            exact.append(_exact(mp, value))
+            exact.append(_fraction(value))
             if not 0 <= exact[-1] <= 1:
                 raise SceneError(name, value, "in [0, 1]")
-        numbers = np.array(exact, dtype=object)
-        rest = 1 - numbers
+        # the distance to the other end, too, before anything is rounded
+        numbers, rest = np.empty(len(exact), dtype=object), np.empty(len(exact), dtype=object)
+        numbers[:] = [_rounded(mp, one) for one in exact]
+        rest[:] = [_rounded(mp, 1 - one) for one in exact]
         found = function(numbers, rest) if from_edge is None else function(rest, numbers)
         result = np.empty(len(exact), dtype=object)
         result[:] = [+mp.mpf(v) for v in found]
         return result[0] if values.ndim == 0 else result.reshape(values.shape)
 
 
-def _exact(mp: Any, value: Any) -> Any:
-    """Return a real number as it is, those of NumPy's types among them."""
+def _fraction(value: Any) -> Fraction:
+    """Return exactly a real number of Python's, NumPy's or mpmath's."""
+    if hasattr(value, "man_exp"):
+        mantissa, exponent = value.man_exp
+        return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
     if isinstance(value, np.floating):
-        numerator, denominator = value.as_integer_ratio()
-        return mp.mpf(numerator) / denominator
-    return mp.mpf(int(value) if isinstance(value, np.integer) else value)
+        return Fraction(*value.as_integer_ratio())
+    return Fraction(int(value) if isinstance(value, np.integer) else value)
+
+
+def _rounded(mp: Any, value: Fraction) -> Any:
+    """Return a fraction as a number of mpmath's."""
+    return mp.mpf(value.numerator) / value.denominator

@@ -35,6 +35,8 @@ _STEP = 50
 #: longest that is taken.
 _NEAR, _LONGEST = 0.02, 0.6
 _MOST_STARTS = 8
+#: What may be left of the jumps of the tractions, over the accuracy of the boundaries.
+_CONTINUOUS = 100.0
 
 
 def solve_zones(
@@ -113,7 +115,9 @@ def _settled(
             slopes = slopes + np.outer(mismatch - before - slopes @ shift, shift) / (shift @ shift)
         before, shift = mismatch, _step(slopes, mismatch)
         size, length = float(np.abs(shift).max()), _length(shift, trial.logits)
-        if size <= goals[0] and length <= goals[1]:
+        # under little compliance the traction feels steps below the goal, and the friction law does
+        continuous = np.abs(mismatch).max() <= _CONTINUOUS * goals[0]
+        if size <= goals[0] and length <= goals[1] and continuous:
             return trial.outcome(factored.refined(trial, flat, goals[0]), slopes)
         if length > 2.0 * _NEAR:  # it leaves where its factorisation is from
             break

@@ -157,16 +157,20 @@ def _refuse(scene: Scene, limit: float) -> NoReturn:
     raise SceneError(name, value, f"{side} {limit:.12g}, {what}: it is beyond by {beyond}")
 
 
-def stability(scene: Scene, found: Indentation, tolerance: float, max_unknowns: int) -> Stability:
+def stability(
+    scene: Scene, found: Indentation, radius_error: float, tolerance: float, max_unknowns: int
+) -> Stability:
     """Return how a state under a profile that is not flat goes on along the curve.
+
+    Its radius has a relative error, which next to pull-off is much larger than those of its rates.
 
     A state in which load or approach does not change with the radius, within its error, counts as
     stable: it is the last one of a stable branch, such as that of pull-off.
     """
-    return stability_on(curve_of(scene, tolerance, max_unknowns), found)
+    return stability_on(curve_of(scene, tolerance, max_unknowns), found, radius_error)
 
 
-def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
+def stability_on(curve: AdhesiveCurve, found: Indentation, radius_error: float) -> Stability:
     """Return how a state on a curve goes on.
 
     At a corner of the profile, and at the rim of its flat part, the rates of larger contacts are
@@ -189,6 +193,9 @@ def stability_on(curve: AdhesiveCurve, found: Indentation) -> Stability:
         return Stability(stable, copysign(inf, rates.load), inf)
     stiffness = rates.load / rates.approach
     off = (errors.load + abs(stiffness) * errors.approach) / abs(rates.approach)
+    bends = local.rates(a, order=2)  # d stiffness = (d load' - stiffness d approach') / approach'
+    change = abs(bends.load - stiffness * bends.approach) / abs(rates.approach)
+    off += change * radius_error * a / (a - local.base)
     return Stability(stable, stiffness, off / max(abs(stiffness), found.stiffness) + ROUNDING)
 
 

@@ -171,7 +171,7 @@ class ProfileRun(Run):
             path.add(along, value_of(solved).radius)
         found: Indentation = self.record(NORMAL, solved, begin)
         if scene.work_of_adhesion is not None:
-            found = self._adhere(found, scene.work_of_adhesion)
+            found = self._adhere(found, error, scene.work_of_adhesion)
         self._check(found)
         self.pressure, self._driving = found.pressure, found.normal
         if endless(scene):
@@ -216,8 +216,11 @@ class ProfileRun(Run):
         for name in ("stiffness", "indentation_work", "pressure"):
             self.errors[name] += unknown
 
-    def _adhere(self, found: Indentation, adhesion: float) -> Indentation:
-        """Return the contact with the surface energy in its work; store what adhesion adds."""
+    def _adhere(self, found: Indentation, error: float, adhesion: float) -> Indentation:
+        """Return the contact with the surface energy in its work; store what adhesion adds.
+
+        The error is that of its radius.
+        """
         from spectral_contact.solving.adhesive import CONTROLS_HELD, stability, with_surface_energy
 
         if isinstance(self.scene.profile, Flat):  # linear in the approach, with a constant area
@@ -230,12 +233,14 @@ class ProfileRun(Run):
             indentation_work_scale=found.work + math.pi * adhesion * found.radius**2,
         )
         if "stiffness_on_branch" in self.plan.quantities:
-            along = stability(self.scene, found, self.rtol, self.max_unknowns)
+            along = stability(self.scene, found, error, self.rtol, self.max_unknowns)
             self.values["stable_under"] = along.stable_under
             if along.stiffness is None:
                 self.unavailable["stiffness_on_branch"] = along.reason
             else:
                 self.values["stiffness_on_branch"] = along.stiffness
+                scale = max(abs(along.stiffness), found.stiffness)
+                self.values["stiffness_on_branch_scale"] = scale
                 self.errors["stiffness_on_branch"] = along.error
         return with_surface_energy(found, adhesion)
 

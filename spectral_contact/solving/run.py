@@ -55,7 +55,7 @@ _LOG = logging.getLogger("spectral_contact.solving.solver")
 #: Values of a solution that are there although no quantity asks for them.
 _UNREQUESTED_VALUES = (
     *("opening", "domain_radius", "stable_under"),
-    *("load_scale", "approach_scale", "indentation_work_scale"),
+    *("load_scale", "approach_scale", "indentation_work_scale", "stiffness_on_branch_scale"),
 )
 
 

@@ -323,8 +323,8 @@ class _ComparedScene:
         lengths = np.ravel(checks.reals(name, given, allowed, unit=si))
         if not lengths.size:
             raise SceneError(name, given, "at least one radius")
-        shares = lengths / length
-        distances = np.asarray(shares if name == "from_edge" else 1.0 - shares, dtype=np.float64)
+        distances = lengths if name == "from_edge" else length - lengths
+        distances = np.asarray(distances / length, dtype=np.float64)
         outside_range = ~(np.isfinite(distances) & (distances <= 1.0))
         if outside_range.any():
             raise SceneError(name, lengths[outside_range][0].item(), allowed)
@@ -474,9 +474,13 @@ class _ComparedScene:
 
     def _mean_size(self, name: str) -> float:
         """Return the mean of a field's absolute value over the contact; 1 where it vanishes."""
+        return float(np.mean(self._on_rings(name))) or 1.0
+
+    def _on_rings(self, name: str) -> Array:
+        """Return the absolute values of a field, where they are finite, on rings of one area."""
         rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
         sizes = np.abs(field_of(self.truth, name, "truth")(1.0 - rings))
-        return float(np.mean(sizes[np.isfinite(sizes)])) or 1.0
+        return np.asarray(sizes[np.isfinite(sizes)])
 
     def _mean_pressure(self) -> float:
         """Return the mean pressure over the contact of a profile."""
@@ -492,7 +496,9 @@ class _ComparedScene:
 
     def _sizes(self, name: str, true: Array, places: Array) -> Array:
         """Return what errors are relative to."""
-        largest = np.max(np.abs(true[np.isfinite(true)]), initial=0.0) or 1.0
+        # of the contact, and not of the radii at which values are given
+        moduli = np.append(self._on_rings(name), np.abs(true[np.isfinite(true)]))
+        largest = np.max(moduli, initial=0.0) or 1.0
         if name == "slip":
             return np.full(len(true), largest)
         sizes = np.abs(true)

@@ -14,7 +14,7 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_contact.equations.residuals import approach_slope
+from spectral_contact.equations.residuals import approach_slope, edge_layer_breaks
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import radii
@@ -407,7 +407,9 @@ class _Slopes:
         if self.scene.normal_compliance == 0.0:
             return Derivative(math.nan, math.inf, _AT_ZERO)
         # the square of the pressure has that of the load
-        value = approach_slope(lambda d: self.own.pressure(from_edge=d)) / self.scene.unloaded_to
+        breaks = edge_layer_breaks(self.scene.normal_compliance)
+        of_pressure = approach_slope(lambda d: self.own.pressure(from_edge=d), breaks)
+        value = of_pressure / self.scene.unloaded_to
         return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + _ROUNDING)
 
     def _couples(self, name: str) -> bool:

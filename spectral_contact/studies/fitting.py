@@ -20,7 +20,7 @@ _ROUNDING: Final = 10.0 * 2.0**-52
 #: Points of a law, and of a plateau, at least.
 _FEWEST: Final = 3
 _FEWEST_ON_PLATEAU: Final = 2
-#: More unknowns than any solver has, and few enough to take squares of.
+#: More unknowns than any solver has.
 _MOST: Final = 1e15
 #: Scatter of ln(error) that is not taken for structure: 5 per cent.
 _SCATTER: Final = 0.05
@@ -75,12 +75,17 @@ class Rate:
     def at(self, unknowns: ArrayLike) -> Array:
         """Return the error that the law gives for numbers of unknowns.
 
+        It is NaN where the factor of the law is 0 or infinite, which is beyond the doubles.
+
         Raises
         ------
         SceneError
             If they are not real numbers above 0.
         """
-        slope = self.value if self.kind == "algebraic" else math.log(self.value)
+        slope = self.value
+        if self.kind != "algebraic":
+            known = 0.0 < self.value < math.inf
+            slope = math.log(self.value) if known else math.nan
         with np.errstate(all="ignore"):  # errors may be beyond the doubles
             numbers = reals("unknowns", unknowns, "> 0").astype(np.float64)
             if not (numbers > 0.0).all():
@@ -129,8 +134,8 @@ def fit_rate(
     ------
     SceneError
         If the lists have different lengths, or hold anything else than None and real numbers:
-        unknowns below 1e15, and errors that are not negative; or if `floor` or `confidence` are
-        out of range.
+        unknowns that are 0 or in [1, 1e15], and errors that are not negative; or if `floor` or
+        `confidence` are out of range.
 
     Examples
     --------
@@ -146,6 +151,9 @@ def fit_rate(
     share = within("confidence", confidence, "in (0, 1)")
     least = max(real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True), _ROUNDING)
     counts = _optional("unknowns", unknowns, _MOST)
+    few = counts[(counts > 0.0) & (counts < 1.0)]
+    if few.size:
+        raise SceneError("unknowns", float(few[0]), f"0 or in [1, {_MOST:g}], or None")
     found = _optional("errors", errors, math.inf)
     if len(counts) != len(found):
         raise SceneError("unknowns, errors", (unknowns, errors), "lists of the same length")
@@ -201,6 +209,8 @@ def _laws(numbers: Array, logs: Array) -> list[_FittedLaw]:
         for kind, scale in _MODELS.items():
             centre = scale(numbers[:count]).mean()  # else a narrow range would cost digits
             x = scale(numbers) - centre
+            if np.ptp(x[:count]) == 0.0:  # numbers so large that their logarithms are equal
+                continue
             (slope, height), covariance = np.polyfit(x[:count], logs[:count], 1, cov=True)
             deviations = logs - height - slope * x
             if len(plateau) and (slope >= 0.0 or deviations[count:].min() <= 0.0):

@@ -105,7 +105,7 @@ def convergence(
     ProgressLine(progress)  # refuses what it cannot be, before any work
     true = truth_of(scene, truth, progress=progress)
     runs = _Runs(chosen(quantities, [true]), quantities is not None, count)
-    shown, points = runs.measured([(named, called, asked, true)], 0.0, progress)
+    shown, points = runs.measured([(named, called, asked, true)], None, progress)
     return Convergence(named, scene, true.source, true.error, shown, points, this_machine())
 
 
@@ -288,12 +288,13 @@ class _Runs:
     repeats: int
 
     def measured(
-        self, cases: Sequence[_Case], goal: float, progress: bool | None
+        self, cases: Sequence[_Case], goal: float | None, progress: bool | None
     ) -> tuple[tuple[str, ...], tuple[Point, ...]]:
         """Return the quantities of a study and its points.
 
-        Solvers run through their resolutions until all errors are at most a goal. The quantities
-        are those asked for, or those that some solution has.
+        Solvers run through their resolutions until all errors are at most the goal, or through all
+        of them if there is none. The quantities are those asked for, or those that some solution
+        has.
         """
         found: list[Point] = []
         with ProgressLine(progress) as tell:
@@ -301,7 +302,8 @@ class _Runs:
                 for k, resolution in enumerate(resolutions):
                     tell(f"{name} at {resolution:g}", (i + k / len(resolutions)) / len(cases))
                     found.append(self._point(name, solver, true, resolution))
-                    if max(found[-1].errors.values(), default=math.inf) <= goal:
+                    worst = max(found[-1].errors.values(), default=math.inf)
+                    if goal is not None and worst <= goal:
                         break
             tell("", 1.0)
         there = tuple(name for name in self.wanted if any(name in one.errors for one in found))

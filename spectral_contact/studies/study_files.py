@@ -112,7 +112,7 @@ def _decoded(name: str, value: Any) -> Any:
         return tuple(_record(Point, one) for one in value)
     if name in ("scene", "scenes"):
         return Scene.from_dict(value) if name == "scene" else tuple(map(Scene.from_dict, value))
-    if name in ("errors", "estimates"):  # infinity is a text
+    if name in ("errors", "estimates", "truth_error"):  # infinity is a text
         return {key: float(one) for key, one in value.items()}
     if name in _RECORDS:
         return None if value is None else _record(_RECORDS[name], value)

@@ -54,14 +54,15 @@ def _convergence(study: Convergence) -> Figure:
     rows = -(-len(study.quantities) // count)
     figure = new_figure(figsize=(1.4 + 3.8 * count, 3.9 + 0.18 * rows), layout="constrained")
     over_unknowns, *over_times = figure.subplots(1, count, sharey=True, squeeze=False)[0]
+    kinds = {rate.kind for rate in study.rates.values() if rate is not None}
+    # before anything is drawn: without data the limits of an axis are those of its scale
+    over_unknowns.set(xlabel="unknowns $N$", yscale="log")
+    if not kinds or "algebraic" in kinds:  # errors that fall geometrically are lines otherwise
+        over_unknowns.set_xscale("log")
     for index, quantity in enumerate(study.quantities):
         _draw_rate(over_unknowns, study, quantity, index)
         for axes in over_times:
             _draw_times(axes, study.points, quantity, index)
-    kinds = {rate.kind for rate in study.rates.values() if rate is not None}
-    over_unknowns.set(xlabel="unknowns $N$", yscale="log")
-    if not kinds or "algebraic" in kinds:  # errors that fall geometrically are lines otherwise
-        over_unknowns.set_xscale("log")
     _finish([over_unknowns, *over_times], study.points)
     _add_legend(figure, over_unknowns, count)
     figure.suptitle(f"{study.solver}:   {scene_title(study.scene)}")

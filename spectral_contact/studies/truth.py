@@ -99,7 +99,7 @@ class Truth:
             return abs(value - self.scalars[name]) / abs(self.scalars[name])
         if name == "edge_pressure":
             edge = float(field_of(solution, attribute)(np.zeros(1))[0])
-            return abs(edge - self.scalars[name]) / self.scalars[name]
+            return abs(edge - self.scalars[name]) / abs(self.scalars[name])
         finite = np.isfinite(self.fields[name])
         true = self.fields[name][finite]
         values = field_of(solution, name)(self.from_edge[finite])
@@ -130,9 +130,22 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
 
 
 def estimate_of(solution: Any, name: str) -> float | None:
-    """Return what a solution says of the relative error of a quantity; None if nothing."""
+    """Return what a solution says of the relative error of a quantity; None if nothing.
+
+    NaN, as of an estimate that failed, is infinite: no digit is known.
+
+    Raises
+    ------
+    SceneError
+        For an estimate that is no real number, or below 0.
+    """
     estimate = getattr(getattr(solution, "error", None), attribute_of(name), None)
-    return None if estimate is None else scalar(f"error.{attribute_of(name)}", estimate)
+    if estimate is None:
+        return None
+    known = scalar(f"error.{attribute_of(name)}", estimate)
+    if known < 0.0:
+        raise SceneError(f"error.{attribute_of(name)}", estimate, "at least 0")
+    return math.inf if math.isnan(known) else known
 
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
@@ -20,6 +20,7 @@ from spectral_contact.io.schema import SCENE, SOLUTION
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution, Zone
 from spectral_contact.sweeps.forward_slip import admissible_tractions
+from spectral_contact.sweeps.mean_slip import annulus_nodes
 from spectral_contact.view.physical_solution import PhysicalSolution
 from spectral_contact.view.report import digits_text, estimate_text, scene_text, table
 
@@ -101,7 +102,8 @@ class SteadyCycle(Suggesting):
         traction is within the bounds then.
     error : CycleErrors
     converged : bool
-        Whether the errors of what is dissipated are within `rtol`.
+        Whether the errors of what is dissipated are within `rtol`. A loop so close to shakedown
+        that no solve says whether it slips dissipates 0, with the error 1, and counts as converged.
     """
 
     scene: Scene
@@ -213,13 +215,19 @@ class SteadyCycle(Suggesting):
             As `slip_amplitude`, or for another `at`.
         """
         one_of("at", at, _ENDS)
-        radius, distance = checks.radii(s, from_edge)
-        slips = np.zeros(radius.shape, dtype=bool)
+        _, distance = checks.radii(s, from_edge)
+        return self._slip_traction(distance, at)[()]
+
+    def _slip_traction(self, from_edge: Array, at: str) -> Array:
+        """Return the traction where the surface slips, and NaN where it sticks."""
+        slips = np.zeros(from_edge.shape, dtype=bool)
         for zone in self.zones:
             if zone.kind == "slip":
-                slips |= (distance <= zone.inner_from_edge) & (distance >= zone.outer_from_edge)
-        limit = np.where(slips, self._friction_bound(distance), np.nan)
-        return (limit if at == "highest" else -self.lowest * limit)[()]
+                slips |= (from_edge <= zone.inner_from_edge) & (from_edge >= zone.outer_from_edge)
+        traction = np.full(from_edge.shape, np.nan)
+        share = np.sign(self.scene.kappa) * (1.0 if at == "highest" else -self.lowest)
+        traction[slips] = share * self._friction_bound(from_edge[slips])
+        return traction
 
     def traction_bounds(
         self,
@@ -252,18 +260,19 @@ class SteadyCycle(Suggesting):
         one_of("at", at, _ENDS)
         self._require_unloading("traction_bounds")
         _, distance = checks.radii(s, from_edge)
-        limit = np.abs(self._friction_bound(distance))
+        limit = self._friction_bound(distance)
         low, high = admissible_tractions(self.states, self._friction, limit, distance)
         if at == "lowest":
-            change = self.traction_change(from_edge=distance)
+            change = np.where(limit < np.inf, self.traction_change(from_edge=distance), 0.0)
             low = low - change
             high = high - change
-        return low[()], high[()]
+        known = self._slip_traction(distance, at)
+        sticks = np.isnan(known)
+        return np.where(sticks, low, known)[()], np.where(sticks, high, known)[()]
 
     def _friction_bound(self, from_edge: Array) -> Array:
-        """Return f p of the largest load, of the sign of kappa."""
-        signed = np.sign(self.scene.kappa) * self._friction
-        return np.asarray(signed * self.solution.pressure(from_edge=from_edge))
+        """Return f p of the largest load."""
+        return np.asarray(self._friction * self.solution.pressure(from_edge=from_edge))
 
     def _require_unloading(self, name: str) -> None:
         if self.unloading_dissipation is None:
@@ -378,13 +387,27 @@ class SteadyCycle(Suggesting):
     @property
     def _rows(self) -> list[_TableRow]:
         error = self.error
-        slip = float(self.slip_amplitude(1.0))
+        slip = float(self.slip_amplitude(from_edge=0.0))
         return [
             _TableRow("shakedown ratio", self.shakedown_ratio, error.shakedown_ratio),
             _TableRow("stick radius", self.stick_radius, error.stick_radius),
-            _TableRow("slip amplitude, edge", slip, error.slip_amplitude),
+            _TableRow("slip amplitude, edge", slip, self._edge_slip_error),
             *_dissipation_rows(self, error),
         ]
+
+    @property
+    def _edge_slip_error(self) -> float | None:
+        """Error of the slip amplitude at the edge, relative to its value there."""
+        error = self.error.slip_amplitude
+        if not error:
+            return error
+        slips = [one for one in self.zones if one.kind == "slip"]
+        if not slips or slips[-1].outer_from_edge > 0.0:  # the edge sticks, or nothing is known
+            return 0.0 if slips else error
+        at_edge = float(self.slip_amplitude(from_edge=0.0))
+        nodes = [annulus_nodes(one.inner_from_edge, one.outer_from_edge, 2)[0] for one in slips]
+        largest = float(self.slip_amplitude(from_edge=np.concatenate(nodes)).max())
+        return error * max(largest / at_edge, 1.0) if at_edge > 0.0 else np.inf
 
     def summary(self) -> str:
         """Return the numbers with their errors as text, in SI units as well if there are any."""
@@ -467,6 +490,11 @@ def _dissipation_rows(
     ]
 
 
+def _plus(error: float | None, more: float) -> float | None:
+    """Return the sum of two errors; None where there is no number, 0 of what is 0 exactly."""
+    return error + more if error else error
+
+
 def _table(title: str, numbers: list[_TableRow]) -> str:
     cells = [(title, "value", "error estimate")]
     for one in numbers:
@@ -514,6 +542,13 @@ class PhysicalSteadyCycle(Suggesting):
         return self.cycle.stick_radius * self._loop.radius
 
     @property
+    def _load_error(self) -> float:
+        """Relative error of the load in N, which follows from the approach if that is given."""
+        data = self.cycle.scene.physical
+        given = data is not None and data.load is not None
+        return 0.0 if given else float(self.cycle.solution.error.approach or 0.0)
+
+    @property
     def _energy(self) -> float:
         return self.load * self._loop.units.displacement
 
@@ -551,12 +586,19 @@ class PhysicalSteadyCycle(Suggesting):
     def __str__(self) -> str:
         error = self.cycle.error
         slip = float(self.slip_amplitude(from_edge=0.0))
+        edge_error = self.cycle._edge_slip_error
+        load_error = self._load_error
+        # the unit of energy is the load times the unit of displacements, each in proportion to it
+        energies = ("dissipation", "unloading_dissipation", "reloading_dissipation")
+        of_energy: dict[str, Any] = {
+            name: _plus(getattr(error, name), 2.0 * load_error) for name in energies
+        }
         numbers = [
-            _TableRow("largest load", self.load, 0.0, "N"),
-            _TableRow("lowest load", self.lowest_load, 0.0, "N"),
+            _TableRow("largest load", self.load, load_error, "N"),
+            _TableRow("lowest load", self.lowest_load, load_error, "N"),
             _TableRow("stick radius", self.stick_radius, error.stick_radius, "m"),
-            _TableRow("slip amplitude, edge", slip, error.slip_amplitude, "m"),
-            *_dissipation_rows(self, error, "J"),
+            _TableRow("slip amplitude, edge", slip, _plus(edge_error, load_error), "m"),
+            *_dissipation_rows(self, replace(error, **of_energy), "J"),
         ]
         return _table("SI", numbers)
 

@@ -86,13 +86,13 @@ def damping_map(
     for value in frictions[~((frictions > 0.0) & np.isfinite(frictions))]:
         raise SceneError("friction", float(value), "positive and finite")
     for one in loads.tolist():
-        checked_cycle(scene.replace(friction=float(frictions.min())), one)
+        for end in (frictions.min(), frictions.max()):
+            checked_cycle(scene.replace(friction=float(end)), one)
     rtol = checks.within("rtol", rtol, _TOLERANCES)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
-    least = scene.replace(friction=float(frictions.min()))
     with one_thread():
         family = CycleFamily(
-            least, loads.tolist(), rtol, _SHARE * rtol, max_unknowns, float(frictions.max())
+            scene, frictions.tolist(), loads.tolist(), rtol, _SHARE * rtol, max_unknowns
         )
         cycles = [
             [family.cycle(scene.replace(friction=f), one) for one in loads.tolist()]

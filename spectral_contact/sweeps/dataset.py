@@ -17,7 +17,7 @@ from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.request import ENDINGS, Outcome, Request, Rows, requested
-from spectral_contact.sweeps.sweep_parameters import Indices, SweepParameters, alone
+from spectral_contact.sweeps.sweep_parameters import KAPPA, Indices, SweepParameters, alone
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
 
@@ -204,6 +204,8 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
     for k, name in enumerate(parameters.names):
         values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
         values = parameters.axes.get(name, values)
+        if name == KAPPA and parameters.table is not None:  # some may have a Poisson's ratio
+            values = parameters.columns(np.arange(parameters.size)).kappa
         if name == "unloaded_to" and not parameters.unloaded and name not in parameters.axes:
             continue
         # a load or radius that is not given of every contact is a result

@@ -44,6 +44,7 @@ def admissible_tractions(
     of_loop = float(states[0].scene.friction or 0.0)
     low = -limit
     high = limit
+    bounded = limit < math.inf  # not at the edge of a smooth surface, nor where nothing slips
     for one in states:
         of_state = float(one.scene.friction or 0.0)
         if of_state == math.inf:
@@ -54,8 +55,9 @@ def admissible_tractions(
             continue
         load = (of_state - friction) / (of_state + friction)
         change = (1.0 - load) * np.asarray(one.traction(from_edge=from_edge))
-        low = np.maximum(low, change - load * limit)
-        high = np.minimum(high, change + load * limit)
+        with np.errstate(invalid="ignore"):
+            low = np.where(bounded, np.maximum(low, change - load * limit), low)
+            high = np.where(bounded, np.minimum(high, change + load * limit), high)
     return low, high
 
 

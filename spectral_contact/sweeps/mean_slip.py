@@ -76,8 +76,8 @@ def mean_slip(solution: Solution) -> ValueWithError:
                 largest = max(largest, float(slip.max()))
             else:
                 other += float(load @ slip)
-    if value == 0.0:
-        return ValueWithError(0.0, 0.0)
+    if value == 0.0:  # slip that is too small for a digit, if there is any
+        return ValueWithError(0.0, math.inf if solution.error.slip else 0.0)
     # the error of the slip is relative to its largest modulus
     of_slip = (solution.error.slip or 0.0) * largest * weight / value
     of_rule = abs(value - other) / value
@@ -211,7 +211,7 @@ class MeanSlipCurve:
                 self._beyond = here * _WIDTH
                 break
             # where A has fallen, fewer of its digits count
-            share = min(here / whole, 1.0)
+            share = min(here / whole, 1.0) if whole > 0.0 else 1.0
             if start in self._crossings:
                 panel: _SeriesPanel | float = self._crossing(start)
             else:
@@ -290,10 +290,10 @@ class MeanSlipCurve:
         Parameters
         ----------
         weight : callable
-            Of frictions.
+            Of the difference of frictions from `friction`.
         friction : float
         step : float
-            Friction beyond `friction` over which the weight is smooth.
+            The difference over which the weight is smooth.
 
         Returns
         -------
@@ -302,28 +302,33 @@ class MeanSlipCurve:
         """
         value = error = 0.0
         x, w = leggauss(_INNER)
-        for panel, ends in self._pieces(self._place(friction), step):
-            start, stop = ends
-            tau = start + (stop - start) * (x + 1.0) / 2.0
-            f = self._friction(tau)
-            terms = (stop - start) / 2.0 * w * self._slope(tau) * panel.mean(tau) * weight(f)
+        first = self._place(friction)
+        for panel, (start, stop) in self._pieces(first, step):
+            ahead = start + (stop - start) * (x + 1.0) / 2.0
+            tau = first + ahead
+            density = self._slope(tau) * panel.mean(tau)
+            terms = (stop - start) / 2.0 * w * density * weight(self._difference(first, ahead))
             value += float(terms.sum())
             error += float(terms.sum()) * panel.error
         if self._beyond > 0.0:
-            last = self._friction(np.array([self._panels[-1].stop if self._panels else 0.0]))
-            error += self._beyond * float(weight(last)[0])
+            last = max(self._panels[-1].stop - first if self._panels else 0.0, 0.0)
+            error += self._beyond * float(weight(self._difference(first, np.array([last])))[0])
         return ValueWithError(value, error)
+
+    def _difference(self, first: float, ahead: Array) -> Array:
+        """Return by how much the friction rises from tau = `first` on, free of cancellation."""
+        slope = self._slope(np.array(first))
+        return slope * (np.expm1(ahead) if self._critical == math.inf else -np.expm1(-ahead))
 
     def _pieces(
         self, first: float, step: float
     ) -> Iterator[tuple[_SeriesPanel, tuple[float, float]]]:
-        """Yield panels with the ends of pieces of them, fine where the distance from `first` is."""
-        fine = first + step / float(self._slope(np.array(first))) * 2.0 ** np.arange(60)
+        """Yield panels and the ends of pieces of them, less `first`; the pieces grow from there."""
+        fine = step / float(self._slope(np.array(first))) * 2.0 ** np.arange(60)
         for panel in self._panels:
-            start = max(panel.start, first)
-            if start >= panel.stop:
+            start, stop = max(panel.start - first, 0.0), panel.stop - first
+            if start >= stop:
                 continue
-            inner = fine[(fine > start) & (fine < panel.stop)].tolist()
-            ends = [start, *inner, panel.stop]
-            for piece in pairwise(ends):
+            inner = fine[(fine > start) & (fine < stop)].tolist()
+            for piece in pairwise([start, *inner, stop]):
                 yield panel, piece

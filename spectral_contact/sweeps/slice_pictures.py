@@ -67,6 +67,7 @@ def plot_slice(
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
     # full stick, friction infinite, has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
+    part = part.sortby([name for name in left if name in part.dims])  # as an axis has them
     if len(left) not in (1, 2):
         said = f"such that one or two dimensions are left, not {', '.join(left) or 'none'}"
         raise SceneError("at", dict(at or {}), said)

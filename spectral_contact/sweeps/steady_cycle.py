@@ -36,8 +36,13 @@ _TOLERANCES: Final = "in [1e-11, 1e-2]"
 _SOLVE_TOLERANCES: Final = (0.1, 1e-3)
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
-#: What a smaller friction dissipates is no double.
+#: What a smaller friction dissipates is no double, nor what a larger one does.
 _LEAST_FRICTION: Final = 1e-100
+_LARGEST_FRICTION: Final = 1e100
+#: Below this lowest load the loop no longer depends on it, and its square is no double.
+_LEAST_LOAD: Final = 1e-50
+#: The slack where the surface slips back, which is 0, is off by up to 1e-12.
+_ROUNDING_OF_SLACK: Final = 1e-9
 #: Loops that dissipate next to nothing may have fewer digits: those with a friction so close to the
 #: critical one, over the distance of the deepest loop from there.
 _NEAR_SHAKEDOWN: Final = 1e-2
@@ -95,14 +100,38 @@ def steady_cycle(
     with one_thread():
         for factor in _SOLVE_TOLERANCES:
             tolerance = max(factor * rtol, _TIGHTEST)
-            family = CycleFamily(scene, [lowest], rtol, tolerance, max_unknowns)
-            found = family.cycle(scene, lowest)
-            if found.converged or tolerance == _TIGHTEST:
+            found = _solved(scene, lowest, rtol, tolerance, max_unknowns)
+            if (found.converged and not _may_slip_forward(found)) or tolerance == _TIGHTEST:
                 break
+        if _may_slip(found) and tolerance > _TIGHTEST:
+            closer = _solved(scene, lowest, rtol, _TIGHTEST, max_unknowns)
+            found = closer if closer.converged else found
     if strict and not found.converged:
         cause = f"the error estimate {found.worst_error:.1e} does not meet rtol = {rtol:.1e}"
         raise ConvergenceError(cause, "Loosen rtol, or use strict=False.", found)
     return found
+
+
+def _solved(
+    scene: Scene, lowest: float, rtol: float, tolerance: float, max_unknowns: int
+) -> SteadyCycle:
+    """Return the loop of one scene, with solves to some tolerance."""
+    friction = float(scene.friction or 0.0)
+    family = CycleFamily(scene, [friction], [lowest], rtol, tolerance, max_unknowns)
+    return family.cycle(scene, lowest)
+
+
+def _may_slip(cycle: SteadyCycle) -> bool:
+    """Return whether a loop is so close to shakedown that its solves do not say if it slips."""
+    return cycle.reloading_dissipation == 0.0 < cycle.error.reloading_dissipation
+
+
+def _may_slip_forward(cycle: SteadyCycle) -> bool:
+    """Return whether only the errors of its solves allow a loop without forward slip.
+
+    Where the surface slips, q = f p to rounding, so that the slack is 0 at any tolerance.
+    """
+    return cycle.unloading_dissipation is not None and cycle.slack < -_ROUNDING_OF_SLACK
 
 
 def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
@@ -115,8 +144,9 @@ def checked_cycle(scene: Scene, lowest: float) -> tuple[Scene, float]:
         raise SceneError("profile", scene.profile, "None: the law is that of a flat punch")
     if scene.friction is None:
         raise SceneError("friction", None, "a coefficient of friction")
-    if 0.0 < scene.friction < _LEAST_FRICTION:
-        raise SceneError("friction", scene.friction, f"0, or at least {_LEAST_FRICTION:g}")
+    if 0.0 < scene.friction < _LEAST_FRICTION or _LARGEST_FRICTION < scene.friction < math.inf:
+        told = f"0, in [{_LEAST_FRICTION:g}, {_LARGEST_FRICTION:g}], or infinite"
+        raise SceneError("friction", scene.friction, told)
     if scene.couples:
         raise SceneError("coupling", True, "False: with elastic coupling the law does not hold")
     return scene, lowest
@@ -128,36 +158,31 @@ class CycleFamily:
     Parameters
     ----------
     scene : Scene
-        Its friction is the lowest of all.
-    lowest : sequence of float
-        The lowest loads that will be asked for.
+    frictions, lowest : sequence of float
+        The coefficients of friction and the lowest loads that will be asked for.
     rtol : float
         Of the dissipation.
     tolerance : float
         Of the solves.
     max_unknowns : int
-    highest_friction : float, optional
-        The largest friction that will be asked for; by default that of the scene.
     """
 
     def __init__(
         self,
         scene: Scene,
+        frictions: Sequence[float],
         lowest: Sequence[float],
         rtol: float,
         tolerance: float,
         max_unknowns: int,
-        highest_friction: float | None = None,
     ) -> None:
-        assert scene.friction is not None
         self._rtol = rtol
         path = Continuation(tolerance, (*ASKED, "critical_friction"), max_unknowns)
         self._solve: Callable[[float], Solution] = lambda f: path.solve(scene.replace(friction=f))
         self._stick = self._solve(math.inf)
         critical = self._stick.critical_friction
-        ends = scene.friction, highest_friction or scene.friction
-        frictions = [loop_friction(f, load) for f in ends for load in lowest]
-        slipping = [f for f in frictions if 0.0 < f < critical]
+        of_loops = [loop_friction(f, load) for f in frictions for load in lowest]
+        slipping = [f for f in of_loops if 0.0 < f < critical]
         least = min(slipping, default=critical)
         largest = max(slipping, default=critical)
         if critical < math.inf:
@@ -174,8 +199,12 @@ class CycleFamily:
         ratio, ratio_error = shakedown(critical, critical_error, friction)
         loop_f = loop_friction(friction, lowest)
         # within the error of the critical friction no digit of the slip is known
-        at_shakedown = critical * (1.0 - critical_error) <= loop_f < critical
-        loop = self._stick if at_shakedown else self._solve(loop_f)
+        margin = critical_error * critical if critical < math.inf else 0.0
+        at_shakedown = critical > 0.0 and abs(loop_f - critical) <= margin
+        if at_shakedown:
+            loop = replace(self._stick, scene=scene.replace(friction=loop_f))
+        else:
+            loop = self._solve(loop_f)
         with_more_friction = [
             state for state in self._curve.states if (state.scene.friction or 0.0) > loop_f
         ]
@@ -199,7 +228,9 @@ class CycleFamily:
             slack,
             CycleErrors(
                 shakedown_ratio=float(ratio_error),
-                stick_radius=critical_error if at_shakedown else loop.error.stick_radius,
+                stick_radius=_width_of_slip(scene, critical_error)
+                if at_shakedown
+                else loop.error.stick_radius,
                 slip_amplitude=1.0 if at_shakedown else loop.error.slip,
                 traction=max(loop.error.traction or 0.0, loop.error.pressure or 0.0),
                 reloading_dissipation=_relative(reloading),
@@ -207,7 +238,7 @@ class CycleFamily:
                 dissipation=total_error,
             ),
         )
-        within = reloading.value == 0.0 or cycle.worst_error <= self._rtol
+        within = at_shakedown or cycle.worst_error <= self._rtol
         return replace(cycle, converged=loop.converged and within)
 
     def _dissipated(
@@ -219,15 +250,22 @@ class CycleFamily:
         """
         mean = mean_slip(loop)
         if mean.value == 0.0 or friction == 0.0:
-            return ValueWithError(0.0, 0.0), ValueWithError(0.0, 0.0)
+            nothing = ValueWithError(0.0, 0.0 if friction == 0.0 else mean.error)
+            return nothing, nothing
         loop_f = loop_friction(friction, lowest)
+        # f (1 + l)/(1 - l) less f, which the difference of both would round away if l is small
+        excess = 2.0 * friction * max(lowest, _LEAST_LOAD) / (1.0 - lowest)
         unloading = self._curve.integrate(
-            lambda f: 4.0 * friction**2 / (f + friction) ** 3, loop_f, loop_f + friction
+            lambda beyond: (
+                4.0 * (friction / (loop_f + beyond + friction)) ** 2 / (loop_f + beyond + friction)
+            ),
+            loop_f,
+            loop_f + friction,
         )
         reloading = self._curve.integrate(
-            lambda f: 4.0 * (lowest * friction) ** 2 / (f - friction) ** 3,
+            lambda beyond: ((1.0 - lowest) * excess / (excess + beyond)) ** 2 / (excess + beyond),
             loop_f,
-            loop_f - friction,
+            excess,
         )
         # the term at the end of the loop, (1 - lambda) A(f')
         end = (1.0 - lowest) * mean.value
@@ -241,6 +279,15 @@ class CycleFamily:
                 friction * (end - reloading.value), friction * (end_error + reloading.error)
             ),
         )
+
+
+def _width_of_slip(scene: Scene, critical_error: float) -> float:
+    """Return the error of a stick radius of 1 where the friction may be below the critical one.
+
+    Slip begins at the edge if alpha >= beta, else in an annulus, which may be anywhere.
+    """
+    at_edge = scene.normal_compliance >= scene.tangential_compliance
+    return critical_error if at_edge else 1.0
 
 
 def _sum(first: ValueWithError, second: ValueWithError) -> ValueWithError:

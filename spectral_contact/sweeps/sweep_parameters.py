@@ -145,8 +145,8 @@ class SweepParameters:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        first = KAPPA if self.forms[0].by_kappa else PARAMETERS[0]
+        """Names of the parameters; the first is kappa if it is that of some scenes of a list."""
+        first = KAPPA if any(one.by_kappa for one in self.forms) else PARAMETERS[0]
         return (first, *PARAMETERS[1 : len(self.fixed)], *(_LAW + name for name in self.law))
 
     @property

@@ -20,6 +20,7 @@ from spectral_contact.io import checks
 from spectral_contact.io.choices import suggesting
 from spectral_contact.layers.scene_layer import is_user_law
 from spectral_contact.processes import VERSION
+from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps.chunk import outcomes
@@ -195,6 +196,7 @@ def sweep(
     si_axes = dict(zip(_SI_AXES, of_si, strict=True))
     if not isinstance(scenes, Scene):
         scenes = _several(scenes)
+    _refuse_rivals(axes)
     physical = _physical_scenes(scenes, axes | si_axes, layer, coupling, table)
     if physical is None:
         for name, values in si_axes.items():
@@ -349,6 +351,16 @@ def _parameters(
         if values is not None:
             raise SceneError(name, values, "None with a list of scenes")
     return listed(scenes, alone)
+
+
+def _refuse_rivals(axes: Mapping[str, Any]) -> None:
+    """Refuse two parameters of which a scene has one, where the other would be left out unsaid."""
+    if axes[KAPPA] is not None and axes[PARAMETERS[0]] is not None:
+        raise SceneError(KAPPA, axes[KAPPA], f"None where {PARAMETERS[0]} is given")
+    pressed = [name for name in ALL_CONTROLS if axes[name] is not None]
+    if len(pressed) > 1:
+        told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
+        raise SceneError(pressed[0], axes[pressed[0]], told)
 
 
 def _several(scenes: Any) -> tuple[Scene, ...]:

@@ -53,9 +53,10 @@ def plot_adhesion_cycle(cycle: AdhesionCycle) -> Figure:
         for k in range(0, len(cycle.jump_out), 2):
             _draw_jump(axes, cycle.jump_out[k : k + 2], BLACK, "jump out of contact" * (k == 0))
         axes.axhline(0.0, color=BLACK, linewidth=0.6)
-        units = ("L", "E' L^2") if cycle.scene.physical is None else ("m", "E' m^2")
-        axes.set_xlabel(rf"approach $\delta$ [${units[0]}$]")
-        axes.set_ylabel(rf"load $P$ [${units[1]}$]")
+        length = "L" if cycle.scene.physical is None else "m"
+        force = "N" if cycle.si_units else f"$E'$ {length}²"
+        axes.set_xlabel(rf"approach $\delta$ [{length}]")
+        axes.set_ylabel(f"load $P$ [{force}]")
         axes.legend(frameon=False)
         figure.suptitle(f"{scene_title(cycle.scene)},   control of the {cycle.control}")
     return figure

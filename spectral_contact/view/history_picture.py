@@ -29,7 +29,8 @@ _LEAST, _POINTS = 1e-3, 300
 def plot_history(solution: Solution) -> Figure:
     """Plot load, total shear and approach over the contact radius, and the stick radius.
 
-    In the last panel it is over the edge of the contact, with slip between them.
+    In the last panel it is over the edge of the contact, with slip between them. In SI units if the
+    scene has SI data.
 
     Parameters
     ----------
@@ -54,24 +55,32 @@ def plot_history(solution: Solution) -> Figure:
     require()
     first, last = history.radii[[0, -1]]
     b = np.clip(np.linspace(max(first, _LEAST * last), last, _POINTS), first, last)
-    loads = (("$P$", history.load(b), BLUE), ("$Q$", history.total_shear(b), VERMILION))
+    data, length, force, unit = solution.scene.physical, "$L$", "$E'L^2$", 1.0
+    if data is not None:  # lengths are in m then
+        length, force = "m", "N"
+        unit = data.quarter_modulus(solution.scene.poisson_ratio)
+    shear = unit * history.total_shear(b)
+    loads = (("$P$", unit * history.load(b), BLUE), ("$Q$", shear, VERMILION))
+    # between bodies of negative kappa the shear is negative
+    lowest = 1.05 * min(0.0, float(shear.min()))
     with style():
         figure = new_figure(figsize=(10.0, 3.4), layout="constrained")
         figure.suptitle(scene_title(solution.scene))
         forces, sinking, zones = figure.subplots(1, 3)
         for label, values, colour in loads:
             forces.plot(b, values, color=colour, label=label)
-        forces.set(xlabel="contact radius [$L$]", ylabel="load, total shear [$E'L^2$]")
+        forces.set(ylabel=f"load, total shear [{force}]")
         forces.legend()
         sinking.plot(b, history.approach(b), color=GREEN)
-        sinking.set(xlabel="contact radius [$L$]", ylabel=r"approach $\delta$ [$L$]")
+        sinking.set(ylabel=rf"approach $\delta$ [{length}]")
         sticking = b * history.stick_radius(b)
         zones.plot(b, sticking, color=BLUE, label="stick radius")
         zones.fill_between(b, sticking, b, color=SLIP_GREY, lw=0.0, label="slip")
         zones.plot(b, b, "k-", lw=0.8)
-        zones.set(xlabel="contact radius [$L$]", ylabel="radius [$L$]")
+        zones.set(ylabel=f"radius [{length}]")
         zones.legend(loc="upper left")
-        for axes in (forces, sinking, zones):
+        for axes, low in ((forces, lowest), (sinking, 0.0), (zones, 0.0)):
+            axes.set_xlabel(f"contact radius [{length}]")
             axes.set_xlim(0.0, last)
-            axes.set_ylim(0.0, None)
+            axes.set_ylim(low, None)
     return figure

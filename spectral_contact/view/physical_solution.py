@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.equations.interior import Inside, Material
@@ -177,7 +178,13 @@ class PhysicalSolution(choices.Suggesting):
         factor = self._factor(_FACTORS[name])
         a = self.radius
         if from_edge is None:
-            return evaluate(checks.lengths("r", r, a, "m") / a) * factor
+            given = checks.lengths("r", r, a, "m")
+            # next to the edge the difference from the radius is exact, and one of quotients is not
+            outer = given > a / 2.0
+            values = np.empty(given.shape)
+            values[outer] = evaluate(from_edge=(a - given[outer]) / a)
+            values[~outer] = evaluate(given[~outer] / a)
+            return (values * factor)[()]
         return evaluate(from_edge=checks.lengths("from_edge", from_edge, a, "m") / a) * factor
 
     @property

@@ -296,17 +296,16 @@ def _draw_over_radius(
     for zone in known_zones(solution):
         if zone.kind == "slip":
             axes.axvspan(a * zone.inner, a * zone.outer, color=SLIP_GREY, lw=0.0, zorder=0.5)
-    # an edge much higher than the rest, or infinite, is left to the other panel
+    # an edge much higher or lower than the rest, or infinite, is left to the other panel
     limits = bulk_limits(radii, [curve.values for curve in curves])
-    # with coupling there may be no limit at the edge
     values = np.concatenate([curve.values for curve in curves])
-    highest = np.nanmax(values)
-    if highest > limits[1]:
-        edge = f"up to {highest:.3g}" if np.isfinite(highest) else "infinite"
-        place = np.tile(radii.s, len(curves))[np.nanargmax(values)]
-        where = "the edge" if place == 1.0 else f"$s$ = {place:.3g}"
-        corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "top"}
-        axes.text(0.97, 0.95, f"cut off: {edge} at {where}", **corner)
+    places = np.tile(radii.s, len(curves))
+    # with coupling there may be no limit at the edge, which is NaN
+    peaks = (np.nanargmin(values), 0.05, "bottom"), (np.nanargmax(values), 0.95, "top")
+    for at, height, side in peaks:
+        if not limits[0] <= values[at] <= limits[1]:
+            corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": side}
+            axes.text(0.97, height, f"cut off: {_peak_text(values[at], places[at])}", **corner)
     axes.set_xlim(0.0, a)
     axes.set_ylim(*limits)
     axes.legend(
@@ -315,6 +314,12 @@ def _draw_over_radius(
         bbox_to_anchor=(0.0, 1.0),
         ncols=4,
     )
+
+
+def _peak_text(value: float, place: float) -> str:
+    """Return the value of a curve that is cut off, and where it has it."""
+    peak = "infinite" if math.isinf(value) else f"{'up' if value > 0.0 else 'down'} to {value:.3g}"
+    return f"{peak} at {'the edge' if place == 1.0 else f'$s$ = {place:.3g}'}"
 
 
 def _draw_over_distance(

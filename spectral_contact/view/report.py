@@ -247,7 +247,7 @@ def _has_edge_value(name: str, scene: Scene) -> bool:
 def _relative_to(name: str, solution: Solution) -> float:
     """Return what an error is relative to, over the value; 1 unless that may vanish."""
     scale, value = solution.error_scales.get(name), solution.values.get(name)
-    if scale is None or value is None:
+    if scale is None or value is None or math.isinf(value):
         return 1.0
     return scale / abs(value) if value else math.inf
 

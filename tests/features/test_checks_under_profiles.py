@@ -35,7 +35,7 @@ def hertz(factor=1.0, radius=1.0, **more):
 def test_solutions_pass(name):
     scene = SCENES[name]
     report = check_solution(solve(scene, 1e-10), scene, 1e-9)
-    assert len(report.checks) == 5
+    assert len(report.checks) == 6
     assert report.passed
 
 
@@ -116,3 +116,46 @@ def test_compare_in_si_units():
     assert agreement["stiffness"].error < 1e-12
     assert agreement["load"].error < 1e-12
     assert agreement["contact_radius"].truth == pytest.approx(here.contact_radius)
+
+
+@pytest.mark.parametrize("off", [1e-9, -1e-9])
+def test_a_contact_radius_that_is_a_billionth_off_fails(off):
+    a, load = 1.0 + off, 16.0 / 3.0
+    extra = load - closed_forms.parabola_contact(a, 1.0).load
+
+    class Punched:
+        """The contact of another radius, with a flat punch for the rest of the load."""
+
+        contact_radius = a
+
+        def pressure(self, *, from_edge):
+            y = from_edge * (2.0 - from_edge)
+            return 8.0 * a / np.pi * np.sqrt(y) + extra / (2.0 * np.pi * a**2 * np.sqrt(y))
+
+    scene = Scene(0.3, profile=profiles.Parabola(1.0), load=load)
+    report = check_solution(Punched(), scene, 1e-11, strict=False)
+    assert [c.name for c in report.checks if not c.passed] == ["pressure vanishes at the edge"]
+
+
+def test_the_adhesion_of_another_work_fails_on_a_smooth_surface():
+    scene = Scene(0.3, profile=profiles.Parabola(1.0), load=1.0, work_of_adhesion=1.0)
+    assert check_solution(solve(scene, 1e-10), scene, 1e-9).passed
+    report = check_solution(solve(scene.replace(work_of_adhesion=1.001)), scene, 1e-6, strict=False)
+    missed = [c.name for c in report.checks if not c.passed]
+    assert missed == ["energy release rate is the work of adhesion"]
+
+
+def test_a_traction_between_equal_materials_fails():
+    law = {"profile": profiles.Parabola(1.0), "load": 1.0, "friction": 0.1}
+    scene = Scene.from_kappa(0.0, tangential_compliance=0.5, **law)
+    solution = solve(scene)
+
+    class Sheared:
+        contact_radius = solution.contact_radius
+        pressure = solution.pressure
+
+        def traction(self, *, from_edge):
+            return 0.05 * solution.pressure(from_edge=from_edge)
+
+    report = check_solution(Sheared(), scene, 1e-9, strict=False)
+    assert [c.name for c in report.checks if not c.passed] == ["no traction at kappa = 0"]

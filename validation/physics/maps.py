@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator
 
 from spectral_contact import Scene
 from spectral_contact.sweeps import plot_slice, sweep
-from spectral_contact.view.figures import BLACK, SLIP_GREY, VERMILION, new_figure, save, style
+from spectral_contact.view.figures import BLACK, STICK_WHITE, VERMILION, new_figure, save, style
 
 RESULTS = Path(__file__).parents[1] / "results"
 #: Both maps are of kappa = 1/7, nu = 0.3.
@@ -54,7 +54,7 @@ def draw_stick_radius(found, critical) -> Figure:
     figure = plot_slice(found.assign(stick_radius=slips), "stick_radius")
     with style():
         axes = figure.axes[0]
-        axes.set_facecolor(SLIP_GREY)
+        axes.set_facecolor(STICK_WHITE)
         axes.grid(visible=False)
         levels = np.arange(np.floor(20.0 * slips.min()) / 20.0, 1.0, 0.05)
         lines = axes.contour(COARSE, COARSE, slips, levels, colors="white", linewidths=0.7)

@@ -166,8 +166,10 @@ class Inside:
         depth = scaled_lengths("z", z, self._units)
         checks.exactly_one("r", r, "from_edge", from_edge)
         if from_edge is None:
-            radius = scaled_lengths("r", r, self._units)
-            distance = 1.0 - radius
+            given, length = checked_lengths("r", r, self._units), self._units.length
+            radius = np.asarray(given / length)
+            # next to the edge this difference is exact, and one of quotients is not
+            distance = np.asarray((length - given) / length)
         else:
             distance = scaled_lengths("from_edge", from_edge, self._units, high=1.0)
             radius = 1.0 - distance
@@ -277,7 +279,19 @@ class Inside:
         four[3] = np.where(points.r > AXIS, four[3], 0.0)
         error = stress_error(sums.values, self._errors(sums), self._nu)
         error = error + places.lost(points, self._solution)
+        if self._units.names.si_length and from_edge is None:
+            error = error + self._lost_by_radius(points)
         return Stress(*_shaped(shape, *(four * self._units.stress), error))
+
+    def _lost_by_radius(self, points: BodyPoints) -> Array:
+        """Return by how much stress at places in metres is in doubt, as the contact radius is.
+
+        Relative to the stress. Where the radius is off, so is the distance of a place from the
+        edge, towards which stress grows like the power -1/2 of the distance at most.
+        """
+        unsure = self._solution.error.contact_radius or 0.0
+        ratio = np.hypot(points.r, points.z) / np.maximum(points.to_edge, unsure)
+        return np.asarray(np.minimum(unsure * ratio, 1.0)) if unsure else np.zeros(len(points.r))
 
     def surface(
         self,

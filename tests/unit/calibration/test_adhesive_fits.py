@@ -209,3 +209,27 @@ def test_few_rows_before_the_contact_do_not_pull_the_fit():
     found = fit(start, IndentationData(depth, measured, sigma), free, rtol=1e-6)
     for name, true in zip(free, (modulus, adhesion, 0.0), strict=True):
         assert abs(found[name] - true) < 4.0 * found.error(name)
+
+
+def test_a_fit_that_has_come_off_at_a_row_knows_no_deviations():
+    """They were those of a line that no contact follows: w was off by eleven of them."""
+    ball, zero = profiles.Parabola(1e-5), 2e-7
+    quarter = 1e9 / 4.0 / 0.91
+    rng = np.random.default_rng(5)
+    depth = rng.permutation(np.linspace(zero - 2e-8, zero + 3e-7, 40))
+    branch = BranchLoads(ball, 1e-9).loads(depth - zero, 0.0, 0.05 / quarter)
+    there = ~branch.beyond
+    load = np.concatenate([quarter * branch.value[there], np.zeros(20)])
+    depth = np.concatenate([depth[there], np.linspace(zero - 4e-7, zero - 1e-7, 20)])
+    sigma = 3e-4 * load.max()
+    start = Scene.from_physical(
+        youngs_modulus=0.8e9, poisson_ratio=0.3, profile=ball, approach=1e-7, work_of_adhesion=0.03
+    )
+    free = "reduced_modulus", "work_of_adhesion", "zero_point"
+    for _ in range(5):
+        noise = rng.standard_normal(len(depth))
+    found = fit(start, IndentationData(depth, load + sigma * noise, sigma), free, rtol=1e-6)
+    assert abs(found["work_of_adhesion"] / 0.05 - 1.0) > 0.2
+    assert any("has come off" in one for one in found.remarks)
+    assert np.isnan(found.errors).all()
+    assert np.isnan(found.covariance).all()

@@ -1,6 +1,7 @@
 """Fits of force-indentation curves: exact data give their parameters back, errors are honest."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -225,3 +226,33 @@ def test_a_depth_beyond_the_end_of_a_profile_is_named(layer):
     data = IndentationData([1e-7, 2e-6], [1e-9, 1e-7], 1e-9)
     with pytest.raises(SceneError, match=r"^depth = .* which ends at 1e-07: the approach"):
         fit(scene, data, "reduced_modulus")
+
+
+def test_youngs_modulus_has_the_error_that_an_elastic_punch_leaves_it():
+    """What is left of E* after a punch that gives way most is known far less well."""
+    punch = {"punch_youngs_modulus": 2e9, "punch_poisson_ratio": 0.2}
+    scene = Scene.from_physical(
+        youngs_modulus=1e9,
+        poisson_ratio=0.3,
+        profile=profiles.Parabola(1e-5),
+        approach=1e-6,
+        **punch,
+    )
+
+    def youngs_modulus(load):
+        found = fit(scene, IndentationData([1e-6], [load], 1e-5), "reduced_modulus")
+        return found, found.scene.physical.youngs_modulus
+
+    found, _ = youngs_modulus(8e-3)
+    told = float(re.search(r"Young's modulus .* standard deviation (\S+),", str(found))[1])
+    moved = youngs_modulus(8e-3 + 1e-7)[1] - youngs_modulus(8e-3 - 1e-7)[1]
+    assert told == pytest.approx(moved / 2e-7 * 1e-5, rel=0.02)
+
+
+def test_what_the_data_do_not_depend_on_is_named():
+    scene = Scene.from_physical(
+        youngs_modulus=1e9, poisson_ratio=0.3, profile=profiles.Parabola(1e-5), approach=1e-6
+    )
+    before = IndentationData([-2e-6, -1e-6], [1e-5, 2e-5], 1e-5)
+    with pytest.raises(SceneError, match="which do not change with reduced_modulus"):
+        fit(scene, before, "reduced_modulus")

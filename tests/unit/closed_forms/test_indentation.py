@@ -50,3 +50,16 @@ def test_large_exponents():
 def test_a_pull_off_beyond_all_radii_is_refused_by_name(exponent):
     with pytest.raises(ValueError, match=r"coefficient, exponent, work_of_adhesion = .*radius"):
         cf.power_law_pull_off(1.0, exponent, 1e10)
+
+
+def test_arguments_of_another_kind_give_the_numbers_of_floats():
+    pint = pytest.importorskip("pint")
+    percent = pint.UnitRegistry().Quantity(200, "percent")
+    assert cf.rounded_flat_contact(percent, 1.0, 0.3) == cf.rounded_flat_contact(2.0, 1.0, 0.3)
+    assert cf.truncated_cone_contact(percent, 1.0, 0.3) == cf.truncated_cone_contact(2.0, 1.0, 0.3)
+    assert isinstance(cf.parabola_pressure(1.0, 1.0, 0.5), float)
+
+
+def test_next_to_the_tip_of_a_cone_the_pressure_is_finite():
+    truth = 2 / mp.tan(mp.mpf(0.8)) * mp.acosh(mp.mpf(1e30) / mp.mpf(1e-290))
+    assert cf.cone_pressure(1e30, 0.8, 1e-290) == near(truth)

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from spectral_contact.equations.residuals import load, normal_displacement, outer_displacement
+from spectral_contact.equations.residuals import (
+    approach_slope,
+    edge_layer_breaks,
+    load,
+    normal_displacement,
+    outer_displacement,
+)
 
 
 def uniform(d):
@@ -23,3 +29,9 @@ def test_the_load_of_a_disk_is_that_of_its_area(radius):
 
 def test_far_outside_a_load_is_a_point_force():
     assert outer_displacement(uniform, 1e200) == pytest.approx(0.25e-200, rel=1e-14)
+
+
+@pytest.mark.parametrize("c", [1e-14, 1e-10, 1e-2, 20.0])
+def test_the_square_of_a_pressure_on_a_thin_layer_is_resolved(c):
+    slope = approach_slope(lambda d: 1.0 / np.sqrt(d + c), edge_layer_breaks(c))
+    assert slope == pytest.approx(2.0 * np.pi * ((1.0 + c) * np.log1p(1.0 / c) - 1.0), rel=1e-14)

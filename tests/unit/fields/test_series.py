@@ -49,3 +49,10 @@ def test_a_smooth_flat_punch_without_load_has_no_pressure_at_its_edge():
     solution = solve(scene)
     assert solution.pressure(1.0) == 0.0
     assert solution.pressure([0.0, 0.5, 1.0]).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_multiple_of_a_series_has_that_multiple_of_its_logarithm():
+    one = LogSeries(np.ones((2, 3)), np.array([1.0]), 2.0, logarithm=0.5)
+    d = np.array([1.0, 1e-2, 1e-5, 1e-30])
+    assert np.array_equal(one.times(-2.0)(d), -2.0 * one(d))
+    assert one.times(-2.0)(np.zeros(1))[0] == -np.inf

@@ -124,3 +124,18 @@ def test_a_map_that_lacks_every_third_line_has_the_moments_along_the_others():
     whole, some = from_height_map(waves, 1e-6), from_height_map(lacking, 1e-6)
     assert some.rms_slope == pytest.approx(whole.rms_slope, rel=0.02)
     assert some.rms_curvature == pytest.approx(whole.rms_curvature, rel=0.02)
+
+
+@pytest.mark.parametrize("size", [1e-90, 1e90])
+def test_lengths_whose_squares_are_no_doubles_are_refused_by_name(size):
+    heights = np.random.default_rng(0).normal(size=200)
+    with pytest.raises(SceneError, match=r"heights = .*in \[1e-30, 1e\+30\] m"):
+        from_profile(heights * size, 1.0)
+    with pytest.raises(SceneError, match=r"spacing = .*in \[1e-30, 1e\+30\] m"):
+        from_profile(heights, size)
+
+
+def test_a_map_that_is_too_short_for_any_filter_says_so():
+    heights = np.random.default_rng(0).normal(size=(16, 16))
+    with pytest.raises(SceneError, match=r"cutoff = 3e-05: must be None: a side of 1\.6e-05 m"):
+        from_height_map(heights, (1e-6, 1e-4), cutoff=3e-5)

@@ -6,7 +6,7 @@ Oracles: gold tables, which were computed in fixed point by panels; the elliptic
 import pickle
 import sys
 from fractions import Fraction
-from math import pi
+from math import pi, sqrt
 
 import flint
 import numpy as np
@@ -161,6 +161,31 @@ def test_smooth_contact_is_the_closed_form():
     assert str(found) == "[0.125, 0.125]"
     with pytest.raises(NotComputedError, match="infinite"):
         proof.enclose_edge_pressure(Scene(0.3))
+
+
+def test_below_the_largest_load_they_are_in_its_units():
+    """As `Solution` is: both fall in proportion to the load."""
+    largest = Scene(0.3, 0.5, 0.5, 0.05)
+    unloaded = largest.replace(unloaded_to=0.75)
+    for enclose in (proof.enclose_approach, proof.enclose_edge_pressure):
+        full, less = enclose(largest, 12), enclose(unloaded, 12)
+        assert less.lower <= 0.75 * full.upper
+        assert 0.75 * full.lower <= less.upper
+    smooth = proof.enclose_approach(Scene(0.3, 0.0, 0.5, 0.05, unloaded_to=0.75))
+    assert smooth.lower == smooth.upper == 0.09375
+
+
+@pytest.mark.parametrize("compliance", [1e-11, 1e-14])
+def test_of_the_thinnest_layers_few_digits_are_proved(compliance, monkeypatch):
+    monkeypatch.setattr(proof, "_MOST_TERMS", 1024)
+    scene = Scene(0.3, compliance)
+    with pytest.raises(ConvergenceError, match="of 20 digits are proved with 1024") as caught:
+        proof.enclose_edge_pressure(scene)
+    found = caught.value.solution
+    # within a part in 1e9 of the limit of small compliances (docs/theory)
+    assert found.lower * (1.0 + 1e-9) <= 0.25 / sqrt(pi * compliance)
+    assert 0.25 / sqrt(pi * compliance) <= found.upper * (1.0 + 1e-9)
+    assert 0.0 < found.lower < found.upper < 16.0 * found.lower
 
 
 def test_friction_and_poissons_ratio_do_not_matter():

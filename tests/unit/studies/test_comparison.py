@@ -302,6 +302,23 @@ def test_what_cannot_be_compared_with_a_displacement_is_named(true):
         sc.compare(Scene(0.1), r=[0.1], displacement=[0.1], truth=sc.reference(Scene(0.1), 15))
 
 
+def test_errors_of_the_slip_are_relative_to_its_largest_value_in_the_contact(true):
+    place = true.stick_radius * (1.0 + 1e-5)
+    largest = abs(true.slip(1.0))
+    slip = true.slip([place]) + 1e-3 * largest
+    found = sc.compare(true.scene, slip=slip, s=[place], truth=true)
+    assert found["slip"].error == pytest.approx(1e-3, rel=0.1)
+
+
+def test_radii_in_metres_next_to_the_edge_are_told_from_each_other():
+    smooth = Scene.from_physical(
+        youngs_modulus=210e9, poisson_ratio=0.3, radius=3e-3, approach=1e-6
+    )
+    r = 3e-3 * (1.0 - 1e-12)
+    pressure = solve(smooth).physical.pressure(from_edge=3e-3 - r)
+    assert sc.compare(smooth, pressure=[pressure], r=[r]).error < 1e-14
+
+
 def test_numbers_next_to_zero_are_compared_as_any():
     found = sc.compare(Scene(0.1, 0.5), approach=5e-324)
     assert found.error == pytest.approx(1.0)

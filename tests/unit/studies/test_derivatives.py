@@ -292,6 +292,14 @@ def test_an_approach_that_hardly_changes_has_its_rounding_in_the_estimate():
     assert abs(slope.value / true - 1.0) <= slope.error < 1e-7
 
 
+def test_the_approach_by_the_compliance_of_a_thin_layer():
+    """It is ``(gamma - ln alpha)/(4 pi)``, but for terms like ``alpha ln(alpha)**2``."""
+    alpha = 1e-14
+    slope = solve(Scene(0.3, alpha), 1e-6).sensitivity()["approach", "normal_compliance"]
+    assert slope.value == pytest.approx((np.euler_gamma - math.log(alpha)) / (4.0 * math.pi), 1e-12)
+    assert slope.error < 1e-12
+
+
 def test_rounding_of_narrow_zones_is_in_the_estimate_of_the_shear():
     stuck = solve(Scene(0.3, 0.2, 0.5, math.inf), 1e-12, ["critical_friction"])
     near = stuck.scene.replace(friction=stuck.critical_friction * (1.0 - 4e-10))

@@ -53,6 +53,25 @@ def test_a_law_whose_factor_is_beyond_the_doubles():
         rate.at([0])
 
 
+def test_a_factor_beyond_the_doubles_gives_no_errors():
+    numbers = [1.0, 1.0001, 1.0002]
+    for errors in ([1e-6, 1e-1, 1e4], [1e4, 1e-1, 1e-6]):
+        rate = fit_rate(numbers, errors)
+        assert rate.value in (0.0, math.inf)
+        assert np.isnan(rate.at(numbers)).all()
+
+
+def test_less_than_one_unknown_is_refused():
+    with pytest.raises(SceneError, match=r"^unknowns = 0\.5: must be 0 or in \[1, 1e\+15\]"):
+        fit_rate([0.5, 1.0, 2.0], [1e-1, 1e-2, 1e-3])
+
+
+def test_numbers_whose_logarithms_are_equal():
+    rate = fit_rate([1e15 - 2.0, 1e15 - 1.0, 1e15], [1e-1, 1e-2, 1e-3])
+    assert rate.kind == "geometric"
+    assert rate.value == pytest.approx(10.0, rel=1e-9)
+
+
 @pytest.mark.parametrize("confidence", [0.0, 1.0, math.nan, True, "0.5"])
 def test_confidence_is_a_share(confidence):
     with pytest.raises(SceneError, match="confidence"):

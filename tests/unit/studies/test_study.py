@@ -257,6 +257,32 @@ def test_an_estimate_that_is_no_number_is_a_failure(estimate):
     assert study.points[0].failure.startswith("SceneError: error.approach = ")
 
 
+def test_an_estimate_that_is_nan_is_one_of_no_digit():
+    said = SimpleNamespace(approach=0.25, error=SimpleNamespace(approach=math.nan))
+    study = convergence(lambda scene, count: said, NORMAL, [8], said, repeats=0)
+    assert study.points[0].estimates == study.truth_error == {"approach": math.inf}
+    assert study.rate("approach") is None
+
+
+def test_a_negative_estimate_is_refused_by_name():
+    said = SimpleNamespace(approach=0.25, error=SimpleNamespace(approach=-1e-3))
+    with pytest.raises(SceneError, match=r"^error\.approach = -0\.001: must be at least 0"):
+        truth_of(NORMAL, said)
+
+
+def test_a_study_goes_on_where_an_error_is_zero():
+    exact = SimpleNamespace(approach=0.25)
+    study = convergence(lambda scene, count: exact, NORMAL, [8, 16, 32], exact, repeats=0)
+    assert [point.errors["approach"] for point in study.points] == [0.0, 0.0, 0.0]
+
+
+def test_the_pressure_at_the_edge_may_be_negative():
+    scene = Scene(0.0, 1e-4, 1e-4, math.inf, coupling=True)
+    study = convergence(OwnSolver(), scene, [1e-4], solve(scene, 1e-10), repeats=0)
+    assert solve(scene).pressure(1.0) < 0.0
+    assert study.points[0].errors["edge_pressure"] < 1e-4
+
+
 def test_truths_may_be_infinite_at_the_edge():
     true = truth_of(Scene(0.1), reference(Scene(0.1), 15))
     assert true.fields["pressure"][-1] == math.inf

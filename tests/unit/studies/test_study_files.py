@@ -67,6 +67,14 @@ def test_infinite_errors_are_stored(tmp_path):
     assert load(tmp_path / "x.json").points[0].errors == {"approach": math.inf}
 
 
+def test_truths_of_which_no_digit_is_known_are_stored(tmp_path):
+    unknown = replace(study(), truth_error={"approach": math.inf})
+    unknown.save(tmp_path / "x.json")
+    loaded = load(tmp_path / "x.json")
+    assert loaded == unknown
+    assert loaded.rate("approach") is None
+
+
 def test_the_rates_are_stored_for_other_readers(tmp_path):
     def solver(scene, count):
         return peers.Decaying(scene, count)

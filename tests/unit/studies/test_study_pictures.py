@@ -61,6 +61,14 @@ def texts(figure):
     return [text.get_text() for text in figure.legends[0].get_texts()]
 
 
+def test_a_study_without_unknowns_is_drawn(tmp_path):
+    unknown = tuple(replace(one, unknowns=None) for one in convergence().points)
+    failed = tuple(replace(one, errors={}, times=None, failure="E") for one in unknown)
+    for k, points in enumerate((unknown, failed)):
+        convergence(points=points).plot(tmp_path / f"{k}.png")
+        assert (tmp_path / f"{k}.png").stat().st_size > 1000
+
+
 def test_errors_over_unknowns_and_times():
     figure = convergence().plot()
     labels = [axes.get_xlabel() for axes in figure.axes]

@@ -61,6 +61,46 @@ def test_in_stick_the_traction_has_bounds():
         assert high[2:] == pytest.approx(found.traction(s[2:], at), rel=1e-3)
 
 
+def test_bounds_are_those_of_friction_where_nothing_pulls_on_the_surface():
+    found = loop(scene=SCENE.replace(poisson_ratio=0.5))
+    limit = 0.1 * 0.1 * found.solution.pressure(0.5)
+    for at in ("highest", "lowest"):
+        assert found.traction_bounds(0.5, at) == pytest.approx((-limit, limit), rel=1e-12)
+    found = loop(scene=SCENE.replace(poisson_ratio=0.5, friction=math.inf))
+    assert found.traction_bounds(0.5) == (-math.inf, math.inf)
+
+
+@pytest.mark.filterwarnings("error")
+def test_at_an_edge_of_infinite_pressure_bounds_are_infinite():
+    slips, sticks = (
+        loop(0.5, Scene(0.1, 0.0, beta, 0.1)).traction_bounds([0.5, 1.0], "lowest")
+        for beta in (0.0, 0.3)
+    )
+    assert np.isfinite(slips[0][0])
+    assert slips[0][1] == slips[1][1] == -math.inf
+    assert (sticks[0][1], sticks[1][1]) == (-math.inf, math.inf)
+
+
+def test_errors_in_si_units_include_that_of_a_load_which_follows_from_the_approach():
+    by_load = loop(0.2, STEEL)
+    by_approach = loop(0.2, STEEL.replace(approach=by_load.physical._loop.approach))
+    assert by_load.physical._load_error == 0.0
+    assert by_approach.physical._load_error == by_approach.solution.error.approach > 0.0
+    load = next(one for one in str(by_approach.physical).splitlines() if "largest load" in one)
+    assert "exact" not in load
+
+
+def test_the_error_of_a_small_slip_at_the_edge_is_relative_to_it():
+    # next to the second threshold: it slips 55 times as far inside
+    scene = Scene(0.3, 0.2, 0.5, 0.5927 * Scene(0.3).kappa)
+    found = steady_cycle(scene.replace(friction=scene.friction * 0.9 / 1.1), 0.1, rtol=1e-2)
+    inside = max(found.slip_amplitude(np.linspace(0.95, 1.0, 400)))
+    edge = found.slip_amplitude(1.0)
+    assert 0.0 < edge < 0.1 * inside
+    told = found._edge_slip_error
+    assert told == pytest.approx(found.error.slip_amplitude * inside / edge, rel=0.05)
+
+
 def test_the_branches_close_the_loop():
     found = loop()
     down, up = found.unloading, found.reloading

@@ -38,6 +38,13 @@ def test_the_friction_is_that_of_the_scene_if_none_is_given():
     assert abs(found.dissipation.item() / truth.dissipation - 1.0) <= allowed
 
 
+def test_a_friction_between_the_ends_of_the_axis_has_its_digits():
+    # the loops of the largest friction do not slip, nor do those of the largest load
+    found = damping_map(SCENE, [0.5, 0.95], [0.005, 0.052, 0.3], rtol=1e-3)
+    assert found.converged.all()
+    assert 0.0 < found.reloading_dissipation_error.sel(friction=0.052, lowest=0.5) <= 1e-3
+
+
 @pytest.mark.parametrize(
     ("name", "arguments"),
     [
@@ -47,6 +54,7 @@ def test_the_friction_is_that_of_the_scene_if_none_is_given():
         ("friction", {"lowest": 0.5, "friction": [0.1, 0.0]}),
         ("friction", {"lowest": 0.5, "friction": [math.inf]}),
         ("friction", {"lowest": 0.5, "friction": [0.1, 1e-200]}),
+        ("friction", {"lowest": 0.5, "friction": [0.1, 1e200]}),
         ("rtol", {"lowest": 0.5, "rtol": 1.0}),
     ],
 )

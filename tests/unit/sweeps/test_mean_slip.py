@@ -82,5 +82,7 @@ def test_a_threshold_of_zones_is_an_end_of_panels():
 
 def test_without_tangential_compliance_the_curve_has_no_end():
     scene = SCENE.replace(tangential_compliance=0.0, friction=0.5)
-    found = curve(scene, math.inf, 1e-3, 0.7).integrate(lambda f: f**-3.0, 0.5, 0.5)
+    found = curve(scene, math.inf, 1e-3, 0.7).integrate(
+        lambda beyond: (0.5 + beyond) ** -3.0, 0.5, 0.5
+    )
     assert 0.0 < found.error < 1e-2 * found.value

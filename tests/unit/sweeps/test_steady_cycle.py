@@ -149,6 +149,46 @@ def test_without_tangential_compliance_every_cycle_dissipates():
     assert 0.0 < found.dissipation < steady_cycle(scene, 0.9, rtol=1e-2).dissipation
 
 
+def test_forward_slip_is_not_overlooked_at_loose_tolerances():
+    # the slack is -1.4e-5, less than what errors of the first solves make of it
+    loose = steady_cycle(SCENE, 0.0192968, rtol=1e-2)
+    assert loose.slack == pytest.approx(steady_cycle(SCENE, 0.0192968, rtol=1e-6).slack, rel=1e-2)
+    assert loose.slack < 0.0
+    assert loose.unloading_dissipation is None
+
+
+def test_a_load_that_nearly_vanishes_has_the_limit_of_what_is_dissipated():
+    limit, tiny, tiniest = (
+        steady_cycle(SCENE, one, rtol=1e-4).reloading_dissipation for one in (1e-7, 1e-16, 1e-300)
+    )
+    # lambda is lost in the friction of the loop, and must not be in what is integrated
+    assert tiny == pytest.approx(limit, rel=1e-6)
+    assert tiniest == pytest.approx(tiny, rel=1e-13)
+
+
+def test_next_to_shakedown_loose_solves_are_not_the_last_word():
+    ratio = solve(SCENE, 1e-12).shakedown_ratio
+    near, nearer = (steady_cycle(SCENE, (1.0 - one) * ratio, rtol=1e-2) for one in (1e-7, 1e-8))
+    assert 0.0 < nearer.error.dissipation <= 1e-2
+    # as the square of the distance
+    assert near.dissipation / nearer.dissipation == pytest.approx(100.0, rel=1e-2)
+    undecided = steady_cycle(SCENE, ratio, rtol=1e-2)
+    assert undecided.dissipation == 0.0
+    assert undecided.error.dissipation == 1.0
+    # the bounds are those of a loop that does slip a little
+    bounds = undecided.traction_bounds([0.5, 0.99]), nearer.traction_bounds([0.5, 0.99])
+    assert np.allclose(*bounds, rtol=1e-6)
+
+
+def test_friction_so_large_that_slip_has_no_digits_has_no_digits_of_the_dissipation():
+    scene = SCENE.replace(tangential_compliance=0.0, friction=1e70)
+    found = steady_cycle(scene, 0.5, rtol=1e-2, strict=False)
+    assert not found.converged
+    assert found.error.reloading_dissipation >= 1.0
+    with pytest.raises(SceneError, match=r"^friction = 1e\+120"):
+        steady_cycle(scene.replace(friction=1e120), 0.5)
+
+
 @pytest.mark.parametrize("lowest", [0.0, 1.0, -0.1, 1.5, math.nan, "half", None])
 def test_a_lowest_load_out_of_range_is_refused(lowest):
     with pytest.raises(SceneError, match="lowest"):

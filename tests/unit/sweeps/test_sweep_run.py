@@ -8,6 +8,7 @@ import pytest
 
 from spectral_contact import QUANTITIES, Scene, SceneError, SolutionFileError, solve
 from spectral_contact.gold import tables
+from spectral_contact.profiles import Parabola
 from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import error_maps, lines, shortcuts, sweep, sweep_run
 from spectral_contact.sweeps.request import SCALARS
@@ -438,3 +439,26 @@ def test_a_grid_beyond_memory_is_refused_before_it_is_made(monkeypatch, asked, s
     with pytest.raises(SceneError) as refusal:
         sweep(BASE, friction=axis, poisson_ratio=axis, normal_compliance=axis, **asked)
     assert said in str(refusal.value)
+
+
+def test_a_list_with_kappa_and_with_poissons_ratios_is_told_by_kappa():
+    scenes = [Scene(0.3, 0.5, 0.5, 0.1), Scene.from_kappa(-0.1, 0.5, 0.5, 0.1)]
+    found = sweep(scenes, quantities=["total_shear"])
+    assert found.kappa.values.tolist() == [one.kappa for one in scenes]
+    assert "poisson_ratio" not in found.coords
+
+
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [
+        ({"kappa": 0.1, "poisson_ratio": [0.3, 0.4]}, "kappa"),
+        ({"load": 2.0, "approach": [1.0, 2.0]}, "load"),
+    ],
+)
+def test_a_number_is_not_replaced_in_silence_by_a_list(given, name):
+    scene = Scene(0.3, 0.5, profile=Parabola(1.0), load=1.0)
+    with pytest.raises(SceneError, match=f"^{name}"):
+        sweep(scene, **given)
+    in_si = Scene.from_physical(youngs_modulus=2e11, poisson_ratio=0.3, radius=5e-3, load=1e3)
+    with pytest.raises(SceneError, match=f"^{name}"):
+        sweep(in_si, **given)

@@ -246,3 +246,27 @@ def test_load_inside_a_radius():
     assert load(smooth) == pytest.approx(1 / (2 * np.pi), rel=1e-14)
     y = 0.3 * 1.7
     assert load(smooth, inside=0.3) == pytest.approx((1 - np.sqrt(y)) / (2 * np.pi), rel=1e-13)
+
+
+def test_slip_everywhere_does_not_hide_between_the_nodes_of_a_mesh():
+    pressure = solve(PARTIAL, 1e-10).pressure
+
+    class AllSlip:
+        def pressure(self, *, from_edge):
+            return pressure(from_edge=from_edge)
+
+        def traction(self, *, from_edge):
+            return PARTIAL.friction * pressure(from_edge=from_edge)
+
+    nodes = np.arange(1, 40) / 40
+    report = check_solution(AllSlip(), PARTIAL, 1e-2, breaks=nodes, strict=False)
+    assert not report.passed
+
+
+def test_a_total_shear_without_traction_fails():
+    scene = Scene(0.5, 0.5, 0.5, 0.1)
+    assert failed(Fields(scene, total_shear=5.0), scene) == ["total shear is that of the traction"]
+
+
+def test_an_approach_of_zero_fails_without_a_warning():
+    assert "normal equation (3.5)" in failed(Fields(PARTIAL, approach=0.0), PARTIAL)

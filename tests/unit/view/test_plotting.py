@@ -112,6 +112,13 @@ def test_what_is_cut_off_at_the_edge_is_said(slipping):
     assert notes(thin) == [f"cut off: up to {thin.pressure(1.0):.3g} at the edge"]
 
 
+def test_what_is_cut_off_below_is_said():
+    solution = solve(Scene.from_kappa(-0.1, friction=np.inf), 1e-6)
+    shear = solution.plot().axes[2]
+    assert "q" in shear.get_ylabel()
+    assert [one.get_text() for one in shear.texts] == ["cut off: infinite at the edge"]
+
+
 def test_slip_zones_are_shaded_from_both_ends(slipping):
     figure = plotting.plot_solution(slipping)
     slip = slipping.zones[1]

@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import mpmath
 import pytest
 
 from spectral_contact import ErrorEstimates, NotComputedError, Scene, profiles, solve
@@ -151,3 +152,18 @@ def test_a_dataset_of_no_quantity_is_refused():
     solution = solve(Scene(0.3, 0.5), 1e-2, ["slip"])
     with pytest.raises(NotComputedError):
         solution.to_xarray()
+
+
+def test_the_stiffness_next_to_pull_off_has_an_error_relative_to_itself():
+    """Its error was relative to another stiffness, and lacked that of the contact radius."""
+    # P = 16/3 x^2 - b x with x = a^(3/2) and b = sqrt(32 pi w) is the theory of Johnson et al.
+    load = -0.471238898 * (1.0 - 1e-8)
+    scene = Scene(0.3, profile=profiles.Parabola(1.0), load=load, work_of_adhesion=0.1)
+    solution = solve(scene, 1e-8, ["stiffness_on_branch"])
+    with mpmath.workdps(30):
+        b = mpmath.sqrt(32 * mpmath.pi * mpmath.mpf(0.1))
+        a = ((b + mpmath.sqrt(b**2 + 64 * mpmath.mpf(load) / 3)) * 3 / 32) ** (mpmath.mpf(2) / 3)
+        rates = (16 * a**2 - 1.5 * b * mpmath.sqrt(a), 2 * a - b / mpmath.sqrt(a) / 16)
+        off = float(abs(solution.stiffness_on_branch / (rates[0] / rates[1]) - 1))
+    [line] = [one for one in report(solution).splitlines() if "on branch" in one]
+    assert 1e-9 < off < float(line.split()[-1]) < 1e4 * off

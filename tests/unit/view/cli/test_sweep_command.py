@@ -105,6 +105,19 @@ def test_a_slice_is_plotted(capsys, tmp_path):
     assert path.read_bytes().startswith(b"\x89PNG")
 
 
+def test_values_in_any_order_are_drawn_in_that_of_the_axis():
+    order = [0.5, 0.1, 1.0]
+    found = sweep(
+        Scene(0.3), normal_compliance=order, friction=[0.1, 0.02], quantities=["total_shear"]
+    )
+    mesh = plot_slice(found, "total_shear").axes[0].collections[0]
+    assert (np.diff(mesh.get_coordinates(), axis=0)[..., 1] > 0.0).all()
+    known = found.total_shear.sel(normal_compliance=sorted(order), friction=[0.02, 0.1])
+    assert np.array_equal(mesh.get_array(), known.values)
+    [line] = plot_slice(found, "total_shear", {"friction": 0.1}).axes[0].get_lines()
+    assert list(line.get_xdata()) == sorted(order)
+
+
 def test_slices_are_curves_and_maps():
     friction = [0.1, 0.2, math.inf]
     found = sweep(
