@@ -303,11 +303,9 @@ class Panel:
     @cached_property
     def slips_by(self) -> Array:
         """The slip of the stages at `_SLIP_SAMPLES`, (stages, places)."""
-
-        def slip(t: Array, fraction: Array) -> Array:
-            return np.asarray(self._in_slip_zones(["slip"], t, fraction)[0])
-
-        return self._at_nodes(slip, _SLIP_SAMPLES)
+        return self._at_nodes(
+            lambda t, fraction: self._in_slip_zones(["slip"], t, fraction)[0], _SLIP_SAMPLES
+        )
 
     @cached_property
     def slip_error(self) -> float:

@@ -127,10 +127,7 @@ class RadiusStretch:
         """Return the pieces that begin at these ascending depths, the first of which is 0."""
         ends = [*self.log_radius(depths).tolist(), self.high]
         bends = self.bends(depths).tolist()
-        return [
-            RadiusStretch(low, high, bend)
-            for low, high, bend in zip(ends[:-1], ends[1:], bends, strict=True)
-        ]
+        return [RadiusStretch(*piece) for piece in zip(ends[:-1], ends[1:], bends, strict=True)]
 
 
 @cache
