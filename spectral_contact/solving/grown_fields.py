@@ -284,9 +284,9 @@ class GrownFields:
         radii = mesh.points(mesh.panels.sampling_distances)
         # ln s from 1 - s**2 near the edge, and from s**2 elsewhere
         near_edge = radii.y < 0.5
-        from_edge = np.where(near_edge, radii.y, 0.0)
+        rest = np.where(near_edge, radii.y, 0.0)
         square = np.where(near_edge, 1.0, radii.z)
-        log_s = (np.log1p(-from_edge) + np.log(square)) / 2.0
+        log_s = (np.log1p(-rest) + np.log(square)) / 2.0
         samples = values(self.history.growth.log_radius + log_s) / np.exp(power * log_s)
         return sampled_series(mesh.panels, samples)
 

@@ -218,10 +218,10 @@ class Panel:
         It takes what `where_stuck` does, but the ratio is ``ln(1/s)``, and the names are of
         "pressure" and "slip".
         """
-        from_edge = -np.expm1(-2.0 * log_ratio)
+        rest = -np.expm1(-2.0 * log_ratio)  # 1 - s**2
         width = -np.expm1(2.0 * self.log_stick(t))
         # rounding may put a point inside the stick radius: then the fraction is 1
-        fraction = from_edge / np.maximum(width, np.maximum(from_edge, TINY))
+        fraction = rest / np.maximum(width, np.maximum(rest, TINY))
         return self._in_slip_zones(names, t, fraction)
 
     def _stick_table(self, name: str) -> FieldTable:
