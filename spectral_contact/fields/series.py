@@ -184,7 +184,7 @@ class LogSeries:
             self,
             coefficients=self.coefficients * factor,
             tail=self.tail * factor,
-            logarithm=self.logarithm * factor,
+            logarithm=self.logarithm * factor if self.logarithm else 0.0,  # not -0.0
         )
 
 
