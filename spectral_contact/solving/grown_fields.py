@@ -404,11 +404,16 @@ class _History:
         A point that slips today gets today's contact radius.
         """
         stuck = np.array(log_r)
+        end_before = math.inf
         for panel in self.growth.all_panels:
             if panel.slips:
                 ends = panel.log_stick(np.array([-1.0, 1.0]))
-                on_panel = (log_r > panel.low + ends[0]) & (log_r <= panel.high + ends[1])
+                begin, end = panel.low + ends[0], panel.high + ends[1]
+                # where panels meet their stick radii may differ by their errors
+                stuck[(log_r > end_before) & (log_r <= begin)] = panel.low
+                on_panel = (log_r > begin) & (log_r <= end)
                 stuck[on_panel] = _radii_of_sticking(panel, log_r[on_panel])
+                end_before = end
         last = self.growth.panels[-1]
         if last.slips:
             still_slipping = log_r > last.high + last.log_stick(np.ones(1))[0]

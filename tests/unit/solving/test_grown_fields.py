@@ -1,12 +1,13 @@
 """The quadrature over the history of a growing contact."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.special import beta, digamma
 
-from spectral_contact.solving.grown_fields import tanh_rule
+from spectral_contact.solving.grown_fields import _History, tanh_rule
 
 
 @pytest.mark.parametrize("error", [1e-3, 1e-6, 1e-12])
@@ -30,3 +31,24 @@ def test_a_root_with_a_logarithm_needs_nodes_a_little_nearer_to_the_end():
         errors.append(abs(weights @ (np.log(nodes) / np.sqrt(nodes)) - truth))
     assert errors[0] > 1e-9
     assert errors[1] < 2e-10
+
+
+def slipping_panel(low, high, log_stick):
+    """Return a stand-in for a panel on which all stages have the same stick radius."""
+    return SimpleNamespace(
+        low=low,
+        high=high,
+        slips=True,
+        alike=True,
+        stick=[log_stick],
+        log_stick=lambda t: np.full_like(t, log_stick),
+    )
+
+
+def test_radii_between_the_stick_radii_of_two_panels_stuck_where_the_panels_meet():
+    """They passed for radii that never slipped: their slip was zero, their traction off."""
+    panels = (slipping_panel(0.0, 1.0, -0.5), slipping_panel(1.0, 2.0, -0.4))
+    growth = SimpleNamespace(all_panels=panels, panels=panels)
+    history = _History(growth, rule=tanh_rule(10.0, 10.0), degree=5)
+    stuck = history.when_stuck(np.array([0.3, 0.55, 0.9, 1.8]))
+    assert stuck == pytest.approx([0.8, 1.0, 1.3, 2.0])
