@@ -261,7 +261,7 @@ def test_elliptic_equations_hold(name):
     kappa = (1 - 2 * mp.mpf(scene.poisson_ratio)) / (4 * (1 - mp.mpf(scene.poisson_ratio)))
     sink = scene.normal_compliance * precise.pressure(s) + moved.real / mp.pi
     if scene.couples:
-        sink -= kappa * integral(precise.traction, [s, *breaks])
+        sink -= kappa * integral(lambda eta: precise.traction(np.minimum(eta, 1)), [s, *breaks])
     assert abs(sink / precise.approach - 1) <= 10.0 ** -(DIGITS + 1)
     load = integral(lambda eta: precise.pressure(eta) * eta, [0, *bounds[:zone], s])
     outward = scene.tangential_compliance * precise.traction(s) + moved.imag / mp.pi
