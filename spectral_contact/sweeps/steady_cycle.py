@@ -181,8 +181,12 @@ class CycleFamily:
         self._solve: Callable[[float], Solution] = lambda f: path.solve(scene.replace(friction=f))
         self._stick = self._solve(math.inf)
         critical = self._stick.critical_friction
+        #: within the error of the critical friction no digit of the slip is known
+        self._margin = 0.0
+        if critical < math.inf:
+            self._margin = critical * (self._stick.error.critical_friction or 0.0)
         of_loops = [loop_friction(f, load) for f in frictions for load in lowest]
-        slipping = [f for f in of_loops if 0.0 < f < critical]
+        slipping = [f for f in of_loops if 0.0 < f < critical - self._margin]
         least = min(slipping, default=critical)
         largest = max(slipping, default=critical)
         if critical < math.inf:
@@ -198,9 +202,7 @@ class CycleFamily:
         critical_error = self._stick.error.critical_friction or 0.0
         ratio, ratio_error = shakedown(critical, critical_error, friction)
         loop_f = loop_friction(friction, lowest)
-        # within the error of the critical friction no digit of the slip is known
-        margin = critical_error * critical if critical < math.inf else 0.0
-        at_shakedown = critical > 0.0 and abs(loop_f - critical) <= margin
+        at_shakedown = critical > 0.0 and abs(loop_f - critical) <= self._margin
         if at_shakedown:
             loop = replace(self._stick, scene=scene.replace(friction=loop_f))
         else:

@@ -132,7 +132,8 @@ def call_off_what_waits():
     with workers(2) as pool:
         futures = [pool.submit(time.sleep, 60.0) for _ in range(9)]
         wait_until(futures[1].running)
-        assert [one.cancel() for one in futures][-5:] == [True] * 5
+        # two run, and up to three more wait where they can no longer be called off
+        assert [one.cancel() for one in futures][-4:] == [True] * 4
         raise Terminated
 
 
