@@ -92,6 +92,15 @@ class _Pieces(Layer):
         more = past * self._at("pressure", end) + past**2 / 2.0 * self._at("slope", end)
         return self._at("energy", w) + more
 
+    def _law_errors(self, w: float, pressure: float, slope: float) -> LawErrors:
+        """Return the errors of values up to an overclosure, of pressure and slope as given.
+
+        That of the energy is the integral of the pressure's.
+        """
+        stiffness = float(self._slope(np.array(w)))
+        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
+        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure)
+
 
 @dataclass(frozen=True, slots=True)
 class Table(_Pieces):
@@ -198,9 +207,7 @@ class Table(_Pieces):
         rounding = float(np.finfo(float).eps)
         pressure = rounding * float((pressures[:-1][:met] + 23.0 * lines * extents).max())
         slope = rounding * 51.0 * float(lines.max())
-        stiffness = float(self._slope(np.array(w)))
-        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
-        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure)
+        return self._law_errors(w, pressure, slope)
 
 
 class _Cubics(NamedTuple):
@@ -349,12 +356,11 @@ class Sampled(_Pieces):
                 series.slope, dropped, pairwise(self.edges), strict=False
             )
         )
-        # the integral of the pressure's error, and the rounding of its own series
+        # to the integral of the pressure's error comes the rounding of its own series
         sums = [float(np.abs(row).sum()) for row in series.energy[:met]]
         rounding = float(np.finfo(float).eps) * max(sums)
-        stiffness = float(self._slope(np.array(w)))
-        of_stiffness = slope / stiffness if stiffness > 0.0 else inf
-        return LawErrors(pressure, of_stiffness, (w - self.start) * pressure + rounding)
+        errors = self._law_errors(w, pressure, slope)
+        return errors._replace(energy=errors.energy + rounding)
 
     def _check(self) -> None:
         w = np.concatenate([np.linspace(*ends, _LOOKS) for ends in pairwise(self.edges)])

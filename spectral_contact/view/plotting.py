@@ -42,6 +42,7 @@ from spectral_contact.view.radii import (
     bulk_limits,
     from_zero,
     graded_radii,
+    known_radius,
     known_zones,
     layer_depth,
 )
@@ -168,15 +169,15 @@ class _AxisUnits:
     def of(cls, solution: Solution) -> _AxisUnits:
         """Return the units of the scene; dimensionless if load or contact radius is not known."""
         profile, data = solution.scene.profile, solution.scene.physical
-        radius_known = profile is None or not if_known(lambda: _radius(solution))[1]
+        domain_radius = None if profile is None else known_radius(solution)
         given = solution.scene.contact_radius is not None
         edged = profile is None or given or "contact_radius" in solution.values
         symbol = "a" if edged else "R"
-        if profile is not None and (data is None or not radius_known):
+        if profile is not None and (data is None or domain_radius is None):
             layer = solution.scene.layer
             shown = [profile.brief, *([] if layer is None else [layer.brief])]
-            if radius_known:
-                shown.append(rf"${symbol} = {math_number(_radius(solution))}\,L$")
+            if domain_radius is not None:
+                shown.append(rf"${symbol} = {math_number(domain_radius)}\,L$")
             title = (",   ".join(shown),)
             return cls(1.0, 1.0, stress_unit="$E'$", slip_unit="$L$", title=title)
         known = data is not None and (
@@ -246,12 +247,6 @@ class _AxisUnits:
         return (
             f"${name}$ [{self.stress_unit}]" if self.stress_unit else f"${name}^* = a^2 {name} / P$"
         )
-
-
-def _radius(solution: Solution) -> float:
-    """Return the radius at s = 1 under a profile, in L."""
-    given = solution.scene.contact_radius
-    return solution.domain_radius if given is None else given
 
 
 def _prefix_power(scale: float) -> int:

@@ -102,21 +102,20 @@ def known_zones(solution: Solution) -> tuple[Zone, ...]:
 
 def layer_depth(solution: Solution) -> float:
     """Return the distance from the edge, over the radius, down to which something happens."""
-    scene, radius = solution.scene, _radius(solution)
-    # under a profile compliances are lengths
+    scene = solution.scene
+    # under a profile compliances are lengths; a radius that is not known is taken for their unit
+    radius = 1.0 if scene.profile is None else known_radius(solution) or 1.0
     compliances = scene.normal_compliance, scene.tangential_compliance
     scales = [1e-3, *(one / radius for one in compliances)]
     scales += [zone.outer_from_edge for zone in known_zones(solution)]
     return 1e-3 * min(scale for scale in scales if scale > 0.0)
 
 
-def _radius(solution: Solution) -> float:
-    """Return the radius at s = 1 in the length of the compliances; 1 if it is not known."""
-    scene = solution.scene
-    if scene.profile is None:
-        return 1.0
-    known = scene.contact_radius, *map(solution.values.get, ("domain_radius", "contact_radius"))
-    return next((float(one) for one in known if one is not None), 1.0)
+def known_radius(solution: Solution) -> float | None:
+    """Return the radius at s = 1 under a profile, in L; None if it is not known."""
+    values = solution.values
+    known = solution.scene.contact_radius, values.get("domain_radius"), values.get("contact_radius")
+    return next((float(one) for one in known if one is not None), None)
 
 
 def bulk_limits(radii: Radii, curves: Iterable[Array]) -> tuple[float, float]:
