@@ -23,18 +23,20 @@ from spectral_contact.layers.layer_base import LawErrors, Layer
 
 Rows = tuple[tuple[float, ...], ...]
 
-#: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
+#: Degrees that are tried, and how small the last coefficients of a fit must be, relative to the
+#: largest pressure on the piece.
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
-#: What the terms beyond the last of a fit come to at most, over the last coefficients.
+#: Estimated ratio of the sum of the omitted terms to the largest of the last coefficients.
 _DROPPED = 8.0
-#: How far from zero a law may begin, and two pieces may differ where they meet, of that.
+#: Largest pressure at the start, and largest jump at a knot, in units of _EXACT times the largest
+#: pressure.
 _ZERO, _JUMP = 10.0, 1e3
-#: By how much of its largest value a derivative may differ from that of the pressure.
+#: Tolerance on a given derivative, relative to the largest derivative of the fit.
 _ALIKE = 1e-9
-#: Where a piece is looked at.
+#: Number of points at which a piece is checked, and the derivative of the whole law.
 _LOOKS = 257
-#: By how much of a pressure cubics on both sides of a point may differ and count as one.
-_STRAIGHT = 1e-12
+#: Relative difference below which the cubics on both sides of a point count as the same.
+_SAME_CUBIC = 1e-12
 #: Least points of a table.
 _LEAST = 4
 
@@ -58,7 +60,7 @@ class _Pieces(Layer):
 
     @property
     def limit(self) -> float:
-        """Overclosure at which the law ends."""
+        """Overclosure at which the law ends; beyond it, it goes on as its tangent."""
         return self._edges[-1]
 
     @property
@@ -71,7 +73,7 @@ class _Pieces(Layer):
         raise NotImplementedError
 
     def _at(self, name: str, w: Array) -> Array:
-        """Return "pressure", "slope" or "energy" at overclosures; at most that of the limit."""
+        """Return the "pressure", "slope" or "energy"; beyond the limit, its value at the limit."""
         raise NotImplementedError
 
     @property
@@ -106,8 +108,8 @@ class _Pieces(Layer):
 class Table(_Pieces):
     """A law through points, with SciPy's shape-preserving cubics (PCHIP) between them.
 
-    Every point is a knot. Panels are graded to the radii at which the overclosure has such a
-    value, which are found with the solution.
+    A point is a knot unless the cubics on both sides of it are the same. Panels are graded towards
+    the radii at which the overclosure equals a knot; these radii are part of the solution.
 
     Parameters
     ----------
@@ -197,9 +199,10 @@ class Table(_Pieces):
         return np.where(w < self.start, 0.0, cubics(np.clip(w, self.start, self.limit)))
 
     def _errors(self, w: float) -> LawErrors:
-        # The terms of a cubic from w_k on are at most p_k and 23 s_k (w - w_k) together, those of
-        # its derivative 51 s_k, where s_k is the slope of the line through its points: its slopes
-        # at the points are at most 3 s_k.
+        # With s_k the slope of the line through its points and h its length, the slopes of a cubic
+        # at the points lie in [0, 3 s_k]. Its coefficients of (w - w_k)^3, ^2 and ^1, with all
+        # summands positive, are at most 8 s_k/h^2, 12 s_k/h and 3 s_k: the terms of the pressure
+        # sum up to p_k + 23 s_k (w - w_k), those of the slope to 51 s_k.
         met = max(int(np.searchsorted(self.overclosures, w)), 1)
         points, pressures = np.array(self.overclosures), np.array(self.pressures)
         lines = (np.diff(pressures) / np.diff(points))[:met]
@@ -228,20 +231,21 @@ def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Cubics:
 
 @cache
 def _bends(w: tuple[float, ...], p: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the points of a table that are not on one polynomial with both neighbours."""
-    law, lengths = _cubics(w, p).pressure, np.diff(w)
-    found = []
+    """Return the inner points of a table at which the cubics on both sides differ."""
+    law = _cubics(w, p).pressure
+    derivatives = [law.derivative(order) for order in (1, 2, 3)]
+    lengths = np.diff(w)
+    bends = []
     for k in range(1, len(w) - 1):
-        least = min(lengths[k - 1], lengths[k]) / 2.0
+        shorter_half = min(lengths[k - 1], lengths[k]) / 2.0
         jumps = []
-        for order in (1, 2, 3):
-            derivative = law.derivative(order)
+        for order, derivative in enumerate(derivatives, start=1):
             # the polynomial of the piece before, continued to the point
             before = np.polyval(derivative.c[:, k - 1], lengths[k - 1])
-            jumps.append(abs(derivative.c[-1, k] - before) * least**order)
-        if max(jumps) > _STRAIGHT * p[k]:
-            found.append(w[k])
-    return tuple(found)
+            jumps.append(abs(derivative.c[-1, k] - before) * shorter_half**order)
+        if max(jumps) > _SAME_CUBIC * p[k]:
+            bends.append(w[k])
+    return tuple(bends)
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,7 +360,7 @@ class Sampled(_Pieces):
                 series.slope, dropped, pairwise(self.edges), strict=False
             )
         )
-        # to the integral of the pressure's error comes the rounding of its own series
+        # to the integral of the pressure's error comes the rounding of the energy's series
         sums = [float(np.abs(row).sum()) for row in series.energy[:met]]
         rounding = float(np.finfo(float).eps) * max(sums)
         errors = self._law_errors(w, pressure, slope)
@@ -383,7 +387,7 @@ class Sampled(_Pieces):
 
 
 def _dropped(row: Sequence[float]) -> float:
-    """Return a bound on the terms that a series of `Sampled.from_functions` lacks.
+    """Return an estimate of the terms that a series of `Sampled.from_functions` omits.
 
     A polynomial of degree n that is bounded by 1 on [-1, 1] has derivatives of up to n^2.
     """
@@ -427,7 +431,7 @@ def _fitted(
     at_high: float,
     largest: float,
 ) -> tuple[float, ...]:
-    """Return the series of the pressure on a piece, right to a part of its largest value there.
+    """Return the series of the pressure on a piece, accurate relative to its largest value there.
 
     Parameters
     ----------
@@ -439,7 +443,8 @@ def _fitted(
         The largest pressure of the law. Where the pressure is small beside it, its values may be
         rounding, which no polynomial fits: there the series of the largest degree is taken.
     """
-    # what is left out comes to more than the last coefficients, but rounding is not lowered further
+    # first the omitted terms, too, are to be within _EXACT; where rounding prevents that, the last
+    # coefficients alone
     for part, degree in product((_EXACT / _DROPPED, _EXACT), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("pressure", pressure, low + (high - low) * (1.0 + nodes) / 2.0)
