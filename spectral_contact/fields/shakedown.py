@@ -41,8 +41,9 @@ def shakedown(critical: ArrayLike, critical_error: ArrayLike, friction: ArrayLik
     exact = np.isinf(largest) | (f == 0.0)
     with np.errstate(all="ignore"):  # where the division fails the quotient is not chosen
         share = f / largest
-        below = (1.0 - share) / (1.0 + share)
-        margin = (1.0 - lost) - share
+        difference = (largest - f) / largest  # exact but for the division, where f is close to R
+        below = difference / (1.0 + share)
+        margin = difference - lost
         changed = np.where(margin > 0.0, 2.0 * share * lost / ((1.0 + share) * margin), np.inf)
         missed = np.where(largest > f * (1.0 - lost), 1.0, 0.0)
     ratio = np.where(slips, np.where(exact, 1.0, below), 0.0)

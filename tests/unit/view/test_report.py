@@ -166,4 +166,5 @@ def test_the_stiffness_next_to_pull_off_has_an_error_relative_to_itself():
         rates = (16 * a**2 - 1.5 * b * mpmath.sqrt(a), 2 * a - b / mpmath.sqrt(a) / 16)
         off = float(abs(solution.stiffness_on_branch / (rates[0] / rates[1]) - 1))
     [line] = [one for one in report(solution).splitlines() if "on branch" in one]
-    assert 1e-9 < off < float(line.split()[-1]) < 1e4 * off
+    # A rounding of the load alone moves this stiffness by eps / (2e-8), about 1e-8, of itself.
+    assert max(off, 1e-8) < float(line.split()[-1]) < 1e-5
