@@ -16,9 +16,16 @@ EXTENDED = Path(__file__).parent / "extended.toml"
 
 
 def pytest_configure(config):
-    """Draw fewer examples where extended tests are left out; machines differ: no deadlines."""
-    short = config.option.markexpr == "not extended"
-    settings.register_profile("suite", deadline=None, max_examples=4 if short else 25)
+    """Draw the same examples in each run, or others with --hypothesis-seed; fewer in the short one.
+
+    Machines differ: there are no deadlines.
+    """
+    settings.register_profile(
+        "suite",
+        deadline=None,
+        derandomize=config.getoption("hypothesis_seed") is None,
+        max_examples=4 if config.option.markexpr == "not extended" else 25,
+    )
     settings.load_profile("suite")
 
 
