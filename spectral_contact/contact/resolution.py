@@ -29,6 +29,9 @@ from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 #: The smallest normal double: added to, or put in place of, a divisor that may be zero.
 TINY = float(np.finfo(float).tiny)
+#: Stands for the tangential compliance of a regularising disk, whose traction shall vanish
+#: (`little_friction`). It is larger than any compliance of a scene, so that it marks such a disk.
+REGULARISING_COMPLIANCE = 1.0 / ROUNDING
 #: The depth ``x = -ln d`` at which a distance d is the rounding of a double: no boundary is defined
 #: more closely, and so far past a layer a singular field is its leading term.
 EPSILON_DEPTH = -log(np.finfo(float).eps)

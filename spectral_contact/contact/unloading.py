@@ -116,7 +116,7 @@ class UnloadedSearch(ZoneSearch):
     contact: NormalContact
     before: KnownDisplacement
     load_ratio: float
-    #: the latest solution
+    #: the latest solution, refuted or not: `_candidates` goes on from it, after `_solve` has set it
     solved: ZoneSolution | None = field(default=None, init=False)
 
     @cached_property
@@ -283,7 +283,7 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
     states = list(system.states)
     for zone in range(len(states) - 1, 0, -1):
         # both parts of a zone with memory have a known displacement
-        if 2 * zone not in system.known_displacement:
+        if 2 * zone not in system.displacement_coefficients:
             continue
         halves = [_friction_ratios(solved, k) for k in (2 * zone - 1, 2 * zone)]
         y, ratio = np.concatenate(halves, axis=1)
@@ -551,5 +551,5 @@ def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array
 
 def _reverse_margin(solved: ZoneSolution) -> float:
     """Return the least ``q/(f p) + 1`` in zones that stick with memory; infinity without any."""
-    displaced = solved.system.known_displacement
+    displaced = solved.system.displacement_coefficients
     return min((float(_friction_ratios(solved, k)[1].min()) for k in displaced), default=inf) + 1.0
