@@ -50,9 +50,7 @@ from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.resolution import (
-        NormalContact,
-    )
+    from spectral_contact.contact.normal import NormalContact
     from spectral_contact.spectral.annulus import Annulus
     from spectral_contact.spectral.contact_fields import KnownDisplacement
 

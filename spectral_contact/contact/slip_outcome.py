@@ -36,8 +36,9 @@ from spectral_contact.contact.friction_law import (
     stick_violation,
 )
 from spectral_contact.contact.layout import Layout, ScalarResults, Trial
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import TINY, NormalContact
+from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, UNCERTAIN_SLIP_ERROR
 from spectral_contact.fields.series import (

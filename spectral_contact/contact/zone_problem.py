@@ -24,8 +24,9 @@ from spectral_contact.contact.free_boundary import (
     correct_to,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
-from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
+from spectral_contact.contact.resolution import concatenate_spaces
 from spectral_contact.contact.stick_radius import (
     JACOBIAN_FIELD_TOL,
     MIN_LOGIT,

@@ -36,12 +36,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, NoBoundariesError, Trial, fixed_disk
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import (
-    EPSILON_DEPTH,
-    NormalContact,
-)
+from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     as_full_slip,

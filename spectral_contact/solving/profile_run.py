@@ -35,8 +35,8 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.normal import NormalContact
     from spectral_contact.contact.ratio import FullStick
-    from spectral_contact.contact.resolution import NormalContact
     from spectral_contact.layers import Layer
     from spectral_contact.scene import Scene
     from spectral_contact.solving.grown_fields import GrownFields

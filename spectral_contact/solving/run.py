@@ -12,9 +12,8 @@ import math
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from spectral_contact.contact.normal import solve_normal
+from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.tuning import FIELD_ROUNDING, NEGLIGIBLE_FRACTION
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
