@@ -28,7 +28,7 @@ from spectral_contact.solution import Solution
 ASKED: Final = ("approach", "pressure", "traction", "slip", "zones", "stick_radius", "total_shear")
 #: Degrees that are tried on a panel: the Chebyshev nodes of each are among those of the next.
 _DEGREES: Final = (8, 16)
-#: Width in tau of the first panel, the most that a panel has, chosen; and of the narrowest one.
+#: Widths in tau of the first panel, which no other exceeds, and of the narrowest one; chosen.
 _WIDTH: Final = 2.0
 _NARROWEST: Final = 0.02
 #: Width in tau to which a threshold is bisected for, so that A is a parabola across it.
@@ -44,10 +44,10 @@ _PANELS: Final = 60
 #: Gauss points of the quadrature over a zone, on each panel, and of the one it is compared with.
 _POINTS: Final = 16
 _FEWER: Final = 12
-#: Panels of that quadrature: the root of the distance to an end of a zone goes down to exp(-32) of
-#: its largest value.
+#: Panels of that quadrature between an end and the middle of a zone, each e times as wide as the one
+#: before, besides the one at the end: in the root of the distance from the end.
 _FOLDS: Final = 32
-#: Gauss points of an integral over friction, on pieces whose ends differ by a factor of 2 at most.
+#: Gauss points of an integral over friction, on pieces: see `MeanSlipCurve._pieces`.
 _INNER: Final = 20
 
 

@@ -208,7 +208,7 @@ def sweep(
         every = parameters = _parameters(scenes, axes, layer, coupling)
         which = None
     else:
-        # `every` has all scenes, `parameters` each different one, once: it is `which` of them
+        # `parameters` has the scenes that differ, once each; `which` of them each of `every` is
         every, parameters, which = physical.different()
         wanted = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(every))
         quantities = quantities_for(physical, wanted.quantities)
