@@ -6,14 +6,10 @@ docs/adhesion_pull_off.png.
 
 from __future__ import annotations
 
-import sys
 from math import atan, exp, pi, sqrt
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import DOCS, picture
+from common import DOCS, picture
 from scipy.optimize import minimize_scalar
 
 from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve

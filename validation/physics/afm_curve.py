@@ -11,13 +11,8 @@ approach of 0, and lost where no equilibrium is left.
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
-from reporting import DOCS, picture
+from common import DOCS, picture
 
 from spectral_contact import Scene, fit, profiles
 from spectral_contact.calibration import IndentationData, IndentationFit

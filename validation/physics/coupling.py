@@ -8,15 +8,12 @@ uncoupled. Full stick is solved to 1e-10, partial slip to 1e-8.
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
+from common import RESULTS, picture, table, write
 from matplotlib import colormaps
-from reporting import RESULTS, picture, table, write
 
 from spectral_contact import Scene, solve, sweep
 

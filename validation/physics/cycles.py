@@ -6,14 +6,10 @@ docs/cycles_damping.png.
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
 from typing import Any
 
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
-from reporting import DOCS, picture
+from common import DOCS, picture
 
 from spectral_contact import Scene, damping_map, solve, steady_cycle
 from spectral_contact.sweeps.cycle_pictures import draw_loop

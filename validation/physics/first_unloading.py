@@ -5,13 +5,8 @@ Run as ``python validation/physics/first_unloading.py`` (a minute); writes docs/
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
-from reporting import DOCS, picture
+from common import DOCS, picture
 
 from spectral_contact import Scene, solve, sweep
 from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION

@@ -11,14 +11,10 @@ what the user knows: the tangent's ``alpha* = alpha E'/a``.
 
 from __future__ import annotations
 
-import sys
 from math import pi
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import DOCS, picture, table, write
+from common import DOCS, picture, table, write
 
 from spectral_contact import Scene, __version__, layers, profiles, sweep
 from spectral_contact.view.figures import BLACK

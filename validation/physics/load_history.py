@@ -9,15 +9,10 @@ increments, which is why the library has no such march.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator, Sequence
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
-sys.path.append(str(Path(__file__).parents[2]))
 
 import numpy as np
-from reporting import table, write
+from common import table, write
 
 from spectral_contact import Scene, __version__, solve
 from tests.oracles.load_history import Rings, even_ends

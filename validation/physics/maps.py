@@ -6,14 +6,9 @@ map_critical_friction.png.
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
+from common import RESULTS, picture
 from matplotlib.ticker import LogLocator
-from reporting import RESULTS, picture
 
 from spectral_contact import Scene
 from spectral_contact.sweeps import plot_slice, sweep

@@ -5,13 +5,8 @@ Run as ``python validation/physics/oliver_pharr.py``; writes docs/oliver_pharr.p
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
-from reporting import DOCS, picture
+from common import DOCS, picture
 
 from spectral_contact import Scene, profiles, sweep
 

@@ -8,13 +8,10 @@ honest, the deviations from the truth have the distribution that its covariance 
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
-from reporting import RESULTS, picture, table, write
+from common import RESULTS, picture, table, write
 from scipy.stats import chi2
 
 from spectral_contact import Scene, solve
