@@ -44,8 +44,8 @@ _PANELS: Final = 60
 #: Gauss points of the quadrature over a zone, on each panel, and of the one it is compared with.
 _POINTS: Final = 16
 _FEWER: Final = 12
-#: Panels of that quadrature between an end and the middle of a zone, each e times as wide as the one
-#: before, besides the one at the end: in the root of the distance from the end.
+#: Panels of that quadrature between an end and the middle of a zone, besides the one at the end: in
+#: the root of the distance from the end, each is e times as wide as the one before.
 _FOLDS: Final = 32
 #: Gauss points of an integral over friction, on pieces: see `MeanSlipCurve._pieces`.
 _INNER: Final = 20
