@@ -11,15 +11,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade, in_turn
+from strata import TINY, Outcome, decade, over_estimates
 
-from spectral_contact import NotComputedError, Scene, Solution, profiles, solve
+from spectral_contact import Scene, Solution, profiles, solve
 
 FRACTIONS = np.array([0.07, 0.2, 0.5, 0.8, 0.97])
 SCALARS, FIELDS = ("total_shear", "stick_radius"), ("traction", "slip")
-TINY = float(np.finfo(float).tiny)
 PLACES = np.concatenate([[1e-6, 1e-3], np.linspace(0.02, 0.98, 49), 1.0 - 10.0 ** -np.arange(2, 7)])
 
 
@@ -43,18 +43,10 @@ def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
 
 
 def ratios(
-    found: Solution,
-    truth: Solution,
-    scalars: Sequence[str],
-    fields: Sequence[str],
-    places: np.ndarray,
+    found: Solution, truth: Any, scalars: Sequence[str], fields: Sequence[str], places: np.ndarray
 ) -> dict[str, float]:
-    """Return true errors over estimates, of a solution and a closer one."""
-    worst = {}
-    for name in scalars:
-        exact = getattr(truth, name)
-        off = abs(getattr(found, name) - exact) / max(abs(exact), TINY)
-        worst[name] = off / (getattr(found.error, name) + getattr(truth.error, name) + 1e-15)
+    """Return true errors over estimates, of a solution and of what has the truth's numbers."""
+    worst = over_estimates(found, truth, scalars)
     for name in fields:
         if getattr(found.error, name) is None:
             continue
@@ -63,8 +55,8 @@ def ratios(
         size = max(np.abs(exact).max(), TINY)
         if name == "pressure":
             size = np.maximum(np.abs(exact), truth.load / (math.pi * truth.contact_radius**2))
-        off = float((np.abs(mine - exact) / size).max())
-        worst[name] = off / (getattr(found.error, name) + getattr(truth.error, name) + 1e-15)
+        room = getattr(found.error, name) + getattr(truth.error, name) + 1e-15
+        worst[name] = float((np.abs(mine - exact) / size).max() / room)
     return worst
 
 
@@ -76,38 +68,25 @@ def solved_twice(scene: Scene, rtol: float) -> tuple[Solution, Solution]:
 
 def history_ratios(found: Solution, truth: Solution) -> dict[str, float]:
     """Return the same of the history."""
-    scene, worst = found.scene, dict.fromkeys(("load", "approach", *SCALARS), 0.0)
-    assert scene.profile is not None
-    assert scene.contact_radius is not None
+    scene = found.scene
+    worst = dict.fromkeys(("load", "approach", *SCALARS), 0.0)
     flat = scene.profile.flat_part
     for b in (flat + FRACTIONS * (scene.contact_radius - flat)).tolist():
         normal = solve(scene.replace(contact_radius=b, friction=None), 1e-11, ("load", "approach"))
         for name in worst:
-            one = getattr(found.history, name)(b)
             if name in SCALARS:
-                other, left = getattr(truth.history, name)(b), truth.history.error(name, b)
+                exact, left = getattr(truth.history, name)(b), truth.history.error(name, b)
             else:
-                other, left = getattr(normal, name), 1e-11
-            room = (found.history.error(name, b) + left) * abs(other)
-            off = abs(one - other)
+                exact, left = getattr(normal, name), 1e-11
+            room = (found.history.error(name, b) + left) * abs(exact)
+            off = abs(getattr(found.history, name)(b) - exact)
             worst[name] = max(worst[name], float(off / room) if off else 0.0)
     return {f"history, {name.replace('_', ' ')}": value for name, value in worst.items()}
 
 
-def measured(rng: np.random.Generator, _: int) -> Outcome:
+def growing(rng: np.random.Generator, _: int) -> Outcome:
     """Return what becomes of a random scene."""
     scene, rtol = drawn(rng)
     found, truth = solved_twice(scene, rtol)
     worst = ratios(found, truth, SCALARS, FIELDS, PLACES) | history_ratios(found, truth)
     return Outcome(worst, f"{scene!r}, rtol {rtol:.1e}")
-
-
-STRATA = {
-    "growing": Stratum(
-        "Honesty of friction under growing contacts",
-        100,
-        in_turn(measured, (NotComputedError,)),
-        refused="{} were refused, as slip does not simply reach the edge",
-        every=10,
-    )
-}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 from typing import Any
@@ -133,29 +133,29 @@ def exact_solution(scene: Scene) -> Rounded | None:
     return None
 
 
-def outcome(seed: int, number: int, exact: bool, coupled: bool) -> dict:
+def outcome(number: int, seed: int, coupled: bool, exact: Set[int] = frozenset()) -> dict:
     """Solve a scene and return what there is to keep of it.
 
-    With `exact` the truth has many digits, unless doubles do not resolve its zones.
+    The truth of those in `exact` has many digits, unless doubles do not resolve its zones.
     """
     row: dict = {"number": number}
+    by_digits = number in exact
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             scene, rtol = random_scene(seed, number, coupled)
-            if coupled and exact:  # what doubles can do is seen against many digits alone
+            if coupled and by_digits:  # what doubles can do is seen against many digits alone
                 rtol = 1e-12
-            row |= {"scene": repr(scene), "rtol": rtol}
+            row |= {"scene": repr(scene), "rtol": rtol, "by_reference": by_digits}
             solution = solve(scene, rtol, strict=False)
-            row["by_reference"] = exact
-            by_digits = exact_solution(scene) if exact else None
-            row["exact"] = by_digits is not None
-            truth = by_digits or true_solution(scene)
+            rounded = exact_solution(scene) if by_digits else None
+            row["exact"] = rounded is not None
+            truth = rounded or true_solution(scene)
             row["unconverged"] = not solution.converged
             row["differing"] = not zones_alike(solution, truth)
             row["errors"] = compare(solution, truth)
-            closest = truth if isinstance(truth, Solution) else None
-            if closest is None and solution.error.slip == math.inf:
+            closest = None if rounded else truth
+            if rounded and solution.error.slip == math.inf:
                 closest = solve(scene, 1e-12, strict=False)
             row["unexplained"] = unexplained(solution, closest)
     except Exception as error:  # whatever it is, it is a violation

@@ -1,0 +1,195 @@
+"""Strata: scenes are drawn and solved, and their true errors over estimates become a table."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import sys
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+import numpy as np
+import reporting
+
+from spectral_contact import ConvergenceError, NotComputedError, SceneError
+
+RESULTS = reporting.RESULTS
+REFUSALS = {
+    one.__name__: one
+    for one in (
+        ArithmeticError,
+        AssertionError,
+        ConvergenceError,
+        NotComputedError,
+        SceneError,
+        np.linalg.LinAlgError,
+    )
+}
+#: Scenes that a process is given at once, and the seconds from table to table.
+CHUNK, PAUSE = 10, 30.0
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """True errors over their estimates by quantity, what the scene is, and whether it converged.
+
+    The last is None where a scene is many solves.
+    """
+
+    ratios: dict[str, float]
+    label: str
+    converged: bool | None = None
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """Scenes of one kind, as strata.toml has them and says what these attributes are."""
+
+    module: str
+    title: str
+    scenes: int = 0
+    key: list[int] | None = None
+    refusals: Sequence[str] = ()
+    refused: str = "{} were refused"
+    compared: str = "true error over its estimate"
+
+    def outcomes(self, name: str, seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
+        """Yield what becomes of each scene; None where the truth or the solver refuses it."""
+        if self.key is not None:
+            return in_order(partial(self.outcome, name, seed), range(scenes), workers)
+        rng = np.random.default_rng(seed)
+        return (self.outcome(name, rng, number) for number in range(scenes))
+
+    def outcome(self, name: str, begin: int | np.random.Generator, number: int) -> Outcome | None:
+        """Return what becomes of a scene, from a seed or from the generator of all scenes."""
+        measured = getattr(import_module(self.module), name)
+        if isinstance(begin, int):
+            begin = np.random.default_rng([begin, number, *(self.key or ())])
+        try:
+            return measured(begin, number)
+        except tuple(REFUSALS[one] for one in self.refusals):
+            return None
+
+
+def strata() -> dict[str, Stratum]:
+    """Return all strata by their names."""
+    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    return {name: Stratum(**given) for name, given in tomllib.loads(text).items()}
+
+
+def command(name: str, stratum: Stratum, arguments: Sequence[str]) -> bool:
+    """Run a stratum as the command line says; those that are drawn in turn have no workers."""
+    more = {"scenes": stratum.scenes, "seed": 1, "workers": 1}
+    asked = reporting.options(stratum.title, arguments, **more)
+    return run(name, stratum, asked.scenes, asked.seed, asked.workers)
+
+
+def in_order(work: Callable[[int], Any], numbers: Iterable[int], workers: int) -> Iterator[Any]:
+    """Yield what some processes make of numbers, in their order."""
+    if workers == 1:
+        yield from map(work, numbers)
+        return
+    # ended from outside, the processes end, too
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        yield from pool.map(work, numbers, chunksize=CHUNK)
+
+
+def run(name: str, stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
+    """Run a stratum, write its table from time to time, and return whether an estimate failed."""
+    found: list[Outcome] = []
+    violations: list[str] = []
+    unmet: list[str] = []
+    refused = 0
+    written = monotonic()
+    text = ""
+    for done, outcome in enumerate(stratum.outcomes(name, seed, scenes, workers), start=1):
+        if outcome is None:
+            refused += 1
+        else:
+            label = f"scene {done - 1}: {outcome.label}"
+            found.append(outcome)
+            unmet += [f"not met: {label}"] if outcome.converged is False else []
+            new = [f"{key} {one:.2f}, {label}" for key, one in outcome.ratios.items() if one > 1.0]
+            print(*new, sep="\n", end="\n" * bool(new), flush=True)
+            violations += new
+        if done == scenes or monotonic() > written + PAUSE:
+            judged = any(one.converged is not None for one in found)
+            said = f"; {len(unmet)} scenes did not meet their tolerance and said so" * judged
+            about = (
+                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py {name}: "
+                f"{stratum.compared}{said}; {stratum.refused.format(refused)}."
+            )
+            notes = "\n".join(f"- {one}" for one in (*violations, *unmet))
+            text = f"# {stratum.title}\n\n{about}\n\n{table(found)}\n\n{notes}".rstrip()
+            (RESULTS / f"honesty_{name}.md").write_text(f"{text}\n", encoding="utf-8")
+            written = monotonic()
+    print(text)
+    return bool(violations)
+
+
+def table(found: Iterable[Outcome]) -> str:
+    """Return a table with a row for each quantity."""
+    ratios: dict[str, list[float]] = {}
+    for outcome in found:
+        for name, ratio in outcome.ratios.items():
+            ratios.setdefault(name, []).append(ratio)
+    rows = []
+    for name, some in ratios.items():
+        violations = sum(ratio > 1.0 for ratio in some)
+        cells = f"{max(some):.2g}", f"{np.median(some):.2g}", violations
+        rows.append((name.replace("_", " "), *cells))
+    return reporting.table("quantity | largest | median | violations", rows)
+
+
+# --- for the modules of strata --------------------------------------------------------------------
+
+
+def decade(rng: np.random.Generator, low: float, high: float) -> float:
+    """Return a number whose decimal logarithm is uniform between two."""
+    return float(10.0 ** rng.uniform(low, high))
+
+
+def largest(found: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Return the largest ratio of every quantity."""
+    names = dict.fromkeys(key for one in found for key in one)
+    return {name: max(one[name] for one in found if name in one) for name in names}
+
+
+def over_estimates(
+    found: Any,
+    truth: Any,
+    names: Iterable[str],
+    rounding: float = 1e-15,
+    sizes: Mapping[str, float] | None = None,
+) -> dict[str, float]:
+    """Return the errors of scalars over their estimates, those of the truth included.
+
+    Parameters
+    ----------
+    found, truth : object
+        What has the numbers, and estimates as `error`; an estimate may be None.
+    names : iterable of str
+    rounding : float
+        Error that no estimate has.
+    sizes : mapping, optional
+        What errors are relative to, where it is not the truth.
+    """
+    ratios = {}
+    for name in names:
+        true = getattr(truth, name)
+        size = max(abs(true), TINY) if name not in (sizes or {}) else sizes[name]
+        room = rounding + sum(getattr(one.error, name) or 0.0 for one in (found, truth))
+        ratios[name] = float(abs(getattr(found, name) - true) / size / room)
+    return ratios
