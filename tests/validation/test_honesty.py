@@ -1,6 +1,7 @@
 """The strata of validation/honesty run, a scene or two of each, and write what they measured."""
 
 import importlib
+import math
 import re
 import subprocess
 import sys
@@ -52,15 +53,27 @@ def made_up(rng, number):
 
 def test_errors_above_their_estimates_and_refusals_are_counted(strata, tmp_path, capsys):
     given = {"refusals": ["ArithmeticError"], "refused": "{} unknown"}
-    stratum = strata.Stratum(__name__, "Title", 3, **given)
-    assert strata.run("made_up", stratum, 3, 1)
+    stratum = strata.Stratum("made_up", __name__, "Title", 3, **given)
+    assert strata.run(stratum, 3, 1)
     page = (tmp_path / "honesty_made_up.md").read_text(encoding="utf-8")
     assert "1 scenes did not meet their tolerance and said so; 1 unknown." in page
     assert "| load | 1.5 | 1 | 1 |\n| work | 0.25 | 0.25 | 0 |" in page
     assert "- load 1.50, scene 2: a scene\n- not met: scene 2: a scene" in page
     assert "load 1.50, scene 2" in capsys.readouterr().out
     with pytest.raises(ArithmeticError):  # what is no refusal is an error of the study
-        strata.run("made_up", strata.Stratum(__name__, "Title", 3), 3, 1)
+        strata.run(strata.Stratum("made_up", __name__, "Title", 3), 3, 1)
+
+
+@pytest.mark.parametrize(("ratio", "failed"), [(1.0, False), (1.01, True), (math.nan, True)])
+def test_what_is_no_number_is_a_violation(strata, monkeypatch, ratio, failed):
+    outcome = strata.Outcome({"x": ratio}, "")
+    monkeypatch.setattr(sys.modules[__name__], "drawn", lambda rng, number: outcome)
+    assert strata.run(strata.Stratum("drawn", __name__, ""), 1, 1) is failed
+
+
+def test_a_run_without_a_scene_that_is_compared_fails(strata, monkeypatch):
+    monkeypatch.setattr(sys.modules[__name__], "drawn", lambda rng, number: None)
+    assert strata.run(strata.Stratum("drawn", __name__, ""), 2, 1)
 
 
 def drawn(rng, number):
@@ -70,8 +83,8 @@ def drawn(rng, number):
 
 def test_scenes_have_one_generator_or_each_their_own(strata):
     for key in (None, [], [1]):
-        stratum = strata.Stratum(__name__, "", 4, key)
-        found = [one.ratios["x"] for one in stratum.outcomes("drawn", 7, 4, 1)]
+        stratum = strata.Stratum("drawn", __name__, "", 4, key)
+        found = [one.ratios["x"] for one in stratum.outcomes(7, 4, 1)]
         if key is None:
             assert found == np.random.default_rng(7).random(4).tolist()
         else:

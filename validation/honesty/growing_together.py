@@ -1,9 +1,6 @@
 """True errors of contacts that grow with elastic coupling against their estimates.
 
-Strata of honesty.py, of some ten seconds a scene, for kappa of either sign. In ``growing_to_value``
-a load or an approach is given instead of the radius, which is next to a break of the profile, so
-that the history ends in a short panel; the truth is the contact whose radius is given. In
-``growing_together`` scenes take turns:
+A stratum of honesty.py, of some ten seconds a scene, for kappa of either sign. Scenes take turns:
 
 - smooth surfaces (half of them) under tips: the contact is similar to itself at all times, so that
   its fields are integrals over one flat punch, and its load follows from the normal equation by the
@@ -26,13 +23,14 @@ import numpy as np
 from growing import ratios, solved_twice
 from strata import Outcome, decade, over_estimates
 
-from spectral_contact import Scene, Solution, profiles, solve
+from spectral_contact import Scene, profiles, solve
 from spectral_contact.equations import residuals
 from spectral_contact.spectral.jacobi import graded_rule
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
 from oracles.growing_rings import march
+from oracles.self_similar import superposed
 
 #: Numbers of rings; how much more than the last change of the extrapolation its error may be.
 COUNTS, ROOM = (40, 80, 160), 3.0
@@ -72,28 +70,6 @@ def drawn(rng: np.random.Generator, number: int) -> tuple[Scene, float, float | 
         kappa, alpha, beta, friction, coupling=True, profile=profile, contact_radius=1.0
     )
     return scene, tolerance, None if number % 2 else power
-
-
-def superposed(flat: Solution, name: str, power: float, r: float) -> float:
-    """Return a field for unit load, similar to itself at all times, by quadrature over radii."""
-    points, weights = graded_rule(20, 50, 0.2)
-    stick, total = flat.stick_radius, 0.0
-    # where it slips the traction is a multiple of the pressure
-    friction = (flat.scene.friction or 0.0) * math.copysign(1.0, flat.scene.kappa)
-    for low, high in ((r, stick), (max(r, stick), 1.0)):
-        half = (high - low) / 2.0
-        if half <= 0.0:
-            continue
-        slips = high > stick
-        field = flat.pressure_field if slips or name == "pressure" else flat.traction_field
-        factor = friction if slips and name == "traction" else 1.0
-        for s, from_edge in (
-            (low + half * points, 1.0 - low - half * points),
-            (high - half * points, 1.0 - high + half * points),
-        ):
-            values = field(s, from_edge) * (r / s) ** (power - 1.0) / s
-            total += factor * half * float(weights @ values)
-    return (power + 1.0) * total
 
 
 def self_similar(scene: Scene, power: float) -> SimpleNamespace:
@@ -169,25 +145,3 @@ def growing_together(rng: np.random.Generator, number: int) -> Outcome:
         worst = ratios(*solved_twice(scene, rtol), SCALARS, (*FIELDS, "slip"), PLACES)
         worst = {f"{name}, thin": ratio for name, ratio in worst.items()}
     return Outcome(worst, f"{scene!r}, rtol {rtol:.1e}")
-
-
-def growing_to_value(rng: np.random.Generator, number: int) -> Outcome:
-    """Return what becomes of a contact whose load or approach is given, next to a break."""
-    kappa = float(rng.uniform(0.02, 0.37)) * (1.0 if rng.random() < 0.5 else -1.0)
-    alpha = 0.0 if rng.random() < 0.2 else decade(rng, -4.0, 0.5)
-    friction = math.inf if rng.random() < 0.25 else decade(rng, -0.5, 0.7) * abs(kappa)
-    corner = [profiles.TruncatedCone(0.5, 0.7), profiles.RoundedFlat(0.5, 0.3)][rng.integers(2)]
-    side = 1.0 if rng.random() < 0.8 else -1.0
-    radius = 0.5 * (1.0 + side * decade(rng, -12.0, -1.0))
-    beta = alpha * float(rng.uniform(0.05, 1.0))
-    profile = profiles.Sum(profiles.Parabola(1.0), corner)
-    scene = Scene.from_kappa(
-        kappa, alpha, beta, friction, coupling=True, profile=profile, contact_radius=radius
-    )
-    rtol = decade(rng, -6.0, -3.0)
-    truth = solve(scene, rtol, strict=False)
-    control = ("load", "approach")[number % 2]
-    given = scene.replace(contact_radius=None, **{control: getattr(truth, control)})
-    found = solve(given, rtol, strict=False)
-    worst = ratios(found, truth, (*SCALARS, "contact_radius"), FIELDS, PLACES)
-    return Outcome(worst, f"{given!r}, radius {radius!r}, rtol {rtol:.1e}")

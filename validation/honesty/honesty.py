@@ -26,7 +26,7 @@ def main(arguments: list[str]) -> int:
     stratum = known[name]
     if not stratum.scenes:  # with another record
         return int(import_module(stratum.module).main(name, arguments))
-    return int(command(name, stratum, arguments))
+    return int(command(stratum, arguments))
 
 
 if __name__ == "__main__":

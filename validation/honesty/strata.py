@@ -53,8 +53,9 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Stratum:
-    """Scenes of one kind, as strata.toml has them and says what these attributes are."""
+    """Scenes of one kind; strata.toml says what these attributes are."""
 
+    name: str
     module: str
     title: str
     scenes: int = 0
@@ -63,16 +64,16 @@ class Stratum:
     refused: str = "{} were refused"
     compared: str = "true error over its estimate"
 
-    def outcomes(self, name: str, seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
+    def outcomes(self, seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
         """Yield what becomes of each scene; None where the truth or the solver refuses it."""
         if self.key is not None:
-            return in_order(partial(self.outcome, name, seed), range(scenes), workers)
+            return in_order(partial(self.outcome, seed), range(scenes), workers)
         rng = np.random.default_rng(seed)
-        return (self.outcome(name, rng, number) for number in range(scenes))
+        return (self.outcome(rng, number) for number in range(scenes))
 
-    def outcome(self, name: str, begin: int | np.random.Generator, number: int) -> Outcome | None:
+    def outcome(self, begin: int | np.random.Generator, number: int) -> Outcome | None:
         """Return what becomes of a scene, from a seed or from the generator of all scenes."""
-        measured = getattr(import_module(self.module), name)
+        measured = getattr(import_module(self.module), self.name)
         if isinstance(begin, int):
             begin = np.random.default_rng([begin, number, *(self.key or ())])
         try:
@@ -84,14 +85,14 @@ class Stratum:
 def strata() -> dict[str, Stratum]:
     """Return all strata by their names."""
     text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
-    return {name: Stratum(**given) for name, given in tomllib.loads(text).items()}
+    return {name: Stratum(name, **given) for name, given in tomllib.loads(text).items()}
 
 
-def command(name: str, stratum: Stratum, arguments: Sequence[str]) -> bool:
+def command(stratum: Stratum, arguments: Sequence[str]) -> bool:
     """Run a stratum as the command line says; those that are drawn in turn have no workers."""
     more = {"scenes": stratum.scenes, "seed": 1, "workers": 1}
     asked = reporting.options(stratum.title, arguments, **more)
-    return run(name, stratum, asked.scenes, asked.seed, asked.workers)
+    return run(stratum, asked.scenes, asked.seed, asked.workers)
 
 
 def in_order(work: Callable[[int], Any], numbers: Iterable[int], workers: int) -> Iterator[Any]:
@@ -106,37 +107,45 @@ def in_order(work: Callable[[int], Any], numbers: Iterable[int], workers: int) -
         yield from pool.map(work, numbers, chunksize=CHUNK)
 
 
-def run(name: str, stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
-    """Run a stratum, write its table from time to time, and return whether an estimate failed."""
+def run(stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
+    """Run a stratum, and write its table from time to time.
+
+    Returns whether an estimate failed, or no scene was compared.
+    """
     found: list[Outcome] = []
     violations: list[str] = []
     unmet: list[str] = []
     refused = 0
     written = monotonic()
     text = ""
-    for done, outcome in enumerate(stratum.outcomes(name, seed, scenes, workers), start=1):
+    for done, outcome in enumerate(stratum.outcomes(seed, scenes, workers), start=1):
         if outcome is None:
             refused += 1
         else:
             label = f"scene {done - 1}: {outcome.label}"
             found.append(outcome)
             unmet += [f"not met: {label}"] if outcome.converged is False else []
-            new = [f"{key} {one:.2f}, {label}" for key, one in outcome.ratios.items() if one > 1.0]
+            new = [f"{key} {r:.2f}, {label}" for key, r in outcome.ratios.items() if violates(r)]
             print(*new, sep="\n", end="\n" * bool(new), flush=True)
             violations += new
         if done == scenes or monotonic() > written + PAUSE:
             judged = any(one.converged is not None for one in found)
             said = f"; {len(unmet)} scenes did not meet their tolerance and said so" * judged
             about = (
-                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py {name}: "
-                f"{stratum.compared}{said}; {stratum.refused.format(refused)}."
+                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py "
+                f"{stratum.name}: {stratum.compared}{said}; {stratum.refused.format(refused)}."
             )
             notes = "\n".join(f"- {one}" for one in (*violations, *unmet))
             text = f"# {stratum.title}\n\n{about}\n\n{table(found)}\n\n{notes}".rstrip()
-            (RESULTS / f"honesty_{name}.md").write_text(f"{text}\n", encoding="utf-8")
+            (RESULTS / f"honesty_{stratum.name}.md").write_text(f"{text}\n", encoding="utf-8")
             written = monotonic()
     print(text)
-    return bool(violations)
+    return bool(violations) or not found
+
+
+def violates(ratio: float) -> bool:
+    """Return whether a true error is above its estimate; what is no number violates, too."""
+    return not ratio <= 1.0
 
 
 def table(found: Iterable[Outcome]) -> str:
@@ -147,8 +156,7 @@ def table(found: Iterable[Outcome]) -> str:
             ratios.setdefault(name, []).append(ratio)
     rows = []
     for name, some in ratios.items():
-        violations = sum(ratio > 1.0 for ratio in some)
-        cells = f"{max(some):.2g}", f"{np.median(some):.2g}", violations
+        cells = f"{np.max(some):.2g}", f"{np.median(some):.2g}", sum(map(violates, some))
         rows.append((name.replace("_", " "), *cells))
     return reporting.table("quantity | largest | median | violations", rows)
 

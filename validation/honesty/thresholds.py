@@ -25,14 +25,15 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from time import perf_counter, process_time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from honesty_errors import unexplained
+from honesty_errors import unexplained, zones_alike, zones_error
 from reporting import options, stored, table, unit, write
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, reference, solve
-from spectral_contact.equations.residuals import tangential_displacement
+from spectral_contact.testing.solution_checks import _zone_checks, field_of
 
 SEED, SECONDS = 18, 540.0
 VERDICTS = "right", "room", "refused", "wrong"
@@ -110,22 +111,10 @@ def broken(solution: Solution, rtol: float) -> float:
     cuts = [z.outer_from_edge for z in solution.zones[:-1]]
     layers = [c for c in (scene.normal_compliance, scene.tangential_compliance) if c]
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > min([*layers, 1.0]) / 30.0]
-    d = places(solution, rtol)
-
-    def field(name: str) -> Any:
-        return lambda x: getattr(solution, name)(from_edge=x)
-
-    p, q = solution.pressure(from_edge=d), solution.traction(from_edge=d)
-    parts = [
-        tangential_displacement(field("traction"), field("pressure"), scene.kappa, float(x), cuts)
-        for x in d
-    ]
-    outward, inward = np.array(parts).T
-    moved = (scene.tangential_compliance * q + outward - inward) / inward
-    share = np.abs(q) / (scene.friction * p)
-    slips = share > 1.0 - 4.0 * rtol
-    wrong = np.where(slips, np.maximum(moved * np.sign(q), 0.0), np.abs(moved))
-    return float(max(wrong.max(), share.max() - 1.0, -p.min()))
+    pressure, traction = (field_of(solution, name) for name in ("pressure", "traction"))
+    at = places(solution, rtol)
+    checks = _zone_checks(scene, pressure, traction, rtol, cuts, at)
+    return max(-float(pressure(at).min()), *(check.error for check in checks))
 
 
 def verdict(drawn: Record, solution: Solution) -> str:
@@ -217,22 +206,20 @@ def with_truth(drawn: Record) -> Record:
 def judged_precisely(drawn: Record) -> Record:
     """Return a scene that has its zones with the verdict of the solver."""
     found = solve(Scene(*drawn["scene"]), drawn["rtol"], strict=False)
-    zones = [(z.kind, z.outer_from_edge) for z in found.zones]
-    truth, estimate = drawn["truth"], found.error.zones
-    off = max(
-        (
-            abs(mine / other - 1.0) if other < 0.5 else abs(mine - other) / (1.0 - other)
-            for (_, mine), (_, other) in zip(zones[:-1], truth[:-1], strict=False)
-        ),
-        default=0.0,
+    truth = SimpleNamespace(
+        zones=[
+            SimpleNamespace(kind=kind, outer=1.0 - from_edge, outer_from_edge=from_edge)
+            for kind, from_edge in drawn["truth"]
+        ]
     )
-    same = [kind for kind, _ in zones] == [kind for kind, _ in truth]
+    off, estimate = zones_error(found, truth), found.error.zones
     if not found.converged:
         verdict = "refused"
     elif estimate is None or estimate >= 1.0:
         verdict = "room"
     else:
-        verdict = "right" if same and off <= estimate else "wrong"
+        verdict = "right" if zones_alike(found, truth) and off <= estimate else "wrong"
+    zones = [(z.kind, z.outer_from_edge) for z in found.zones]
     return drawn | {"zones": zones, "estimate": estimate, "off": off, "verdict": verdict}
 
 
