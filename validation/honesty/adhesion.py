@@ -11,7 +11,7 @@ scene of ten is a power law on a smooth surface, whose pull-off is a closed form
 from __future__ import annotations
 
 import numpy as np
-from profiles import LEAST, MOST, ROUNDING, Better, compared, drawn
+from profiles import LEAST, MOST, ROUNDING, Better, as_solution, compared, drawn
 from strata import Outcome, decade, largest
 
 from spectral_contact import Scene, closed_forms, pull_off
@@ -79,7 +79,8 @@ def rough(rng: np.random.Generator, number: int) -> Outcome:
     better = Truth(*given)
     solved = curve.at(radius, pointwise=True)
     truth = value_of(better.at(radius, pointwise=True))
-    worst = [compared(value_of(solved), truth)]
+    exact = as_solution(truth)
+    worst = [compared(as_solution(value_of(solved)), exact)]
     # every radius has operators of its own under a profile with breaks
     whole = not profile.breaks or number % BROKEN == 0
     for control in (BY_LOAD, BY_APPROACH) if whole else (BY_LOAD,):
@@ -87,7 +88,7 @@ def rough(rng: np.random.Generator, number: int) -> Outcome:
         if searched is not None:
             found, off = value_of(searched[0]), searched[1]
             moved = abs(found.radius / radius - 1.0) / (off + ROUNDING)
-            worst.append(compared(found, truth) | {"radius": moved})
+            worst.append(compared(as_solution(found), exact) | {"radius": moved})
     if whole:
         worst.append(stiffness_on_branch(curve, value_of(solved), better, truth))
         if number % PULLED == 0:

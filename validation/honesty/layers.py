@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from profiles import Larger, compared
+from profiles import Larger, as_solution, compared
 from strata import Outcome, decade
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
@@ -94,7 +94,8 @@ def measured(rng: np.random.Generator, *, of_user: bool) -> Outcome:
     label += f"approach {truth.approach:.6g}{' under a load' * (setting.load is not None)}, "
     label += f"rtol {tolerance:.1e}{', pressure' * pointwise}"
     found = solved.best.value if pointwise else replace(solved.best.value, pressure=None)
-    return Outcome(compared(found, truth), label, solved.best.error <= tolerance)
+    ratios = compared(as_solution(found), as_solution(truth))
+    return Outcome(ratios, label, solved.best.error <= tolerance)
 
 
 def layers(rng: np.random.Generator, _: int) -> Outcome:

@@ -10,22 +10,20 @@ truth is `reference`.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from strata import TINY, Outcome, decade, largest
+from strata import Outcome, decade, fields_over_estimates, largest, over_estimates
 
-from spectral_contact import Scene, reference
+from spectral_contact import Scene, reference, solve
 from spectral_contact import profiles as shapes
 from spectral_contact.contact import indented
-from spectral_contact.contact.contact_radius import find_radius, value_of
-from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import refine
 from spectral_contact.spectral.panels import DiscreteSpace
 
+SCALARS = ("approach", "load", "indentation_work", "stiffness")
 LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
 #: Of a radius that was given, and of a load or approach found from it.
@@ -81,27 +79,20 @@ def rough(rng: np.random.Generator) -> Outcome:
     profile, radius = drawn(rng)
     compliance = 10.0 ** rng.uniform(LEAST, MOST) * radius
     tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
-    solved = solve_indentation(profile, radius, compliance, tolerance, 20_000)
     better = Better(profile, radius, compliance, 1e-13, pointwise=True)
-    truth = refine(better, 1e-11, 20_000).best.value
-    label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, rtol = {tolerance:.1e}"
-    worst = [compared(solved.best.value, truth)]
-    for load, approach in ((truth.load, None), (None, truth.approach)):
-        searched, off = find_radius(
-            profile,
-            lambda a, rtol, pointwise: solve_indentation(
-                profile, a, compliance, rtol, 20_000, pointwise=pointwise
-            ),
-            tolerance,
-            load=load,
-            approach=approach,
-            pointwise=True,
-            first=lambda a: values_only(profile, a, compliance, tolerance, 20_000),
+    truth = as_solution(refine(better, 1e-11, 20_000).best.value)
+    found = [
+        solve(Scene(0.3, compliance, profile=profile, **given), tolerance, strict=False)
+        for given in (
+            {"contact_radius": radius},
+            {"load": truth.load},
+            {"approach": truth.approach},
         )
-        found = value_of(searched)
-        radius_ratio = abs(found.radius / truth.radius - 1.0) / (off + ROUNDING)
-        worst.append({"radius": radius_ratio} | compared(found, truth))
-    return Outcome(largest(worst), label, solved.best.error <= tolerance)
+    ]
+    ratios = [compared(one, truth) for one in found]
+    ratios += [over_estimates(one, truth, ("contact_radius",), ROUNDING) for one in found[1:]]
+    label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, rtol = {tolerance:.1e}"
+    return Outcome(largest(ratios), label, found[0].converged)
 
 
 def smooth(rng: np.random.Generator) -> Outcome:
@@ -109,45 +100,42 @@ def smooth(rng: np.random.Generator) -> Outcome:
     profile, radius = drawn(rng)
     while isinstance(profile, shapes.Sampled):  # it is not the shape that it samples
         profile, radius = drawn(rng)
-    found = solve_indentation(profile, radius, 0.0, 1e-10, 20_000)
-    exact = reference(Scene(0.3, profile=profile, contact_radius=radius), 20, progress=False)
-    approach = float(exact.approach)
-    load = float(exact.load)
-    truth = SimpleNamespace(
-        radius=radius,
-        approach=approach,
-        approach_size=approach,
-        load=load,
-        load_size=load,
-        work=float(exact.indentation_work),
-        stiffness=float(exact.stiffness),
-        pressure=lambda _, from_edge: exact.pressure(from_edge=from_edge).astype(float),
-    )
+    scene = Scene(0.3, profile=profile, contact_radius=radius)
+    found = solve(scene, 1e-10, strict=False)
+    exact = reference(scene, 20, progress=False)
     # at the tip of a cone the pressure is infinite
-    ratios = compared(found, truth, FROM_EDGE[FROM_EDGE < 1.0])
-    label = f"{profile.brief}, a = {radius:.6g}, smooth"
-    return Outcome(ratios, label, found.pressure_error <= 1e-10)
+    ratios = compared(found, exact, FROM_EDGE[FROM_EDGE < 1.0])
+    return Outcome(ratios, f"{profile.brief}, a = {radius:.6g}, smooth", found.converged)
 
 
-def compared(found: Indentation, truth: Any, from_edge: np.ndarray = FROM_EDGE) -> dict[str, float]:
-    """Return true errors over their estimates of all but the radius; the truth is not exact."""
-    sizes = {
-        "approach": truth.approach_size,
-        "load": truth.load_size,
-        "work": truth.work,
-        "stiffness": truth.stiffness,
-    }
-    off = {name: abs(getattr(found, name) - getattr(truth, name)) / sizes[name] for name in sizes}
-    if found.pressure is not None and truth.pressure is not None:
-        s = 1.0 - from_edge
-        exact = truth.pressure(s, from_edge)
-        size = np.maximum(np.abs(exact), truth.load_size / (pi * truth.radius**2))
-        off["pressure"] = float((np.abs(found.pressure(s, from_edge) - exact) / size).max())
-    ratios = {}
-    for name, error in off.items():
-        room = getattr(found, f"{name}_error") + getattr(truth, f"{name}_error", 0.0)
-        ratios[name] = error / max(room, TINY)  # what is given has no error
-    return ratios
+def as_solution(one: Indentation) -> SimpleNamespace:
+    """Return a contact with the names that it has in a `Solution`."""
+    error = SimpleNamespace(
+        approach=one.approach_error,
+        load=one.load_error,
+        indentation_work=one.work_error,
+        stiffness=one.stiffness_error,
+        pressure=None if one.pressure is None else one.pressure_error,
+        contact_radius=0.0,
+    )
+    return SimpleNamespace(
+        approach=one.approach,
+        load=one.load,
+        indentation_work=one.work,
+        stiffness=one.stiffness,
+        pressure=lambda *, from_edge: one.pressure(1.0 - from_edge, from_edge),
+        contact_radius=one.radius,
+        sizes={"approach": one.approach_size, "load": one.load_size},
+        error=error,
+    )
+
+
+def compared(found: Any, truth: Any, from_edge: np.ndarray = FROM_EDGE) -> dict[str, float]:
+    """Return true errors over their estimates of all but the radius."""
+    sizes = getattr(truth, "sizes", {})
+    ratios = over_estimates(found, truth, SCALARS, 0.0, sizes)
+    load = sizes.get("load")
+    return ratios | fields_over_estimates(found, truth, ("pressure",), from_edge, 0.0, load)
 
 
 def profiles(rng: np.random.Generator, number: int) -> Outcome:

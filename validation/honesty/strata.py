@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import signal
 import sys
@@ -187,7 +188,7 @@ def over_estimates(
     Parameters
     ----------
     found, truth : object
-        What has the numbers, and estimates as `error`; an estimate may be None.
+        What has the numbers of a `Solution`, and estimates as `error`; an estimate may be None.
     names : iterable of str
     rounding : float
         Error that no estimate has.
@@ -198,6 +199,41 @@ def over_estimates(
     for name in names:
         true = getattr(truth, name)
         size = max(abs(true), TINY) if name not in (sizes or {}) else sizes[name]
-        room = rounding + sum(getattr(one.error, name) or 0.0 for one in (found, truth))
-        ratios[name] = float(abs(getattr(found, name) - true) / size / room)
+        off = float(abs(getattr(found, name) - true) / size)
+        ratios[name] = off / _room(found, truth, name, rounding)
     return ratios
+
+
+def fields_over_estimates(
+    found: Any,
+    truth: Any,
+    names: Iterable[str],
+    from_edge: np.ndarray,
+    rounding: float = 1e-15,
+    load: float | None = None,
+) -> dict[str, float]:
+    """Return the largest errors of the fields that were asked for over their estimates.
+
+    They are relative to the largest value, those of a pressure to itself or its mean, whichever is
+    larger; `load` is what the mean is of, where it is not the true load.
+    """
+    ratios = {}
+    for name in names:
+        if getattr(found.error, name) is None:
+            continue
+        mine, true = (
+            np.asarray(getattr(one, name)(from_edge=from_edge)).astype(float)
+            for one in (found, truth)
+        )
+        size = max(np.abs(true).max(), TINY)
+        if name == "pressure":
+            mean = float(load or truth.load) / (math.pi * float(truth.contact_radius) ** 2)
+            size = np.maximum(np.abs(true), mean)
+        off = float((np.abs(mine - true) / size).max())
+        ratios[name] = off / _room(found, truth, name, rounding)
+    return ratios
+
+
+def _room(found: Any, truth: Any, name: str, rounding: float) -> float:
+    estimates = (getattr(one.error, name) or 0.0 for one in (found, truth))
+    return max(rounding + sum(estimates), TINY)  # what is given has no error
