@@ -119,7 +119,7 @@ def pull_off(
         curve = curve_of(scene, rtol, max_unknowns)
         _, fold = _ends(held, _folds(scene, curve, held))[-1]
         found = _with_errors(solve(_at_radius(scene, fold.radius), **options), curve, fold)
-    of_held = found.error.load if control == "load" else found.error.approach
+    of_held = getattr(found.error, control)
     if of_held is None or of_held <= rtol:
         return found
     found = replace(found, converged=False)
@@ -227,16 +227,16 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
     if control == "load":
         told = "None under control of the load, to which a machine adds nothing"
         raise SceneError("machine_stiffness", machine_stiffness, told)
-    stiffness /= _modulus(scene) or 1.0
+    stiffness /= _modulus(scene)
     if not 1.0 / sys.float_info.max <= stiffness < inf:
         raise SceneError("machine_stiffness", machine_stiffness, "in [1e-308, 1e308], in E'L")
     return Control(1.0 / stiffness, 1.0)
 
 
-def _modulus(scene: Scene) -> float | None:
-    """Return E' [Pa]; None of a scene without SI data."""
+def _modulus(scene: Scene) -> float:
+    """Return E' [Pa]; 1 of a scene without SI data."""
     data = scene.physical
-    return None if data is None else data.quarter_modulus(scene.poisson_ratio)
+    return 1.0 if data is None else data.quarter_modulus(scene.poisson_ratio)
 
 
 def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int) -> Scene:
@@ -244,7 +244,7 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
     contact = pinned_of(scene, rtol, max_unknowns, pointwise=False)
     if control == "approach":
         return _changed(scene, "approach", contact.pull_off_approach)
-    return _changed(scene, "load", contact.pull_off_load * (_modulus(scene) or 1.0))
+    return _changed(scene, "load", contact.pull_off_load * _modulus(scene))
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:
@@ -301,7 +301,11 @@ def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
     if fold.curve is None:
         return found
     more: dict[str, float] = {"contact_radius": fold.error}
-    added = radius_effects(fold.state, curve.rates(fold.state), fold.error)
+    rates = curve.rates(fold.state)
+    added = radius_effects(fold.state, rates, fold.error)
+    # the work grows by P ddelta along the curve
+    work = abs(fold.state.load * rates.approach) / found.error_scales["indentation_work"]
+    added["indentation_work"] = work * fold.error
     for name, change in added.items():
         known = getattr(found.error, name)
         if known is not None:

@@ -21,7 +21,7 @@ from spectral_contact.contact.contact_radius import Contact, value_of
 from spectral_contact.contact.indented import solve_indentation
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.solving.adhesive import Stability, stability_on
+from spectral_contact.solving.adhesive import Stability, stability
 
 #: Each such scene is on a smooth surface, and each such one is followed to pull-off.
 SMOOTH, PULLED = 10, 3
@@ -89,8 +89,8 @@ def ratios(rng: np.random.Generator, number: int) -> Outcome:
             worst.append(compared(found, truth))
             worst[-1]["radius"] = abs(found.radius / radius - 1.0) / (off + ROUNDING)
     label += "" if whole else ", in part"
-    known = stability_on(better, truth) if whole else NONE
-    along = stability_on(curve, value_of(solved)) if whole else NONE
+    known = stability(better, truth, 0.0) if whole else NONE
+    along = stability(curve, value_of(solved), 0.0) if whole else NONE
     if along.stiffness is not None and known.stiffness is not None:
         size = max(abs(known.stiffness), truth.stiffness)
         off = abs(along.stiffness - known.stiffness) / size
