@@ -187,13 +187,12 @@ def adhesion_cycle(
         states = curve.states(radii)
         stable = [sum(one.radius > a for one in folds) % 2 == 0 for a in radii]
         jump_out, lost = _jumps_out(curve, held, ends)
-    energies = [_energy(held, one, curve.adhesion) for one in lost]
     # what jumps dissipate: the energy before less that after, which is 0 without contact; states
-    # before and after jumps alternate
-    before, after = energies[::2], [*energies[1::2], 0.0]
-    falls = [-_energy(held, landed, curve.adhesion)]
-    falls += [one - other for one, other in zip(before, after, strict=True)]
-    doubt = sum(_energy_error(held, one, curve.adhesion) for one in (landed, *lost))
+    # after and before jumps alternate
+    energies = [_energy(held, one, curve.adhesion) for one in (landed, *lost)]
+    dissipated = sum(energies[1::2]) - sum(energies[::2])
+    doubt = sum(_energy_error(held, one, curve) for one in (landed, *lost))
+    unknown = max(map(curve.profile._relative_error, radii))
     bounded = held.of_approach > 0.0
     return AdhesionCycle(
         scene,
@@ -203,10 +202,10 @@ def adhesion_cycle(
         np.array([one.approach for one in states]),
         np.array([one.load for one in states]),
         np.array(stable),
-        max(max(one.load_error, one.approach_error) for one in states),
+        max(max(one.load_error, one.approach_error) for one in states) + unknown,
         (_APART, _state(landed)),
         jump_out,
-        sum(falls) if bounded else None,
+        dissipated if bounded else None,
         doubt if bounded else None,
     )
 
@@ -372,11 +371,13 @@ def _energy(held: Control, one: Indentation, adhesion: float) -> float:
     return with_surface_energy(one, adhesion).work + held.of_load * one.load**2 / 2.0
 
 
-def _energy_error(held: Control, one: Indentation, adhesion: float) -> float:
+def _energy_error(held: Control, one: Indentation, curve: AdhesiveCurve) -> float:
     """Return the absolute error of `_energy`.
 
-    Elastic and surface energy, of which it is the difference, are rounded.
+    Elastic and surface energy, of which it is the difference, are rounded, and have the error of
+    the profile.
     """
-    surface = pi * adhesion * one.radius**2
-    spring = held.of_load * abs(one.load) * one.load_size * one.load_error
-    return one.work * one.work_error + ROUNDING * (one.work + surface) + spring
+    surface = pi * curve.adhesion * one.radius**2
+    unknown = ROUNDING + curve.profile._relative_error(one.radius)
+    spring = held.of_load * abs(one.load) * one.load_size * (one.load_error + unknown)
+    return one.work * one.work_error + unknown * (one.work + surface) + spring

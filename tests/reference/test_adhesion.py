@@ -313,6 +313,20 @@ def test_a_profile_with_few_digits_leaves_few_of_adhesive_states(find):
     assert_within_estimates(rough, find(exact, quantities=RESULTS))
 
 
+def test_a_cycle_has_the_error_of_the_profile():
+    wide = profiles.Sampled.from_functions(
+        lambda r: r**2 / 2.0, lambda r: 1.0 * r, reach=1e6, rounded=True
+    )
+    exact = sticky(0.0, 0.1, contact_radius=1.0)
+    rough, fine = (
+        adhesion_cycle(one, points=2, rtol=1e-8) for one in (exact.replace(profile=wide), exact)
+    )
+    largest = 0  # the contact radius is given there
+    found = rough.load[largest], fine.load[largest]
+    assert off(*found, found[1]) <= rough.error
+    assert abs(rough.dissipated - fine.dissipated) <= rough.dissipated_error
+
+
 def test_a_fold_that_rates_to_some_digits_misplace_is_found():
     # under this tip, on a layer 160 times as wide as the contact, they are 17 % off
     blunt = profiles.PowerLaw(0.15290724572851577, 1.2)
