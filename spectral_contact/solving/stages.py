@@ -57,7 +57,7 @@ _BREAK_DISTANCE = 3e-4
 _ORIGIN = 2.0
 #: Number of radii at which the power of a profile is looked at, and the change that counts.
 _POWER_SAMPLES = 200
-_POWER_CHANGE = 0.5
+_POWER_CHANGE = 0.05
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
 #: With coupling the pressure of a flat punch may change sign at some distance from its edge. The

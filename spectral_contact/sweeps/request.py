@@ -15,6 +15,7 @@ from spectral_contact.io import checks
 from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS
 from spectral_contact.solution import ADHESION_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
+from spectral_contact.view.report import relative_to
 
 if TYPE_CHECKING:
     from spectral_contact.sweeps.sweep_parameters import Indices
@@ -231,6 +232,8 @@ class Rows:
             except NotComputedError:  # a scene without friction has no slip and no ratios
                 continue
             error = getattr(solution.error, name)
+            if error:  # of what adhesion or a clearance may cancel it is relative to something else
+                error *= relative_to(name, solution)
             if error is not None:
                 self._values[f"{name}_error"][i] = error
             if name in FIELDS:

@@ -222,7 +222,7 @@ def _scalars(
             rows.append(_Row(f"{name}, edge", edge, unit, error, takes=takes))
         elif name not in (*FIELDS, "zones"):
             value, takes = if_known(partial(getattr, source, name))
-            scale = _relative_to(name, solution)
+            scale = relative_to(name, solution)
             rows.append(_Row(name.replace("_", " "), value, unit, error, scale, takes))
     return rows
 
@@ -247,7 +247,7 @@ def _has_edge_value(name: str, scene: Scene) -> bool:
     return name == "pressure" and loaded
 
 
-def _relative_to(name: str, solution: Solution) -> float:
+def relative_to(name: str, solution: Solution) -> float:
     """Return what an error is relative to, over the value: 1 unless the value may vanish."""
     scale, value = solution.error_scales.get(name), solution.values.get(name)
     if scale is None or value is None or math.isinf(value):

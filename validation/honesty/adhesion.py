@@ -21,7 +21,7 @@ from spectral_contact.contact.contact_radius import Contact, value_of
 from spectral_contact.contact.indented import solve_indentation
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import refine
-from spectral_contact.solving.adhesive import stability_on
+from spectral_contact.solving.adhesive import stability
 
 #: Each such scene is on a smooth surface, and each such one is followed to pull-off.
 SMOOTH, PULLED = 10, 3
@@ -101,8 +101,8 @@ def stiffness_on_branch(
     curve: AdhesiveCurve, found: Indentation, better: AdhesiveCurve, truth: Indentation
 ) -> dict[str, float]:
     """Return the ratio of the stiffness along the curve, if there is one, at a given radius."""
-    along = stability_on(curve, found, 0.0)
-    known = stability_on(better, truth, 0.0)
+    along = stability(curve, found, 0.0)
+    known = stability(better, truth, 0.0)
     if along.stiffness is None or known.stiffness is None:
         return {}
     size = max(abs(known.stiffness), truth.stiffness)
