@@ -18,7 +18,7 @@ __all__ = ["normal_kernel", "tangential_kernel"]
 
 
 class _RadiusPair(NamedTuple):
-    """A source, the lower and the higher of both radii, and ``m1``: broadcast arrays."""
+    """The source radius, the smaller and the larger radius, and ``m1``: broadcast arrays."""
 
     eta: NDArray[np.float64]
     lo: NDArray[np.float64]
