@@ -1,6 +1,6 @@
-"""Hypothesis strategies for scenes, all over the space of parameters (extra ``testing``).
+"""Hypothesis strategies for scenes, which cover the space of parameters (extra ``testing``).
 
-Two corners are left out, as they are slow or ill-conditioned and deserve tests of their own:
+Two corners are left out, as they are slow or ill-conditioned and need tests of their own:
 friction within 1e-6 of the critical, and a normal compliance far below a tangential one below 1e-9.
 """
 
@@ -109,7 +109,8 @@ def partial_slip_scenes(draw: DrawFn) -> Scene:
     assume(share < 0.99)
     critical = _critical_friction(scene)
     if not math.isfinite(critical):
-        # without tangential compliance c is about 4 exp(-2 kappa/f), and sought above 1e-54 only
+        # without tangential compliance the stick radius is about 4 exp(-2 kappa/f), and the solver
+        # takes one below 1e-54 for full slip
         critical, share = 5.0 * scene.kappa, max(share, 0.02)
     return Scene(
         scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, share * critical
