@@ -89,7 +89,8 @@ def approach_bounds(
     # compliance, field and residual of each equation; fields and residuals are delta times u and r
     equations = [(compliance, p, residual)]
     if coupled is not None:
-        traction, kappa = coupled.field, coupled.kappa
+        traction = coupled.field
+        kappa = coupled.kappa
 
         def traction_at(from_edge: np.ndarray) -> np.ndarray:
             return traction(1.0 - from_edge, from_edge)

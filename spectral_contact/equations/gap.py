@@ -42,7 +42,8 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     solution._require("contact_radius")
     solution._require("pressure")
     past_edge = (places - least).ravel()
-    profile, a = solution.scene.profile, solution.contact_radius
+    profile = solution.scene.profile
+    a = solution.contact_radius
     assert profile is not None
     farthest = min(profile.reach, _FARTHEST) / a
     if (1.0 + past_edge > farthest).any():
@@ -80,5 +81,6 @@ def _graded_rule() -> tuple[Array, Array]:
     """Return nodes and weights of a rule on (0, 1) that is graded to 0."""
     g, w = leggauss(_POINTS)
     ends = np.append(_RATIO ** np.arange(_PANELS), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
+    low = ends[1:, None]
+    width = -np.diff(ends)[:, None]
     return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()

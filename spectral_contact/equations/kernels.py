@@ -28,7 +28,8 @@ class _RadiusPair(NamedTuple):
 
 def _ordered(eta: ArrayLike, s: ArrayLike, distance: ArrayLike | None) -> _RadiusPair:
     eta, s = np.broadcast_arrays(np.asarray(eta, dtype=float), np.asarray(s, dtype=float))
-    lo, hi = np.minimum(eta, s), np.maximum(eta, s)
+    lo = np.minimum(eta, s)
+    hi = np.maximum(eta, s)
     gap = hi - lo if distance is None else np.asarray(distance, dtype=float)
     return _RadiusPair(eta, lo, hi, (gap / hi) * ((hi + lo) / hi))
 

@@ -91,7 +91,8 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
     SceneError
         As of `load`.
     """
-    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
+    place = within("from_edge", from_edge, "in (0, 1)")
+    breaks = _cuts(breaks)
     return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
 
 
@@ -139,7 +140,8 @@ def tangential_displacement(
     SceneError
         As of `load`.
     """
-    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
+    place = within("from_edge", from_edge, "in (0, 1)")
+    breaks = _cuts(breaks)
     coupling = real("kappa", kappa, allowed="finite")
     outward = _potential(_field("traction", traction), tangential_kernel, place, breaks)
     inward = coupling * load(pressure, inside=place, breaks=breaks) / (1.0 - place)
@@ -154,7 +156,8 @@ def shear_lift(
     With elastic coupling the normal displacement is less than `normal_displacement` by this. The
     field point is in (0, 1]; the other arguments are as for `tangential_displacement`.
     """
-    field, coupling = _field("traction", traction), real("kappa", kappa, allowed="finite")
+    field = _field("traction", traction)
+    coupling = real("kappa", kappa, allowed="finite")
     place = within("from_edge", from_edge, "in (0, 1]")
     nodes = _NodesBetween.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
     return coupling * nodes.integral(lambda: field(nodes.d))
@@ -193,8 +196,10 @@ class _NodesBetween(NamedTuple):
     def between(cls, ends: set[float]) -> _NodesBetween:
         """Return the nodes of the rule on each interval between neighbouring ends."""
         cuts = np.array(sorted(ends))
-        near, far = cuts[:-1, None], cuts[1:, None]
-        left, right = (far - near) * _LEFT, (far - near) * _RIGHT
+        near = cuts[:-1, None]
+        far = cuts[1:, None]
+        left = (far - near) * _LEFT
+        right = (far - near) * _RIGHT
         d = np.where(left < right, near + left, far - right)
         # in the interval that ends at the centre s is `right`, which 1 - d would round
         s = np.where(far == 1.0, right, 1.0 - d)

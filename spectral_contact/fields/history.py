@@ -125,7 +125,8 @@ class ContactHistory:
         SolutionFileError
             If the path cannot be written.
         """
-        path, columns = path_text(path), self.table()
+        path = path_text(path)
+        columns = self.table()
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
         with reported(path, "cannot be written"):
@@ -138,7 +139,8 @@ class ContactHistory:
 
     def _places(self, contact_radius: ArrayLike | None) -> tuple[NDArray[np.intp], Array]:
         """Return the panel of every contact radius, and its place in [-1, 1] on the panel."""
-        low, high = float(np.exp(self.ends[0])), float(np.exp(self.ends[-1]))
+        low = float(np.exp(self.ends[0]))
+        high = float(np.exp(self.ends[-1]))
         given: Any = self.radii if contact_radius is None else contact_radius
         allowed = f"in [{low:.17g}, {high:.17g}], the range of the history"
         radii = reals("contact_radius", given, allowed)

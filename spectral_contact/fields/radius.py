@@ -30,7 +30,8 @@ class Radius:
     def from_logit(cls, logit: float) -> Radius:
         """Return the radius with ``ln(b**2 / (1 - b**2)) = logit``."""
         # numbers in the ratio of b**2 to 1 - b**2, the larger of them 1
-        inside, outside = float(np.exp(min(logit, 0.0))), float(np.exp(min(-logit, 0.0)))
+        inside = float(np.exp(min(logit, 0.0)))
+        outside = float(np.exp(min(-logit, 0.0)))
         total = inside + outside
         value = float(np.sqrt(inside / total))
         return cls(value, outside / total / (1.0 + value))

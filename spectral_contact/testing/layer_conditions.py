@@ -30,7 +30,8 @@ class LayerConditions:
     """
 
     def __init__(self, scene: Any) -> None:
-        self.scene, self.law = scene, scene.layer
+        self.scene = scene
+        self.law = scene.layer
         assert isinstance(self.law, Layer)
 
     @property

@@ -164,7 +164,8 @@ def check_solution(
     # cuts at every decade, as the pressure varies at the edge over the width of the layer
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts = [*boundaries, *(10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0)]
-    pressure, rtol = field_of(solution, "pressure"), rtol + _FLOOR
+    pressure = field_of(solution, "pressure")
+    rtol = rtol + _FLOOR
     traction = None if scene.friction is None else field_of(solution, "traction")
     with np.errstate(divide="ignore", invalid="ignore"):  # wrong numbers may be 0 or NaN
         if scene.profile is not None:
@@ -270,7 +271,8 @@ def _normal_checks(
     whose approach is 1/8, the approach is 1/8 plus what layer and traction add to the
     displacements, integrated with that pressure.
     """
-    alpha, p = scene.normal_compliance, pressure(_PLACES)
+    alpha = scene.normal_compliance
+    p = pressure(_PLACES)
     deflections = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
     displacement = alpha * p + deflections
     excess = alpha * load(lambda d: pressure(d) / np.sqrt(d * (2.0 - d)), breaks=cuts)
@@ -300,7 +302,10 @@ class _Indented:
     def __init__(self, solution: Any, scene: Scene, rtol: float, cuts: list[float]) -> None:
         profile = scene.profile
         assert profile is not None
-        self.solution, self.scene, self.rtol, self.profile = solution, scene, rtol, profile
+        self.solution = solution
+        self.scene = scene
+        self.rtol = rtol
+        self.profile = profile
         self.layered = LayerConditions(scene) if scene.layer is not None else None
         self.pinned = isinstance(profile, Flat)  # the edge of the contact is that of the punch
         self.adhesive = scene.work_of_adhesion is not None
@@ -310,7 +315,8 @@ class _Indented:
             radius = computed(solution, "contact_radius") or scene.contact_radius
         else:
             radius = self.layered.radius(solution)
-        low, high = profile.flat_part, profile.reach
+        low = profile.flat_part
+        high = profile.reach
         limits: dict[str, Any] = {"low": low, "high": high}
         least_open = not (self.pinned or (self.adhesive and low > 0.0))
         limits |= {"low_open": least_open, "high_open": not self.pinned}
@@ -320,7 +326,8 @@ class _Indented:
 
     def _around_breaks(self) -> list[float]:
         """Return cuts at every decade around breaks of the profile, as there are at the edge."""
-        profile, a = self.profile, self.radius
+        profile = self.profile
+        a = self.radius
         finest = (self.scene.normal_compliance or a) / a
         steps = 10.0 ** -np.arange(1.0, 15.0)
         steps = np.append(steps[steps > finest / 30.0], 0.0)
@@ -348,7 +355,9 @@ class _Indented:
     def checks(self, pressure: Field, traction: Field | None) -> list[Check]:
         """Return all checks."""
         pressure = self._integrable(pressure)
-        scene, a, rtol = self.scene, self.radius, self.rtol
+        scene = self.scene
+        a = self.radius
+        rtol = self.rtol
         p = pressure(_PLACES)
         if self.layered is not None:
             self.cuts += self.layered.cuts(float(p.max()), a)
@@ -425,7 +434,8 @@ class _Indented:
         The rate is ``alpha p**2 / 2`` with a layer, and ``pi a p**2 (1 - s**2) / 8`` on a smooth
         surface. Under a flat punch it is at most the work of adhesion, else it is equal to that.
         """
-        alpha, adhesion = self.scene.normal_compliance, self.scene.work_of_adhesion
+        alpha = self.scene.normal_compliance
+        adhesion = self.scene.work_of_adhesion
         assert adhesion is not None
         suction = sqrt(2.0 * adhesion / alpha if alpha else 8.0 * adhesion / (pi * self.radius))
         # on a smooth surface the rest of the pressure hides a small singularity
@@ -450,7 +460,8 @@ class _Indented:
     def _friction(self, pressure: Field, traction: Field) -> list[Check]:
         """Return the checks that need no history."""
         scene = self.scene
-        p, q = pressure(_PLACES), traction(_PLACES)
+        p = pressure(_PLACES)
+        q = traction(_PLACES)
         checks = []
         if scene.friction is not None and scene.friction < inf:
             mean = scene.friction * np.mean(np.abs(p)) or 1.0
@@ -513,9 +524,12 @@ def _zone_checks(
     A place counts as slipping where the traction has the modulus ``f p`` within the tolerance, and
     as sticking elsewhere.
     """
-    friction, beta, kappa = scene.friction, scene.tangential_compliance, scene.kappa
+    friction = scene.friction
+    beta = scene.tangential_compliance
+    kappa = scene.kappa
     assert friction is not None
-    p, q = pressure(places), traction(places)
+    p = pressure(places)
+    q = traction(places)
     parts = [tangential_displacement(traction, pressure, kappa, float(d), cuts) for d in places]
     outward, inward = np.array(parts).T
     displacement = (beta * q + outward - inward) / inward  # left side of (4.2), relative

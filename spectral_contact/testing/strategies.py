@@ -86,7 +86,8 @@ def scenes(friction: SearchStrategy[float | None]) -> SearchStrategy[Scene]:
 
 @st.composite
 def _scenes(draw: DrawFn, friction: SearchStrategy[float | None]) -> Scene:
-    alpha, beta = draw(compliances()), draw(compliances())
+    alpha = draw(compliances())
+    beta = draw(compliances())
     assume(not (0.0 < beta < 1e-9 and alpha < beta / 10.0))
     return Scene(draw(poisson_ratios()), alpha, beta, draw(friction))
 
@@ -111,7 +112,8 @@ def partial_slip_scenes(draw: DrawFn) -> Scene:
     if not math.isfinite(critical):
         # without tangential compliance the stick radius is about 4 exp(-2 kappa/f), and the solver
         # takes one below 1e-54 for full slip
-        critical, share = 5.0 * scene.kappa, max(share, 0.02)
+        critical = 5.0 * scene.kappa
+        share = max(share, 0.02)
     return Scene(
         scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, share * critical
     )

@@ -132,7 +132,8 @@ class Inside:
         self._material = choices.instance("material", own_material, Material)
         self._other = other if other is None else choices.instance("other", other, Material)
         self._nu = self._material.poisson_ratio
-        pressure, traction = solution.pressure_field, solution.traction_field
+        pressure = solution.pressure_field
+        traction = solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed
         solution.traction(0.5)
         self._sheared = traction is not None
@@ -171,7 +172,8 @@ class Inside:
         depth = scaled_lengths("z", z, self._units)
         checks.exactly_one("r", r, "from_edge", from_edge)
         if from_edge is None:
-            given, length = checked_lengths("r", r, self._units), self._units.length
+            given = checked_lengths("r", r, self._units)
+            length = self._units.length
             radius = np.asarray(given / length)
             # next to the edge this difference is exact, and one of quotients is not
             distance = np.asarray((length - given) / length)
@@ -517,7 +519,8 @@ class Inside:
         """
         if self._solution.scene.mismatch is not None:
             raise NotComputedError("energies", "the load does work on both bodies together")
-        own, units = self._unscaled, self._units
+        own = self._unscaled
+        units = self._units
         size = 1.0 if self.flat else self._solution.contact_radius
         unit = units.stress * units.length**2 * units.displacement * size
         with ProgressLine(progress) as tell:

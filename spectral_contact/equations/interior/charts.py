@@ -69,7 +69,8 @@ def from_toroidal(tau: Array, sigma: Array) -> BodyPoints:
     # with the point as the complex number w = r + i z, (w - 1)/(w + 1) is exp(q)
     q = -tau + 1j * sigma
     from_edge = 2.0 * np.exp(q) / np.expm1(q)  # 1 - w
-    d, z = from_edge.real, np.abs(from_edge.imag)
+    d = from_edge.real
+    z = np.abs(from_edge.imag)
     z = np.where((sigma == 0.0) | (sigma == np.pi), 0.0, z)
     return BodyPoints(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
 
@@ -139,7 +140,8 @@ class Polar:
     """
 
     def __init__(self, place: Radius, reach: float) -> None:
-        self._place, self._reach = place, reach
+        self._place = place
+        self._reach = reach
         self._largest_angle = np.pi / 2.0 if place is CENTRE else np.pi
         along = np.linspace(0.0, _FOLDS, _POLAR_LINE)
         last = CoordinateLine(0, self._largest_angle, along, on_surface=place is not CENTRE)

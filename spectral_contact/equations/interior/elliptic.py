@@ -51,7 +51,8 @@ class Elliptic(NamedTuple):
 
 def elliptic(m: Array, rest: Array) -> Elliptic:
     """Return the integrals at parameters `m` whose complements are `rest`, any shape."""
-    k, e = ellipkm1(rest), ellipe(1.0 - rest)
+    k = ellipkm1(rest)
+    e = ellipe(1.0 - rest)
     small = m < _SMALL
     divisor = np.where(small, 1.0, m)  # values at small parameters are replaced below
     c = ((2.0 - divisor) * k - 2.0 * e) / divisor**2
@@ -60,7 +61,8 @@ def elliptic(m: Array, rest: Array) -> Elliptic:
     d_less_c = ((2.0 - divisor) * e - 2.0 * rest * k) / divisor**2
     if small.any():
         # K = B + D, and m C = D - B
-        small_m, small_k = m[small], k[small]
+        small_m = m[small]
+        small_k = k[small]
         small_c = polynomial.polyval(small_m, _SERIES)
         c[small] = small_c
         d[small] = (small_k + small_m * small_c) / 2.0
@@ -98,14 +100,18 @@ def _bulirsch(kc: Array, p: Array, sum_: Array, ratio: Array) -> Array:
     The names are those of his procedure, in which `p` is the root of the argument. The iteration
     converges quadratically, so that it ends at half of the digits.
     """
-    a, b = sum_, ratio * sum_ / p
-    e, mean = kc, np.ones_like(kc)
+    a = sum_
+    b = ratio * sum_ / p
+    e = kc
+    mean = np.ones_like(kc)
     while True:
-        a, b = a + b / p, 2.0 * (b + a * e / p)
+        last_a = a
+        a = a + b / p
+        b = 2.0 * (b + last_a * e / p)
         p = p + e / p
-        last = mean
+        last_mean = mean
         mean = mean + kc
-        if np.all(np.abs(last - kc) <= 1e-8 * last):
+        if np.all(np.abs(last_mean - kc) <= 1e-8 * last_mean):
             return np.asarray(np.pi / 2.0 * (a * mean + b) / (mean * (mean + p)))
         kc = 2.0 * np.sqrt(e)
         e = kc * mean

@@ -138,7 +138,8 @@ def _of_rings(
         The integral of ``p s ds`` within each ring.
     move : callable
     """
-    scene, error = solution.scene, solution.error
+    scene = solution.scene
+    error = solution.error
     normal_load, shear_load = loads
     displacement = move(points)
     p = solution.pressure(from_edge=points.from_edge)

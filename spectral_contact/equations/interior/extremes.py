@@ -111,7 +111,8 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     # so far from the maximum values are less than it by no more than their error
     drop = 2.0 * best.value * max(error, 1e-15)
     place_error = float(np.sqrt(drop / best.curvature) + _NARROW) * best.scale if drop else 0.0
-    r, z = float(best.at.r[0]), float(best.at.z[0])
+    r = float(best.at.r[0])
+    z = float(best.at.z[0])
     r = 0.0 if r <= max(AXIS, place_error * float(best.at.to_edge[0])) else r
     for tip in _tips(solution):  # at nu = 0.5 stress next to it depends on the direction alone
         away = float(distance(best.at, tip)[0])
@@ -149,7 +150,8 @@ def _tension_grows(solution: Solution) -> str:
     """
     if not loaded_edge(solution.scene):
         return ""
-    pressure, traction = solution.pressure(1.0), solution.traction(1.0)
+    pressure = solution.pressure(1.0)
+    traction = solution.traction(1.0)
     if np.isnan(pressure):
         return "pressure and traction change sign infinitely often towards the edge"
     if pressure == -np.inf:
@@ -196,7 +198,8 @@ def _at_places(
     measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, ends: list[Radius]
 ) -> list[_Found]:
     """Return the values where loads are not smooth, but stress has a limit."""
-    infinite, found = singular(solution), []
+    infinite = singular(solution)
+    found = []
     for end in ends:
         if end not in infinite:
             radius = np.array([max(end.value, AXIS)])
@@ -214,7 +217,8 @@ def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) ->
         return measure(*line.both(x), rtol)
 
     k = int(np.argmax(on_line(grid, _COARSE)))
-    low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
+    low = grid[max(k - 1, 0)]
+    high = grid[min(k + 1, len(grid) - 1)]
     best = minimize_scalar(
         lambda x: -on_line(np.array([x]))[0],
         bounds=(low, high),
@@ -239,7 +243,8 @@ def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[
 
     options = {"xatol": _NARROW, "fatol": 1e-15, "initial_simplex": start + 0.03 * _SIMPLEX}
     best = minimize(negative, start, method="Nelder-Mead", options=options)
-    u, v = float(best.x[0]), float(best.x[1])
+    u = float(best.x[0])
+    v = float(best.x[1])
     if not chart.inside(u, v):
         return []
     step = 1e-3

@@ -217,7 +217,9 @@ def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0)
     # of boundaries that coincide, the first
     places = list(boundaries[:1])
     places += [outer for inner, outer in pairwise(boundaries) if _between(inner, outer) > 0.0]
-    offsets, at, runs = [], [], []
+    offsets = []
+    at = []
+    runs = []
     count = 0
     for k, (inner, outer) in enumerate(pairwise(places)):
         below = centre_folds if inner.value == 0.0 else _FOLDS
@@ -251,7 +253,8 @@ class BodyMesh:
     def __init__(
         self, ends: Grading, pressure: Evaluator, traction: Evaluator, rules: Sequence[Rule]
     ) -> None:
-        self._ends, self._rule = ends, rules[0]
+        self._ends = ends
+        self._rule = rules[0]
         self._loads = pressure, traction
         self._lengths = ends.lengths
         gauss = [np.polynomial.legendre.leggauss(rule.panel) for rule in rules]
@@ -292,7 +295,8 @@ class BodyMesh:
     @property
     def surface(self) -> tuple[BodyPoints, Array]:
         """All nodes of the panels, as points of the surface, and their loads, (3, nodes)."""
-        s, d = self._s.ravel(), self._d.ravel()
+        s = self._s.ravel()
+        d = self._d.ravel()
         return BodyPoints(s, d, np.zeros_like(s)), self._rings.reshape(3, -1)
 
     def carried(self) -> Array:
@@ -320,7 +324,8 @@ class BodyMesh:
             outward = self._ends.outward(block_points)
             # ends of the panels, counted outward from the radius of each point
             ends = self._ends.offset - outward[:, self._ends.at]
-            low, high = ends[:, :-1], ends[:, 1:]
+            low = ends[:, :-1]
+            high = ends[:, 1:]
             in_radius = np.maximum(np.maximum(low, -high), 0.0)
             distance = np.hypot(in_radius, block_points.z[:, None])
             left = np.ones(distance.shape, dtype=bool)  # panels that no tail replaces
@@ -341,7 +346,8 @@ class BodyMesh:
 
         Each point has the longest tail from which it is far enough away, if any.
         """
-        run, tails = self._ends.runs[index], self._tails[index]
+        run = self._ends.runs[index]
+        tails = self._tails[index]
         place = self._ends.at[run.start]
         beyond = outward[:, place]
         far = tails.distance(beyond, z) >= self._rule.apart * tails.lengths

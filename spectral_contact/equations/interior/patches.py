@@ -96,7 +96,8 @@ class _Fit(NamedTuple):
 
 def _toroidal(points: BodyPoints) -> Array:
     """Return tau and sigma, stacked; far away both are small, and accurate."""
-    d, z = points.from_edge, points.z
+    d = points.from_edge
+    z = points.z
     # distances from the edge below 1e-30 count as 1e-30
     tau = np.log1p(4.0 * np.maximum(points.r, 0.0) / np.maximum(d**2 + z**2, 1e-60)) / 2.0
     return np.stack([tau, np.arctan2(2.0 * z, z**2 - d * (2.0 - d))])
@@ -181,7 +182,8 @@ def _truncation(moduli: Array) -> Array:
         Moduli of the coefficients; the series is that in the second dimension.
     """
     size = moduli.sum(axis=2)
-    last, before = size[:, -2:].sum(axis=1), size[:, -4:-2].sum(axis=1)
+    last = size[:, -2:].sum(axis=1)
+    before = size[:, -4:-2].sum(axis=1)
     ratio = np.minimum(last / np.maximum(before, 1e-300), 0.95)
     return np.asarray(8.0 * last * ratio / (1.0 - ratio))
 
@@ -232,12 +234,14 @@ def interpolate(
     ndarray of bool
         Which points are left: there are too few of them, or no polynomial serves.
     """
-    basis, fewest = _Basis(order), _FEWEST * order**2
+    basis = _Basis(order)
+    fewest = _FEWEST * order**2
     left = np.ones(len(points.r), dtype=bool)
     at = _toroidal(points)
     cells = _first(at)
     while cells := [cell for cell in cells if len(cell.points) >= fewest]:
-        batch, cells = cells[:_TOGETHER], cells[_TOGETHER:]
+        batch = cells[:_TOGETHER]
+        cells = cells[_TOGETHER:]
         for cell, fit in zip(batch, _fits(batch, at, direct, basis), strict=True):
             inside = cell.points
             errors = np.broadcast_to(fit.error[:, None], fit.values.shape)

@@ -127,11 +127,13 @@ def lost(points: BodyPoints, solution: Solution) -> Array:
     corner over the contact radius is rounded, too. A point at the corner itself has no such error.
     """
     found = np.zeros(len(points.r))
-    infinite, scene = singular(solution), solution.scene
+    infinite = singular(solution)
+    scene = solution.scene
     flat = scene.profile is None
     layer = scene.tangential_compliance / (1.0 if flat else solution.contact_radius)
     for place in boundaries(solution)[1:-1]:
-        size, away = min(place.value, place.from_edge), distance(points, place)
+        size = min(place.value, place.from_edge)
+        away = distance(points, place)
         if place in infinite:
             ratio = np.maximum(away / size, _ROUNDING)
             found += np.where(away > 0.0, _AT_INFINITE * _ROUNDING / ratio, 0.0)

@@ -64,7 +64,8 @@ def _slope(g: Geometry) -> tuple[Array, Array]:
 
     ``z h`` is ``I(0, 0; 1)``.
     """
-    own, cube = g.own, g.a * g.a2
+    own = g.own
+    cube = g.a * g.a2
     difference_of_squares = g.ahead * (g.r + g.s)
     # by the factors 1/a, 1/b2 and E, of which dE/dm is -D/2
     by_a = -own.e * (g.r + g.s) / (cube * g.b2)
@@ -96,15 +97,18 @@ def _mean_flux(g: Geometry) -> Array:
 def _flux_near_axis(r: Array, z: Array, s: Array) -> Array:
     """Return half of the mean of ``I(0, 0; 1)`` over disks, by Gauss's rule in the area."""
     radius = r[:, None] * np.sqrt(0.5 + _DISK_NODES / 2.0)
-    s, z = s[:, None], z[:, None]
-    a2, b2 = (radius + s) ** 2 + z**2, (radius - s) ** 2 + z**2
+    s = s[:, None]
+    z = z[:, None]
+    a2 = (radius + s) ** 2 + z**2
+    b2 = (radius - s) ** 2 + z**2
     flux = z * ellipe(4.0 * radius * s / a2) / (np.sqrt(a2) * b2)
     return np.asarray(_TWO_OVER_PI * (flux @ (_DISK_WEIGHTS / 4.0)))
 
 
 def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
     """Return zz, rz, ``2 G u_r / r`` and the harmonic sum ``e``, for a ring of pressure."""
-    own, cube = g.own, g.a * g.a2
+    own = g.own
+    cube = g.a * g.a2
     harmonic = _TWO_OVER_PI * g.z * own.e / (g.a * g.b2)
     # I(0, 0; 1) + z I(0, 0; 2) over (2/pi) z**3
     axial = 2.0 * own.e / (g.a * g.b2**2) + (2.0 * own.e - own.k) / (cube * g.b2)
@@ -120,7 +124,8 @@ def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
 
 def radial_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
     """Return zz, rz, ``2 G u_r / r`` and the harmonic sum ``e``, for a ring of traction."""
-    own, cube = g.own, g.a * g.a2
+    own = g.own
+    cube = g.a * g.a2
     zz = -(g.z**2) * _slope(g)[1]
     squares = g.ahead * (g.r + g.s) + g.z**2  # r**2 - s**2 + z**2
     harmonic = -_TWO_OVER_PI / cube * (own.k * (g.r + g.s) - 2.0 * g.r * own.b * squares / g.b2)
@@ -144,7 +149,8 @@ def _shear(g: Geometry, mc_slope: Array) -> Array:
     mc_slope : ndarray
         ``2 D - 2 C - B``, which is ``2 (1 - m) d(m C)/dm``.
     """
-    own, cube = g.own, g.a * g.a2
+    own = g.own
+    cube = g.a * g.a2
     m = own.m
     # derivatives by m
     d_slope = own.d_less_c / (2.0 * own.rest)

@@ -81,9 +81,11 @@ class Sampler:
         sheared: bool,
         nu: float,
     ) -> None:
-        self._ends, self._floors = ends, floors
+        self._ends = ends
+        self._floors = floors
         self._loads = pressure, traction
-        self._sheared, self._nu = sheared, nu
+        self._sheared = sheared
+        self._nu = nu
         self._meshes: dict[tuple[Rule, ...], BodyMesh] = {}
 
     def mesh(self, rules: tuple[Rule, ...]) -> BodyMesh:
