@@ -62,7 +62,7 @@ def write(name: str, text: str, record: dict[str, Any] | None = None, version: i
 
 @contextmanager
 def picture(
-    path: Path, size: tuple[float, float], rows: int = 1, columns: int = 1, **shared: bool
+    path: Path, size: tuple[float, float], rows: int = 1, columns: int = 1, **shared: Any
 ) -> Iterator[Any]:
     """Yield the axes of a picture in the style of the library, which is written at the end."""
     from spectral_contact.view.figures import new_figure, save, style  # here, as in `write`
