@@ -185,16 +185,22 @@ def _barycentric_weights(count: int) -> Array:
 
 
 def left_out(values: Array) -> float:
-    """Return an estimate of the error of the interpolant, from four or more values at the points.
+    """Return an estimate of the error of the interpolant, from six or more values at the points.
 
-    The first coefficient that the series leaves out is extrapolated from the last two pairs of
-    coefficients. The estimate is a multiple of it, as further coefficients are left out, too: the
-    factor is 1 if coefficients decay fast, and half their number if they hardly decay.
+    The first coefficient that the series leaves out is extrapolated from the last three pairs of
+    coefficients but the constant. The decay over two degrees is that of the last two pairs or the
+    mean one of all three, if that is slower, because a pair may be small by chance where
+    coefficients change their signs. The estimate is a multiple of the coefficient, as further ones
+    are left out, too: the factor is 1 if coefficients decay fast, and half their number if they
+    hardly decay.
     """
     sizes = np.abs(chebyshev_series(values))
     last = float(sizes[-2:].max())
     before = float(sizes[-4:-2].max())
-    decay = min(last / before, 1.0) if before > 0.0 else 1.0  # over two degrees
+    earlier = float(sizes[1:][-6:-4].max(initial=before))
+    decay = 1.0
+    if before > 0.0:  # so that the earlier pair is, too
+        decay = min(max(last / before, math.sqrt(last / earlier)), 1.0)
     return _SAFETY * last * math.sqrt(decay) * (1.0 + decay * len(values) / 2.0)
 
 

@@ -1,10 +1,11 @@
 """True errors of friction under growing contacts against their estimates.
 
-A stratum of honesty.py, of some 20 seconds a scene. Scenes have random profiles, compliances,
-frictions and tolerances, without elastic coupling. The truth of load and approach in the history is
-normal contact of each radius, which knows no superposition; that of the rest is the same method to
-a hundredth of the tolerance, whose convergence to the truth is tested by a march in the load and by
-the friction law with elliptic kernels.
+Two strata of honesty.py, of some 20 seconds a scene. In ``growing`` scenes have random profiles,
+compliances, frictions and tolerances, without elastic coupling. In ``growing_thick`` the layer is
+thicker, and profiles change their power, have a break or a pole, or are tables. The truth of load
+and approach in the history is normal contact of each radius, which knows no superposition; that of
+the rest is the same method to a hundredth of the tolerance, whose convergence to the truth is
+tested by a march in the load and by the friction law with elliptic kernels.
 """
 
 from __future__ import annotations
@@ -40,6 +41,31 @@ def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
     return scene, decade(rng, -7.0, -3.0)
 
 
+def drawn_thick(rng: np.random.Generator) -> tuple[Scene, float]:
+    """Return a scene with a thick layer, and a tolerance; without coupling, as in `drawn`."""
+    cone = profiles.Cone(math.pi / 2.0 - decade(rng, -3.0, -0.5))
+    table = np.linspace(0.0, 1.3, 9)
+    profile = [
+        profiles.Sphere(1.0),
+        profiles.Sum(cone, profiles.Parabola(1.0)),
+        profiles.Sum(cone, profiles.PowerLaw(1.0, 4.0)),
+        profiles.Sum(profiles.Parabola(decade(rng, 0.0, 2.0)), profiles.PowerLaw(1.0, 6.0)),
+        profiles.Sum(profiles.Sphere(1.0), cone),
+        profiles.Sum(profiles.TruncatedCone(0.3, 1.2), cone),
+        profiles.Sampled.from_points(table, 0.05 * table + table**2),
+    ][rng.integers(7)]
+    alpha = decade(rng, -1.0, 3.0)
+    scene = Scene(
+        float(rng.uniform(0.0, 0.45)),
+        alpha,
+        alpha * decade(rng, -1.0, 1.0),
+        math.inf if rng.random() < 0.5 else decade(rng, -1.5, 0.0),
+        profile=profile,
+        contact_radius=float(rng.uniform(0.35, 0.99)),
+    )
+    return scene, decade(rng, -7.0, -3.0)
+
+
 def solved_twice(scene: Scene, rtol: float) -> tuple[Solution, Solution]:
     """Return the solution, and one to a hundredth of its tolerance, which counts as the truth."""
     found, truth = (solve(scene, one, strict=False) for one in (rtol, rtol / 100.0))
@@ -47,7 +73,7 @@ def solved_twice(scene: Scene, rtol: float) -> tuple[Solution, Solution]:
 
 
 def history_ratios(found: Solution, truth: Solution) -> dict[str, float]:
-    """Return the same of the history."""
+    """Return errors over estimates of the history, at contact radii up to today's."""
     scene = found.scene
     worst = dict.fromkeys(("load", "approach", *SCALARS), 0.0)
     flat = scene.profile.flat_part
@@ -66,7 +92,16 @@ def history_ratios(found: Solution, truth: Solution) -> dict[str, float]:
 
 def growing(rng: np.random.Generator, _: int) -> Outcome:
     """Return what becomes of a random scene."""
-    scene, rtol = drawn(rng)
+    return measured(*drawn(rng))
+
+
+def growing_thick(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a random scene with a thick layer."""
+    return measured(*drawn_thick(rng))
+
+
+def measured(scene: Scene, rtol: float) -> Outcome:
+    """Return errors over estimates, of today's fields and of the history."""
     found, truth = solved_twice(scene, rtol)
     ratios = over_estimates(found, truth, SCALARS)
     ratios |= fields_over_estimates(found, truth, FIELDS, 1.0 - PLACES)

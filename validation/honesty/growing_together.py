@@ -1,6 +1,9 @@
 """True errors of contacts that grow with elastic coupling against their estimates.
 
-A stratum of honesty.py, of some ten seconds a scene, for kappa of either sign. Scenes take turns:
+Strata of honesty.py, of some ten seconds a scene, for kappa of either sign. In ``growing_to_value``
+a load or an approach is given instead of the radius, which is next to a break of the profile, so
+that the history ends in a short panel; the truth is the contact whose radius is given. In
+``growing_together`` scenes take turns:
 
 - smooth surfaces (half of them) under tips: the contact is similar to itself at all times, so that
   its fields are integrals over one flat punch, and its load follows from the normal equation by the
@@ -129,6 +132,33 @@ def marched(scene: Scene) -> SimpleNamespace:
         setattr(found.error, name, ROOM * abs(value - linear) / abs(value))
     found.total_shear *= math.copysign(1.0, scene.kappa)
     return found
+
+
+def growing_to_value(rng: np.random.Generator, number: int) -> Outcome:
+    """Return what becomes of a contact whose load or approach is given, next to a break."""
+    kappa = float(rng.uniform(0.02, 0.37)) * (1.0 if rng.random() < 0.5 else -1.0)
+    alpha = 0.0 if rng.random() < 0.2 else decade(rng, -4.0, 0.5)
+    friction = math.inf if rng.random() < 0.25 else decade(rng, -0.5, 0.7) * abs(kappa)
+    corner = [profiles.TruncatedCone(0.5, 0.7), profiles.RoundedFlat(0.5, 0.3)][rng.integers(2)]
+    side = 1.0 if rng.random() < 0.8 else -1.0
+    radius = 0.5 * (1.0 + side * decade(rng, -12.0, -1.0))
+    scene = Scene.from_kappa(
+        kappa,
+        alpha,
+        alpha * float(rng.uniform(0.05, 1.0)),
+        friction,
+        coupling=True,
+        profile=profiles.Sum(profiles.Parabola(1.0), corner),
+        contact_radius=radius,
+    )
+    rtol = decade(rng, -6.0, -3.0)
+    truth = solve(scene, rtol, strict=False)
+    control = ("load", "approach")[number % 2]
+    given = scene.replace(contact_radius=None, **{control: getattr(truth, control)})
+    found = solve(given, rtol, strict=False)
+    ratios = over_estimates(found, truth, (*SCALARS, "contact_radius"))
+    ratios |= fields_over_estimates(found, truth, FIELDS, FROM_EDGE)
+    return Outcome(ratios, f"{given!r}, radius {radius!r}, rtol {rtol:.1e}")
 
 
 def growing_together(rng: np.random.Generator, number: int) -> Outcome:
