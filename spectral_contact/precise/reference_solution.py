@@ -117,11 +117,13 @@ class ReferenceSolution:
             exact.append(_fraction(value))
             if not 0 <= exact[-1] <= 1:
                 raise SceneError(name, value, "in [0, 1]")
-        # the distance to the other end, too, before anything is rounded
-        numbers, rest = np.empty(len(exact), dtype=object), np.empty(len(exact), dtype=object)
-        numbers[:] = [_rounded(mp, one) for one in exact]
-        rest[:] = [_rounded(mp, 1 - one) for one in exact]
-        found = function(numbers, rest) if from_edge is None else function(rest, numbers)
+        with mp.workprec(self.bits):  # of the solution, which is more than that of its results
+            near = np.empty(len(exact), dtype=object)
+            near[:] = [_rounded(mp, one) for one in exact]
+            # the distance to the other end is taken before anything is rounded
+            far = np.empty(len(exact), dtype=object)
+            far[:] = [_rounded(mp, 1 - one) for one in exact]
+            found = function(near, far) if from_edge is None else function(far, near)
         result = np.empty(len(exact), dtype=object)
         result[:] = [+mp.mpf(v) for v in found]
         return result[0] if values.ndim == 0 else result.reshape(values.shape)
