@@ -28,7 +28,7 @@ class ReferenceSolution:
     ----------
     scene : Scene
     digits : int
-        What was asked for.
+        The number that was asked for.
     approach : mpf
         ``delta*``.
     total_shear : mpf
@@ -45,17 +45,18 @@ class ReferenceSolution:
     error : ErrorEstimates
         Relative errors, from a second solution on another mesh.
     converged : bool
-        Whether all of them, and that of the opening, are below ``10**-digits``.
+        Whether all of them, and that of the opening, are at most ``10**-digits``.
     unknowns : int
-        Of the largest space.
+        Dimension of the largest discrete space.
     bits : int
-        Of the fixed-point numbers, after the point.
+        Bits after the point of the fixed-point numbers; on a smooth surface under a profile, of the
+        floating-point numbers.
     seconds : float
-        Time that it took.
+        Time that the solution took.
     contact_radius, load, stiffness, indentation_work : mpf or None
-        Of a scene with a profile, in its units; the approach is, too.
+        Of a scene with a profile, in the units of the scene, as the approach is then, too.
     domain_radius : mpf or None
-        Where there is no edge: the radius in which `pressure` counts.
+        Where the contact has no edge: the radius that `s` = 1 stands for.
     """
 
     scene: Scene
@@ -89,9 +90,9 @@ class ReferenceSolution:
         Returns
         -------
         mpf or ndarray of mpf
-            Infinite at the edge of a surface that is smooth in normal contact, of either sign with
-            coupling; then of one that is smooth altogether, NaN. Under a profile on a smooth
-            surface infinite at tips and corners.
+            At the edge of a surface without normal compliance it is infinite, with coupling of
+            either sign; with coupling and without any compliance it is NaN there. Under a profile
+            on a smooth surface it is infinite at tips and corners.
 
         Raises
         ------
