@@ -388,7 +388,9 @@ class Unloading:
             turning = "the turning ratio, which was not found,"
         else:
             if load_ratio > ratio.value * (1.0 + ratio.error):
-                raise NoZonesError("forward slip is too narrow to say whether it grows")
+                raise NoZonesError(
+                    "forward slip is too narrow to say whether it grows; a tighter rtol may do"
+                )
             turning = f"the turning ratio {ratio.value:.7g}"
         raise HistoryError(f"below {turning} it depends on the loads in between")
 
