@@ -40,7 +40,8 @@ class Heights:
         Radii at which a derivative jumps.
     order : mpf
         At the centre the height is a smooth function of ``r**2`` plus ``r**order`` times another; 0
-        if it is one smooth function of ``r**2``. For pointed tables it is 1, or 2 if the slope is 0.
+        if it is one smooth function of ``r**2``. For pointed tables it is 1, or 2 if the slope is
+        0 there.
     """
 
     def __init__(self, mp: Any, profile: Profile) -> None:
