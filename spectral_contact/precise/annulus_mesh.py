@@ -5,8 +5,9 @@ equal in ``X = ln(a/b)``, and so graded to both ends. There
 
     1/2 int_X psi dz / sqrt(z - t^2) = sqrt(w / b_t) / 2 int_Y F psi dX / sqrt(1 - exp(Y - X)),
 
-``F = sqrt(a) b`` for ``w = 1``: a convolution with one kernel for both ends, and for the integral
-from the other side. At either end a tail is polynomial in the root of ``a/b`` or of ``b/a``.
+X and Y being those of z and of t^2, and the weight ``F = sqrt(a) b`` for ``w = 1``: a convolution
+with one kernel for both ends, and for the integral from the other side. In the tail at either end
+functions are polynomials in the root of ``a/b`` or of ``b/a``, which is called the odds.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ class Near(NamedTuple):
     outer: Any
 
     def at(self, cell: int, panels: int) -> list[Any]:
-        """Return the blocks of a cell and the next one."""
+        """Return the integrals at the nodes of a cell over itself and over any next one."""
         if cell == 0:
             return [self.inner, self.first]
         if cell < panels:
@@ -55,9 +56,9 @@ class Near(NamedTuple):
 
 
 class Blocks:
-    """What panels of one width have in common: integrals over a cell itself and its neighbour.
+    """What meshes with panels of one width share: integrals over a cell itself and the next one.
 
-    A cell is a panel or a tail, with as many Gauss points each.
+    A cell is a panel or a tail; each has the same number of Gauss points.
 
     Parameters
     ----------
@@ -72,15 +73,16 @@ class Blocks:
     Attributes
     ----------
     offset, root : ndarray of int, shape (points,)
-        Nodes: distance from the start of a panel; root of the odds in a tail, 1 where it begins.
+        The nodes: in a panel, distances in X from its start; in a tail, roots of the odds over
+        those where the tail begins.
     weights : ndarray of int, shape (points,)
-        Gauss's, for an interval of length 2.
+        Gauss weights on [-1, 1].
     expand : ndarray of int, shape (points, points)
         From values at the nodes to Legendre coefficients.
     limit : ndarray of int, shape (points,)
         From those of the inner tail to the value at the inner end.
     near : Near
-        Of ndarray of int, shape (points, points) each.
+        Each of them a matrix of shape (points, points).
     """
 
     def __init__(self, fixed: Fixed, width: float, points: int, digits: int) -> None:
@@ -98,7 +100,7 @@ class Blocks:
         full = f.map(f.mp.acosh, f.over(one, self.root))
         quarter = f.map(f.mp.asin, f.over(one, shallow))
         right = f.times(one, f.of(f.mp.pi)) // 2
-        # the nodes of an outer tail are in the order of X, too
+        # the nodes of an outer tail are in the order of X, too: against that of the root
         self.near = Near(
             inner=self._rooted(self.root, full, f.mp.cosh),
             first=self._convolved(depth, depth + h, -depth),
@@ -122,7 +124,7 @@ class Blocks:
 
     @cached_property
     def poled(self) -> Near:
-        """`near` for functions that are a polynomial in the outer tail over its root."""
+        """`near` for functions that in the outer tail are a polynomial divided by the root."""
         f = self.fixed
         to_end = self._h - self.offset
         shallow = f.exp(to_end // 2)
@@ -145,7 +147,10 @@ class Blocks:
         return self.interpolated(weights, local)
 
     def _rooted(self, root: Ints, top: Ints, of: Any, factor: Any = None, power: int = 1) -> Ints:
-        """Return ``int_0^top psi v**power factor dtheta``, ``v = root of(theta)``, in a tail."""
+        """Return ``int_0^top psi v**power factor dtheta`` in a tail, with ``v = root of(theta)``.
+
+        It is a matrix: psi is given at the nodes of the tail, and root, top and factor at points.
+        """
         f = self.fixed
         g, w = f.gauss(2 * self._rule)
         theta = f.times(top[:, None], f.one + g) // 2
@@ -156,7 +161,7 @@ class Blocks:
         return self.interpolated(weights, 2 * v - f.one)
 
     def interpolated(self, weights: Ints, local: Ints) -> Ints:
-        """Contract a rule for every node with the polynomials through the nodes of a cell."""
+        """Return the matrix from nodes of a cell to integrals, by a rule for each of them."""
         f = self.fixed
         return np.asarray(f.dot(f.moments(weights, local, self.points - 1), self.expand))
 
@@ -168,7 +173,7 @@ class AnnulusMesh:
     ----------
     blocks : Blocks
     before, after : int
-        Panels on either side of the middle, of which there are two at least.
+        Numbers of panels inside and outside the middle, ``a = b``.
     pole : bool
         Whether `half_integral` is of functions that have a pole in the root of the odds at the
         outer end, as ``1/t`` has at the centre.
@@ -180,7 +185,7 @@ class AnnulusMesh:
     above, below : ndarray of int, shape (cells, points)
         Distances ``a`` and ``b`` of the nodes from the ends.
     weights : ndarray of int, shape (cells, points)
-        Those of ``ds**2``.
+        Weights of ``ds**2``.
     """
 
     def __init__(self, blocks: Blocks, before: int, after: int, *, pole: bool = False) -> None:
@@ -195,7 +200,8 @@ class AnnulusMesh:
         odds[0] = f.times(self.inner_end, root, root)
         odds[1:-1] = f.exp(-abs(x))
         odds[-1] = f.times(self.outer_end, root, root)[::-1]
-        small, large = f.over(odds, f.one + odds), f.over(f.one, f.one + odds)
+        small = f.over(odds, f.one + odds)
+        large = f.over(f.one, f.one + odds)
         inside = np.arange(len(odds))[:, None] <= before
         self.above, self.below = np.where(inside, small, large), np.where(inside, large, small)
         dx = np.empty_like(self.above)
@@ -207,12 +213,12 @@ class AnnulusMesh:
 
     @cached_property
     def reflected(self) -> AnnulusMesh:
-        """The same with its ends exchanged."""
+        """The same mesh with its ends exchanged."""
         return AnnulusMesh(self.blocks, self.after, self.before)
 
     @cached_property
-    def _weight(self) -> Ints:
-        """What psi is multiplied by before it is a polynomial to be integrated."""
+    def _near_weight(self) -> Ints:
+        """What psi is multiplied by to become the function that `Blocks.near` integrates."""
         f = self.fixed
         weight = f.times(f.sqrt(self.above), self.below)
         for k, part, end in (
@@ -225,8 +231,8 @@ class AnnulusMesh:
         return np.asarray(weight)
 
     @cached_property
-    def _source(self) -> Ints:
-        """Weights of ``F dX``."""
+    def _far_weight(self) -> Ints:
+        """Weights of ``F dX``, for the power series between cells that are not neighbours."""
         f = self.fixed
         return np.asarray(f.times(f.sqrt(self.above), self.below, self._dx))
 
@@ -234,7 +240,7 @@ class AnnulusMesh:
         """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)`` at the nodes, of values there."""
         f, b, cells = self.fixed, self.blocks, len(values)
         blocks = b.poled if self._pole else b.near
-        near, masses = f.times(values, self._weight), f.times(values, self._source)
+        near, masses = f.times(values, self._near_weight), f.times(values, self._far_weight)
         result, far = np.empty_like(values), 0 * b.decay
         for c in reversed(range(cells)):
             total = 0 * b.offset
@@ -255,7 +261,7 @@ class AnnulusMesh:
     def inner_integral(self, values: Ints, *, pole: bool = False) -> Ints:
         """Return ``1/2 int_{z < s^2} phi dz / sqrt(s^2 - z)`` at the nodes, of values there.
 
-        With a `pole` of phi in s at the centre, where the mesh begins.
+        With `pole`, phi has a pole in s at the centre, where the mesh begins.
         """
         mesh = self.central if pole else self.reflected
         return mesh.half_integral(values[::-1, ::-1])[::-1, ::-1]
@@ -274,8 +280,8 @@ class AnnulusMesh:
         matrix = np.zeros(far.shape)
         rows, columns = np.nonzero(far)
         matrix[rows, columns] = 0.5 / np.sqrt(-np.expm1(x[rows] - x[columns]))
-        matrix *= f.floats(self._source).ravel()
-        weight, blocks = f.floats(self._weight).ravel(), self.blocks.doubles(pole=self._pole)
+        matrix *= f.floats(self._far_weight).ravel()
+        weight, blocks = f.floats(self._near_weight).ravel(), self.blocks.doubles(pole=self._pole)
         for c in range(self.panels + 2):
             for k, block in enumerate(blocks.at(c, self.panels)):
                 own, part = slice(c * m, (c + 1) * m), slice((c + k) * m, (c + k + 1) * m)

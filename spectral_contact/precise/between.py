@@ -1,8 +1,9 @@
 """Sums over ``1/sqrt(z - t^2)`` from one annulus to another in fixed point.
 
-Both are cut into cells that are graded in the distance from the gap between them. With a cell that
-is much nearer to the gap, or much farther, a cell interacts by a power series; with all that are
-near the far end, by one about that end.
+Both annuli are cut into cells, graded in the distance from the gap between them. Two cells at like
+distances interact by the kernel itself; two of which one is much nearer to the gap than the other,
+by a power series. The cells next to the far end of an annulus are summed together, by a power
+series about that end.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from spectral_contact.precise.fixed import Ints
 
 Array = NDArray[np.float64]
 
-#: Ratio of distances up to which the kernel is a power series.
+#: Largest ratio of distances from the gap for which the kernel is a power series; it was chosen.
 _RATIO = 0.15
 
 
@@ -29,43 +30,43 @@ class Between:
     ----------
     inner, outer : AnnulusMesh
     widths : tuple of int
-        Theirs, in ``s**2``.
+        Those of the two annuli, in ``s**2``.
     gap : int
-        Between them: 0 if they are neighbours, or wider than their tails.
+        That between them, in ``s**2``: 0 if they are neighbours, else wider than their tails.
     """
 
     def __init__(
         self, inner: AnnulusMesh, outer: AnnulusMesh, widths: tuple[Any, Any], gap: Any
     ) -> None:
-        # each in cells from the gap outward; t^2 and z to either side of it
+        # the cells of either annulus are counted away from the gap
         first, second = _Cells(inner.reflected, widths[0], 0), _Cells(outer, widths[1], gap)
         near = _near(first, second)
-        ends = _AboutEnd(first, second), _AboutEnd(second, first)
-        self._down = _Sums(first, second, near, ends)
+        ends = _EndExpansion(first, second), _EndExpansion(second, first)
+        self._to_inner = _Sums(first, second, near, ends)
         turned = {(s, t): block.T for (t, s), block in near.items()}
-        self._up = _Sums(second, first, turned, ends[::-1])
+        self._to_outer = _Sums(second, first, turned, ends[::-1])
 
     def half_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int psi dz / sqrt(z - t^2)`` over the outer annulus, of values there."""
-        return self._down(values)[::-1, ::-1]
+        return self._to_inner(values)[::-1, ::-1]
 
     def inner_integral(self, values: Ints) -> Ints:
         """Return ``1/2 int phi dt^2 / sqrt(s^2 - t^2)`` over the inner annulus."""
-        return self._up(values[::-1, ::-1])
+        return self._to_outer(values[::-1, ::-1])
 
     def matrix(self) -> Array:
         """Return the matrix of `half_integral` in double precision."""
-        return self._down.matrix()[::-1]
+        return self._to_inner.matrix()[::-1]
 
     def inner_matrix(self) -> Array:
         """Return the matrix of `inner_integral` in double precision."""
-        return self._up.matrix()[:, ::-1]
+        return self._to_outer.matrix()[:, ::-1]
 
 
 class _Cells:
-    """An annulus seen from the gap: distances of its nodes, and half the weights of ``dz``.
+    """An annulus seen from the gap: distances of nodes, and masses, half the weights of ``dz``.
 
-    The first `count` cells are taken one by one; the others are all near the far end.
+    The first `count` cells are summed one by one; the others are next to the far end.
     """
 
     def __init__(self, mesh: AnnulusMesh, width: Any, gap: Any) -> None:
@@ -79,11 +80,12 @@ class _Cells:
         graded = self.distance[:count]
         self.low, self.high = graded.min(axis=1), graded.max(axis=1)
         self.terms = ceil((mesh.blocks.digits + 6) / -log(_RATIO, 10.0)) + 1
-        #: powers of distances over the largest in the cell, and of the least over them
+        #: powers of distances over the largest one in the cell, and of the least one over distances
         self.rise = self.powers(f.over(graded, self.high[:, None]))
         self.fall = self.powers(f.over(self.low[:, None], graded))
-        #: those about the far end, and the roots of the distances
+        #: powers of the distances from the far end, for the cells next to it
         self.about_end = self.powers(f.over(rest[count:], self.end))
+        #: inverse roots of the distances
         self.roots = f.inverse_root(graded)
 
     def powers(self, ratio: Ints) -> Ints:
@@ -95,8 +97,8 @@ class _Cells:
         return np.stack(powers, axis=-1)
 
 
-class _AboutEnd:
-    """At the nodes of targets: powers and root of the series about the far end of sources."""
+class _EndExpansion:
+    """The series about the far end of sources at the nodes of targets: powers, and inverse root."""
 
     def __init__(self, targets: _Cells, sources: _Cells) -> None:
         f, distance = targets.fixed, sources.end + targets.distance
@@ -105,7 +107,7 @@ class _AboutEnd:
 
 
 def _near(targets: _Cells, sources: _Cells) -> dict[tuple[int, int], Ints]:
-    """Return the kernel from cell to cell, of those of like distances from the gap."""
+    """Return the kernel between the cells, target and source, at like distances from the gap."""
     f, found = targets.fixed, {}
     farthest = f.over(targets.high, f.of(_RATIO))
     for t, nearest in enumerate(f.times(f.of(_RATIO), targets.low)):
@@ -117,15 +119,17 @@ def _near(targets: _Cells, sources: _Cells) -> dict[tuple[int, int], Ints]:
 
 
 class _Sums:
-    """``sum of masses * values / sqrt(distance + distance)`` over sources at targets.
+    """Sums of masses and values over the root of the distance from source to target.
+
+    That distance is the sum of the distances of the two from the gap.
 
     Parameters
     ----------
     targets, sources : _Cells
     near : dict
-        The kernel from cells to cells of like distances.
-    ends : tuple of _AboutEnd
-        Of the sources' at the targets, and the other way round.
+        The kernel between cells at like distances, see `_near`.
+    ends : tuple of _EndExpansion
+        The series about the far end of the sources, and that about the far end of the targets.
     """
 
     def __init__(
@@ -133,11 +137,11 @@ class _Sums:
         targets: _Cells,
         sources: _Cells,
         near: dict[tuple[int, int], Ints],
-        ends: tuple[_AboutEnd, _AboutEnd],
+        ends: tuple[_EndExpansion, _EndExpansion],
     ) -> None:
         f = self._fixed = targets.fixed
         self._targets, self._sources, self._near = targets, sources, near
-        self._end, self._seen = ends
+        self._source_end, self._target_end = ends
         neighbours = targets.gap == sources.gap == 0
         self._tail = _tail(targets, sources) if neighbours else None
         binomials = [f.one]
@@ -150,9 +154,9 @@ class _Sums:
         high, low = sources.high, sources.low
         self._rise = sources.powers(f.over(high[:-1], high[1:]))
         self._fall = sources.powers(f.over(low[:-1], low[1:]))
-        self._outer_masses = f.times(sources.masses[: sources.count], sources.roots)
-        self._seen_masses = f.times(
-            sources.masses[: sources.count], self._seen.roots[: sources.count]
+        self._masses_over_root = f.times(sources.masses[: sources.count], sources.roots)
+        self._target_end_masses = f.times(
+            sources.masses[: sources.count], self._target_end.roots[: sources.count]
         )
 
     def __call__(self, values: Ints) -> Ints:
@@ -160,25 +164,27 @@ class _Sums:
         f, sources, near = self._fixed, self._sources, self._targets.count
         far = f.times(values, sources.masses)[sources.count :]
         ends = f.dot(far.ravel(), self._flat(sources.about_end))
-        about = f.dot(self._end.powers, f.times(self._binomials, ends))
-        result = f.times(self._end.roots, about)
+        about = f.dot(self._source_end.powers, f.times(self._binomials, ends))
+        result = f.times(self._source_end.roots, about)
         own = values[: sources.count]
-        powers = self._seen.powers[: sources.count]
-        seen = f.dot(f.times(own, self._seen_masses).ravel(), self._flat(powers))
-        result[near:] += f.dot(self._targets.about_end, f.times(self._binomials, seen))
+        powers = self._target_end.powers[: sources.count]
+        at_end = f.dot(f.times(own, self._target_end_masses).ravel(), self._flat(powers))
+        result[near:] += f.dot(self._targets.about_end, f.times(self._binomials, at_end))
         result[:near] += self._graded(own)
         return np.asarray(result)
 
     @staticmethod
     def _flat(powers: Ints) -> Ints:
+        """Return powers with the nodes of all cells along one axis."""
         return powers.reshape(-1, powers.shape[-1])
 
     def _graded(self, values: Ints) -> Ints:
-        """Return the sums over cells that are taken one by one, at cells that are."""
+        """Return the sums between the first `count` cells of sources and of targets."""
         f, targets, sources, count = self._fixed, self._targets, self._sources, len(values)
         masses = f.times(values, sources.masses[:count])
-        outer = f.times(values, self._outer_masses)
-        below, above = [], []  # sums over cells up to each, and from each on
+        outer = f.times(values, self._masses_over_root)
+        below = []  # sums over the cells up to each
+        above = []  # sums over the cells from each on
         for s in range(count):
             below.append(f.dot(masses[s], sources.rise[s]))
             if s:
@@ -220,10 +226,10 @@ class _Sums:
 
 
 def _tail(targets: _Cells, sources: _Cells) -> Ints:
-    """Return the half-integral over the tail of sources at the tail of targets, a matrix.
+    """Return the matrix of the half-integral over the tail of sources at the tail of targets.
 
-    With the distance ``d = e sinh(theta)^2`` of the source, that of the target being e, the
-    integrand is entire.
+    If the target is at the distance e from the gap, and the source at ``e sinh(theta)^2``, the
+    integrand is entire in theta.
     """
     f, mesh = sources.mesh.fixed, sources.mesh
     blocks, width = mesh.blocks, sources.width

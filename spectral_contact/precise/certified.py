@@ -1,6 +1,6 @@
 """Digits that are certified: two solutions on different meshes are compared.
 
-What solves in double precision, for first guesses, is handed in.
+The solver in double precision, which provides first guesses, is an argument.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.io import checks
 from spectral_contact.layers.scene_layer import endless
 from spectral_contact.precise.layer_laws import law_of
-from spectral_contact.precise.layered_indented import Begin
+from spectral_contact.precise.layered_indented import InitialContact
 from spectral_contact.precise.precise_coupled_run import PreciseCoupledRun
 from spectral_contact.precise.precise_profile_run import PreciseProfileRun, compared
 from spectral_contact.precise.precise_run import PreciseRun
@@ -40,13 +40,18 @@ if TYPE_CHECKING:
 
 _Solve: TypeAlias = "Callable[..., Solution]"
 
-#: Digits beyond those asked for and panel width, of the solution and of the one that checks it.
+#: Of the solution, and of the second one that checks it: digits beyond those asked for, and panel
+#: width.
 _SOLUTION, _CHECK = (4, 2.0), (2, 1.5)
 _MOST_DIGITS = 60
-#: Tolerance of the double solution of a nonlinear layer; digits of the pressure that are left out
-#: where there is no edge, beyond those asked for; steps of a bisection.
-_DOUBLE, _SPARE, _STEPS = 1e-11, 8, 40
-#: Where in a stick zone the tractions are compared.
+#: Tolerance of the solution in double precision of a contact on a nonlinear layer.
+_DOUBLE = 1e-11
+#: Where a contact has no edge, pressures are left out that are below the largest one by so many
+#: digits more than are asked for.
+_SPARE = 8
+#: Bisections of the radius at which that happens: 40 leave it twelve digits.
+_STEPS = 40
+#: Where in a stick zone the tractions are compared, as shares of its width.
 _SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
 
 
@@ -60,7 +65,7 @@ def certified(
     scene, digits, progress
         As of `reference`, which has its errors, too.
     solve : callable
-        Solves scenes in double precision, for first guesses: no digit of it enters.
+        Solves scenes in double precision, for first guesses: none of its digits are used.
     """
     if not isinstance(scene, Scene):
         raise SceneError("scene", scene, "a Scene")
@@ -69,8 +74,8 @@ def certified(
     if digits > _MOST_DIGITS:
         raise SceneError("digits", digits, f"at most {_MOST_DIGITS}")
     if scene.separation is not None:
-        told = "None for reference: give the approach that solve finds"
-        raise SceneError("separation", scene.separation, told)
+        allowed = "None for reference: give the approach that solve finds"
+        raise SceneError("separation", scene.separation, allowed)
     with ProgressLine(progress) as tell, one_thread():
         if scene.profile is not None:
             return _pressed(scene, digits, solve, tell)
@@ -79,13 +84,14 @@ def certified(
 
 def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
     """Solve on two meshes and compare."""
-    begin, asked = perf_counter(), scene
-    if scene.mismatch is not None:  # what is radial has the sign of kappa
+    began = perf_counter()
+    asked = scene
+    if scene.mismatch is not None:  # traction and shear only change sign with kappa
         scene = scene.replace(kappa=abs(scene.mismatch), physical=None)
     tell("zones, in double precision", 0.0)
     layout = _layout(scene, solve)
     tell("", 0.02)
-    first, second = (_on_mesh(number, tell) for number in (1, 2))
+    first, second = (_steps_on_mesh(number, tell) for number in (1, 2))
     run = lawful(scene, digits + _SOLUTION[0], _SOLUTION[1], layout, first)
     tell("", 0.55)
     check = solved(scene, digits + _CHECK[0], _CHECK[1], run.layout, second, run)
@@ -105,7 +111,7 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
         _met(worst, digits),
         run.unknowns,
         run.fixed.bits,
-        perf_counter() - begin,
+        perf_counter() - began,
         run,
     )
     run.release()
@@ -114,12 +120,12 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
 
 
 def _met(worst: float, digits: int) -> bool:
-    """Return whether the largest error leaves so many digits."""
+    """Return whether the largest error leaves that many digits."""
     return worst <= 10.0**-digits
 
 
 def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
-    """Return a solution that has its digits."""
+    """Return a solution if it has its digits; raise an error that carries it if not."""
     if not solution.converged:
         raise ConvergenceError(
             f"the error estimate {worst:.1e} does not meet {solution.digits} digits",
@@ -130,23 +136,23 @@ def _certified(solution: ReferenceSolution, worst: float) -> ReferenceSolution:
 
 
 def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> ReferenceSolution:
-    """Solve a scene with a profile with two meshes and precisions, and compare."""
-    begin = perf_counter()
+    """Solve a scene with a profile on two meshes with different precisions, and compare."""
+    began = perf_counter()
     tell("contact radius, in double precision", 0.0)
-    begun = None if scene.layer is None else _begun(scene, digits, solve)
-    guess = _guessed(scene, begun, solve)
-    first, second = (_on_mesh(number, tell) for number in (1, 2))
-    run = PreciseProfileRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, begun)
+    start = None if scene.layer is None else _initial_contact(scene, digits, solve)
+    guess = _guessed(scene, start, solve)
+    first, second = (_steps_on_mesh(number, tell) for number in (1, 2))
+    run = PreciseProfileRun(scene, digits + _SOLUTION[0], _SOLUTION[1], guess, first, start)
     tell("", 0.55)
     place = run.mp.mpf(run.place)
-    check = PreciseProfileRun(scene, digits + _CHECK[0], _CHECK[1], place, second, begun)
+    check = PreciseProfileRun(scene, digits + _CHECK[0], _CHECK[1], place, second, start)
     tell("comparison", 0.95)
     error, worst = compared(run, check)
     run.mp.dps = digits + 3
     values = {name: +run.mp.mpf(value) for name, value in run.values.items()}
     zero, one = run.mp.zero, run.mp.one
     radius, zones, ratio = None, tuple[Zone, ...](), None
-    if scene.friction is not None:  # all sticks, or all slips, without traction
+    if scene.friction is not None:  # one zone, stick or slip, and no traction in it
         sticks = scene.kappa == 0.0
         zones = (Zone("stick" if sticks else "slip", zero, one, one, zero),)
         radius, ratio = (one, zero) if sticks else (zero, None)
@@ -163,7 +169,7 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
         converged=_met(worst, digits),
         unknowns=run.unknowns,
         bits=run.bits,
-        seconds=perf_counter() - begin,
+        seconds=perf_counter() - began,
         _run=run,
         **values,
     )
@@ -171,8 +177,8 @@ def _pressed(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> Re
     return _certified(solution, worst)
 
 
-def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
-    """Return the contact radius in double precision, or the approach where it is the unknown."""
+def _guessed(scene: Scene, start: InitialContact | None, solve: _Solve) -> float:
+    """Return the contact radius in double precision, or the approach where that is the unknown."""
     if _has_traction(scene):
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     if isinstance(scene.profile, Flat) and scene.layer is None:
@@ -182,18 +188,18 @@ def _guessed(scene: Scene, begin: Begin | None, solve: _Solve) -> float:
         raise NotComputedError("the reference", told)
     if scene.contact_radius is not None:
         return scene.contact_radius
-    if begin is not None:
-        return begin.approach if begin.cuts or isinstance(scene.profile, Flat) else begin.radius
+    if start is not None:
+        return start.approach if start.cuts or isinstance(scene.profile, Flat) else start.radius
     found = solve(scene, 1e-12, ("contact_radius",), strict=False)
     return float(found.contact_radius)
 
 
-def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
+def _initial_contact(scene: Scene, digits: int, solve: _Solve) -> InitialContact:
     """Return a contact through a nonlinear layer in double precision."""
     layer, profile = scene.layer, scene.profile
     assert layer is not None
     assert profile is not None
-    law_of(MPContext(), layer)
+    law_of(MPContext(), layer)  # raises an error for laws that are not solved
     if _has_traction(scene):
         raise NotComputedError("the reference", "with a profile it solves normal contact alone")
     found = solve(scene, _DOUBLE, ("approach", "contact_radius", "pressure"), strict=False)
@@ -201,7 +207,7 @@ def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
     most = layer.overclosure(float(np.max(found.pressure(from_edge=grid))))
     thin = 1.0 / float(layer.stiffness(most))
     if not endless(scene):
-        return Begin(
+        return InitialContact(
             found.contact_radius, found.approach, lambda d: found.pressure(from_edge=d), thin
         )
     cells = setting_at_approach(profile, layer, found.approach).cells
@@ -212,18 +218,21 @@ def _begun(scene: Scene, digits: int, solve: _Solve) -> Begin:
     radius = _domain(scene, found.approach, most, digits)
     ends = domain * np.sqrt(np.array(cells.offsets[1:-1]) + cells.pivot.square)
     cuts = [*ends.tolist(), domain]
-    # the last part is no wider than what it adds to
+    # beyond the domain in doubles, parts no wider than half of it
     cuts += np.linspace(domain, radius, ceil(2.0 * (radius / domain - 1.0)) + 1)[1:-1].tolist()
 
     def pressure(from_edge: Any) -> Any:
         s = (1.0 - from_edge) * radius / domain
         return np.where(s < 1.0, found.pressure(np.minimum(s, 1.0)), 0.0)
 
-    return Begin(radius, found.approach, pressure, thin, tuple(cuts))
+    return InitialContact(radius, found.approach, pressure, thin, tuple(cuts))
 
 
 def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
-    """Return the radius beyond which the pressure is none of the digits."""
+    """Return the radius beyond which the pressure is too small to change any of the digits.
+
+    `most` is the largest overclosure of the layer.
+    """
     layer, profile = scene.layer, scene.profile
     assert layer is not None
     assert profile is not None
@@ -240,13 +249,13 @@ def _domain(scene: Scene, approach: float, most: float, digits: int) -> float:
     return high
 
 
-def _on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:
-    """Return what is told of the steps on one of the meshes."""
+def _steps_on_mesh(number: int, tell: ProgressLine) -> Callable[[str], None]:
+    """Return a function that reports the steps of the solution on one of the two meshes."""
     return lambda step: tell(f"mesh {number} of 2: {step}")
 
 
 def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
-    """Return a guess of the zones; None if q = 0."""
+    """Return the zones in double precision, a guess; None if q = 0."""
     if not _has_traction(scene):
         return None
     if scene.couples:
@@ -262,9 +271,9 @@ def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
     unresolved = error is not None and not error < 1.0
-    if unresolved and compliance > 0.0:  # slip about to begin: full stick says where
+    if unresolved and compliance > 0.0:  # slip is about to begin: the search starts in full stick
         return PreciseLayout((0,), ())
-    if unresolved and states == [0]:  # without compliance the edge slips
+    if unresolved and states == [0]:  # without compliance the edge slips, however narrowly
         raise NotComputedError("the reference", "double precision does not resolve its zones")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return PreciseLayout(tuple(states), radii)
@@ -290,7 +299,7 @@ def _check_stuck(scene: Scene, solve: _Solve) -> None:
 
 
 def _zones(run: PreciseRun | PreciseCoupledRun) -> tuple[Zone, ...]:
-    """Return the zones as mpmath's numbers."""
+    """Return the zones; their ends are numbers of mpmath."""
     scene, mp = run.scene, run.fixed.mp
     if scene.friction is None:
         return ()
@@ -307,7 +316,10 @@ def _zones(run: PreciseRun | PreciseCoupledRun) -> tuple[Zone, ...]:
 def _compare(
     run: PreciseRun | PreciseCoupledRun, check: PreciseRun | PreciseCoupledRun
 ) -> tuple[ErrorEstimates, float]:
-    """Return twice the relative differences, and no less than the check aims at, and the worst."""
+    """Return twice the relative differences of two runs, at least what the check aims at.
+
+    The largest of them is returned, too.
+    """
     mp = run.fixed.mp
     floor = 10.0**-check.digits
 
@@ -343,14 +355,18 @@ def _compare(
         total_shear=shear,
         edge_ratio=ratio,
     )
-    asked = [found.approach, found.pressure, found.traction, found.zones]
+    errors = [found.approach, *fields, shear, zones, ratio]
     if run.opening is not None:
-        asked.append(inf if check.opening is None else error(run.opening, check.opening))
-    return found, max(one for one in asked if one is not None)
+        errors.append(inf if check.opening is None else error(run.opening, check.opening))
+    return found, max(one for one in errors if one is not None)
 
 
 def _sizes(run: PreciseRun | PreciseCoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
-    """Return what errors of p and q are relative to: where one changes sign, the two together."""
+    """Return the sizes that errors of p and q are relative to.
+
+    These are p and q themselves but where one of them changes sign: there they are those of the
+    two together.
+    """
     if not run.scene.couples or min(p.min(), q.min()) > 0:
         return p, q
     hypot, kappa = run.fixed.mp.hypot, run.kappa

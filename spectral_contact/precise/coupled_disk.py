@@ -1,7 +1,7 @@
 """Normal and tangential contact of a disk as one system in fixed point: elastic coupling.
 
-The two tractions act on each other by products of moments, without a kernel. A factorisation of
-the whole system in double precision refines, as in `disk`.
+What pressure and traction do to each other is products of moments, without a kernel. The solution
+is refined with a factorisation of the whole system in double precision, as in `disk`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from spectral_contact.spectral.tuning import TAIL_TERMS
 
 
 class CoupledDisk:
-    """What a pressure and a traction do to each other, and their common solution.
+    """What a pressure and a traction do to each other, and the solution for both.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class CoupledDisk:
         f, steps = self.fixed, np.arange(normal.panels.count, dtype=object)
         leads = [f.of(1.0 + disk.panels.power) for disk in (normal, tangential)]
         h = f.of(normal.panels.width)
-        #: moments of equal functions fall from panel to panel
+        #: factors of the moments on every panel, those on the first being 1
         self._falls = [f.exp(-f.times(lead, h) * steps) for lead in leads]
 
     def solve(self, alpha: Any, beta: Any, kappa: Any) -> tuple[Ints, Ints]:
@@ -94,10 +94,10 @@ class CoupledDisk:
         out_tail[:] = f.dot(self._tail, tail)
         deeper = f.dot(self._tail_moments, tail)
         for j in reversed(range(len(table))):
-            mine, theirs = (fall[j] for fall in self._falls)
-            out[j] = f.times(mine, theirs, f.dot(self._own, table[j]))
-            out[j] += f.times(mine, deeper, self._first[0])
-            deeper += f.times(theirs, f.dot(self._first[1], table[j]))
+            of_p, of_u = (fall[j] for fall in self._falls)
+            out[j] = f.times(of_p, of_u, f.dot(self._own, table[j]))
+            out[j] += f.times(of_p, deeper, self._first[0])
+            deeper += f.times(of_u, f.dot(self._first[1], table[j]))
         return result // 4
 
     def _on_tangential(self, p: Ints) -> Ints:
@@ -106,10 +106,10 @@ class CoupledDisk:
         result, shallower = np.zeros(len(p), dtype=object), 0
         out, out_tail = self.normal.split(result)
         for j, row in enumerate(table):
-            theirs, mine = (fall[j] for fall in self._falls)
-            out[j] = f.times(mine, theirs, f.dot(self._own.T, row))
-            out[j] += f.times(mine, shallower, self._first[1])
-            shallower += f.times(theirs, f.dot(self._first[0], row))
+            of_p, of_u = (fall[j] for fall in self._falls)
+            out[j] = f.times(of_u, of_p, f.dot(self._own.T, row))
+            out[j] += f.times(of_u, shallower, self._first[1])
+            shallower += f.times(of_p, f.dot(self._first[0], row))
         out_tail[:] = f.dot(self._tail.T, tail) + f.times(shallower, self._tail_moments)
         return result // 4
 
@@ -151,7 +151,7 @@ def _tail_rule(disk: Disk, upper: Ints) -> FixedRule:
     g, w = f.gauss(2 * TAIL_TERMS + 2)
     v = (f.one + g) // 2
     d = f.times(upper[:, None], v, v)
-    # d = upper v^2: the root goes with the endpoint weight
+    # d = upper v^2: the factor v of dd cancels the root of the endpoint weight, if there is one
     power = disk.panels.power
     weights = f.times(w, f.sqrt(upper)[:, None]) if power else f.times(w, v, upper[:, None])
     values = f.legendre(2 * f.over(d, disk.end) - f.one, TAIL_TERMS - 1)

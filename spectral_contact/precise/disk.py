@@ -1,8 +1,8 @@
 """Galerkin operators of a disk in fixed point, on the panels of `spectral.panels`.
 
-The half-integral of a panel is the one of `spectral.abel`, with rules that converge to any number
-of digits. A factorisation in double precision solves for the coefficients; residuals taken here
-refine them by some twelve digits a sweep.
+The half-integral of a panel is that of `spectral.abel`, with rules that converge to any number of
+digits. The coefficients are found by iterative refinement: a factorisation in double precision, and
+residuals in fixed point, gain some twelve digits a sweep. *Deeper* is nearer to the rim.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.tuning import TAIL_TERMS
 
 _LN10 = log(10.0)
-#: Sweeps after which refinement has stalled.
+#: Refinement that takes more sweeps than this has stalled.
 MOST_SWEEPS = 30
 
 
@@ -53,9 +53,10 @@ class PreciseMesh:
         power: float = 0.0,
         lowest: int = 4,
     ) -> PreciseMesh:
-        """Return the mesh of a solution that settles like ``exp(-rate x)`` past `layer`.
+        """Return the mesh of a solution that settles like ``exp(-rate x)`` beyond `layer`.
 
-        No degree is below `lowest`.
+        `layer` is the x at which the layer next to the rim begins. `power` is that of d in the
+        endpoint weight. No degree is below `lowest`. How the degrees fall was found by trial.
         """
         top = ceil((1.3 * digits + 8.0) * np.sqrt(width / 2.0))
         settle = (digits * _LN10 + 4.0) / rate
@@ -68,7 +69,7 @@ class PreciseMesh:
 
     @property
     def depth(self) -> float:
-        """``x`` at which the tail begins."""
+        """The ``x`` at which the tail begins."""
         return self.panels.count * self.panels.width
 
 
@@ -122,25 +123,25 @@ class PreciseSeries:
 class FarField:
     """Integrals over panels two places away and more, in time linear in the number of panels.
 
-    There ``1/sqrt(1 - e)`` is a power series in ``e = exp(-u)``, which is a product of what depends
-    on the point, on the source, and on the number of panels between.
+    There the kernel ``1/sqrt(1 - e)``, ``e = exp(-u)``, is a power series in e, and e is a product
+    of three factors: one for the point, one for the source, and one for the panels between them.
 
     Parameters
     ----------
     disk : Disk
     weight, near : ndarray of int, shape (rule_points,)
-        Factors of the integral, and of e, that depend on the source in its panel.
+        The factors of the integrand and of e for the places of the source in its panel.
     lead : int
-        The integral falls like ``exp(-lead u)`` before the series.
+        The integrand has the factor ``exp(-lead u)`` besides the series.
     offsets : list of ndarray of int
-        Sets of points: their distances from the end of their panel.
+        Sets of points: their distances in x from the end of their panel.
 
     Attributes
     ----------
     points : list of ndarray of int, shape (points, terms)
     sources : ndarray of int, shape (terms, degree + 1)
     decay : ndarray of int, shape (terms,)
-        What one panel between multiplies the terms by.
+        Factors of the terms for one panel between.
     """
 
     def __init__(
@@ -151,7 +152,9 @@ class FarField:
         terms = ceil((disk.mesh.digits + 6) * _LN10 / float(disk.panels.width)) + 1
         g, w = f.gauss(disk.rule_points)
         basis = f.legendre(g, disk.panels.degree)
-        weight, sources, binomial = f.times(w, h, weight) // 4, [], f.one
+        weight = f.times(w, h, weight) // 4
+        sources = []
+        binomial = f.one  # of 2j over j, divided by 4**j: the coefficients of the kernel
         for j in range(terms):
             sources.append(f.times(binomial, f.dot(weight, basis)))
             weight = f.times(weight, near)
@@ -170,7 +173,7 @@ class FarField:
 
 
 class Disk:
-    """Half-integrals on a mesh, and what is solved with them.
+    """Half-integrals on a mesh, and the solution of the equations that have them.
 
     Parameters
     ----------
@@ -180,9 +183,9 @@ class Disk:
     Attributes
     ----------
     x, d, rest : ndarray of int
-        The nodes: ``x`` of those on the panels; distances of all from the rim, and 1 less them.
+        The nodes: ``x`` of those on the panels; for all of them ``d = 1 - t**2`` and ``1 - d``.
     weights : ndarray of int
-        Those of ``dt``.
+        Weights of ``dt``.
     end : int
         Distance at which the tail begins.
     """
@@ -193,14 +196,18 @@ class Disk:
         self._h = fixed.of(mesh.panels.width)
         self.end = fixed.exp(-mesh.panels.count * self._h)
         self._place_nodes()
-        self._blocks = [self._deeper(self._first_end), self._deeper(self._other_end)]
-        self._far = self._deeper_far()
-        self._tails = self._deeper_tail()
+        self._blocks = [self._near_blocks(one) for one in (self._first_end, self._other_end)]
+        self._far = self._far_field()
+        self._tails = self._tail_half_integrals()
         self._masses = [self._panel_mass(decay) for decay in (1, 2)]
 
     # nodes
 
     def _place_nodes(self) -> None:
+        """Set nodes and weights.
+
+        Substitutions remove the roots at the deep ends of panels, and on the first at the centre.
+        """
         f, p, h = self.fixed, self.panels.count, self._h
         count = 2 * self.panels.degree + ceil(0.7 * self.mesh.digits) + 8
         g, w = f.gauss(count + 10)
@@ -239,8 +246,11 @@ class Disk:
         """Return the `root_rule` for functions on a panel."""
         return root_rule(self.fixed, self.rule_points, lower, upper)
 
-    def _deeper(self, to_end: Ints) -> list[Ints]:
-        """Return the half-integrals at points of one panel: of that panel, and of the next."""
+    def _near_blocks(self, to_end: Ints) -> list[Ints]:
+        """Return the half-integrals of a panel, and of the next deeper one, at points of the first.
+
+        `to_end` has the distances of the points in x from the end of their panel.
+        """
         f, h = self.fixed, self._h
         blocks = []
         lower, upper = 0 * to_end, to_end
@@ -252,18 +262,20 @@ class Disk:
             lower, upper = upper, upper + h
         return blocks
 
-    def _deeper_far(self) -> FarField:
+    def _far_field(self) -> FarField:
+        """Return the half-integrals over the panels two places deeper and more."""
         f = self.fixed
         lead = f.of(1.0 + self.panels.power)
-        step = f.times(self._h, f.one + f.gauss(self.rule_points)[0]) // 2
-        weight = f.exp(-f.times(lead, step))
-        return FarField(self, weight, f.exp(-step), lead, [self._first_end, self._other_end])
+        from_start = f.times(self._h, f.one + f.gauss(self.rule_points)[0]) // 2
+        weight = f.exp(-f.times(lead, from_start))
+        ends = [self._first_end, self._other_end]
+        return FarField(self, weight, f.exp(-from_start), lead, ends)
 
-    def _deeper_tail(self) -> Ints:
+    def _tail_half_integrals(self) -> Ints:
         """Return the half-integrals of the tail polynomials at all nodes."""
         f, d, end = self.fixed, self.d, self.end
         if self.panels.power == 0.0:
-            # d' = d - w^2 leaves a polynomial
+            # with d' = d - w^2 the integrand is a polynomial in w
             g, w = f.gauss(TAIL_TERMS + 1)
             far = f.sqrt(np.maximum(d - end, 0))
             root = f.sqrt(d)
@@ -295,12 +307,15 @@ class Disk:
         return np.asarray(values)
 
     def moments(self, density: Ints) -> Ints:
-        """Return the integrals ``dt`` of the half-integrals of all basis functions times this."""
+        """Return the integrals ``dt`` of a density at the nodes times all half-integrals.
+
+        It is the transpose of `half_integral`.
+        """
         f, far, terms = self.fixed, self._far.nothing, self._terms
         result = np.zeros(self.panels.size, dtype=object)
         table, tail = self.split(result)
         tail += f.dot(density, self._tails)
-        seen = [far, far]  # by the panels two places away and more
+        seen = [far, far]  # the sums of the last two panels: they are too near for the far field
         for i, rows in enumerate(self._rows):
             scaled = f.times(density[rows], self._root[rows])
             far = f.times(self._far.decay, far + seen[0])
@@ -312,6 +327,7 @@ class Disk:
 
     @property
     def _terms(self) -> list[int]:
+        """Numbers of functions on the panels."""
         return [n + 1 for n in self.mesh.degrees]
 
     def split(self, coefficients: Ints) -> tuple[Ints, Ints]:
@@ -322,6 +338,7 @@ class Disk:
     # mass
 
     def _panel_mass(self, decay: int) -> Ints:
+        """Return ``int psi_i psi_j exp(-decay x) dx`` on the first panel."""
         f = self.fixed
         g, w = f.gauss(self.rule_points)
         basis = f.legendre(g, self.panels.degree)
@@ -329,7 +346,7 @@ class Disk:
         return np.asarray(f.dot(f.times(basis, weight[:, None]).T, basis))
 
     def mass(self, coefficients: Ints, tangential: bool) -> Ints:
-        """Return the products ``int . . s ds`` (of K2: ``s^3 ds``) with all basis functions."""
+        """Return the products with all functions in ``s ds``, if `tangential` in ``s^3 ds``."""
         f, (table, tail) = self.fixed, self.split(coefficients)
         result = np.zeros(self.panels.size, dtype=object)
         one, two = self._masses
@@ -352,14 +369,17 @@ class Disk:
     # solving
 
     def solve(self, compliance: Any, target: Any, *, tangential: bool) -> Ints:
-        """Minimise ``int (F - target)^2 W + compliance |a|^2``.
+        """Return the coefficients that minimise ``int (F - target)^2 W / pi + compliance |u|^2``.
+
+        F is the half-integral of the function u, W is ``dt``, or ``t^2 dt`` if `tangential`, and
+        the norm is that of `mass`.
 
         Parameters
         ----------
         compliance : int
             In fixed point.
         tangential : bool
-            K2 for ``q = s u``, instead of K1.
+            Whether the kernel is K2, for ``q = s u``, and not K1.
         target : int or ndarray of int
             What the half-integral should be at the nodes.
 

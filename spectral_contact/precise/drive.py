@@ -1,4 +1,4 @@
-"""The pressure in fixed point, and what it demands of the traction."""
+"""The pressure in fixed point, and the half-integral R that full stick demands for it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from spectral_contact.threads import cached_property
 
 
 def coupling_constant(scene: Scene, fixed: Fixed) -> Any:
-    """Return kappa of exactly the Poisson's ratio of a scene, or that given of two bodies."""
+    """Return kappa to all digits from the Poisson's ratio, or as a scene of two bodies has it."""
     if scene.mismatch is not None:
         return fixed.mp.mpf(scene.mismatch)
     nu = fixed.mp.mpf(scene.poisson_ratio)
@@ -22,9 +22,9 @@ def coupling_constant(scene: Scene, fixed: Fixed) -> Any:
 
 
 class PreciseDrive:
-    """Pressure for unit load, its transform R, and sums over the rim of the contact.
+    """The pressure for unit load, and what drives the tangential problem: integrals of it.
 
-    `R` is the half-integral that full stick demands for ``kappa = 1`` (docs/theory).
+    Its transform R is the half-integral that full stick demands for ``kappa = 1`` (docs/theory).
     """
 
     fixed: Fixed
@@ -121,12 +121,12 @@ class RoughDrive(PreciseDrive):
         """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
         f, (table, tail) = self.fixed, self._disk.split(self._coefficients)
         h = f.of(self.series.width)
-        start = -f.map(f.mp.log, top)
-        first = int(start // h)
+        shallowest = -f.map(f.mp.log, top)
+        first = int(shallowest // h)
         g, w = f.gauss(self._disk.rule_points)
         y, weights = [], []
         for j in range(first, len(table)):
-            low, high = max(start, j * h), (j + 1) * h
+            low, high = max(shallowest, j * h), (j + 1) * h
             x = low + f.times(high - low, f.one + g) // 2
             local = 2 * f.over(x - j * h, h) - f.one
             p = f.series(local, table[j])
@@ -157,7 +157,7 @@ class RoughDrive(PreciseDrive):
         whole = f.dot(w // 2, f.legendre(g, points - 1))
         mean = f.dot(whole, series.tail)
         tail = f.dot(f.expansion(points), f.dot(tail, series.tail))
-        # on a panel, from each of the samples to its deep end
+        # on a panel: the integral from its start and from each of the samples to its deep end
         samples = terms + 12
         g, w = f.gauss(samples)
         start = f.times(h, f.one + f.gauss(samples)[0]) // 2
@@ -187,6 +187,7 @@ class RoughDrive(PreciseDrive):
         end = f.exp(-count * h)
         d = f.times(end, f.one + f.gauss(TAIL_TERMS + 1)[0]) // 2
         beyond = -f.map(f.mp.log, d) - (count - 1) * h
+        # here the sources are shallower than the points, and offsets are counted from starts
         far_field = FarField(self._disk, f.exp(-start // 2), f.exp(start - h), 0, [start, beyond])
         near, near_tail = self._outer(start), self._outer(beyond)
         table, tail = self._disk.split(self._coefficients)
@@ -215,9 +216,9 @@ class RoughDrive(PreciseDrive):
         )
 
     def _outer(self, from_start: Ints) -> list[Ints]:
-        """Return ``1/2 int_{d' > d} psi dd'/sqrt(d' - d)`` of a panel itself and the one before.
+        """Return ``1/2 int_{d' > d} psi dd'/sqrt(d' - d)`` over a panel itself and the one before.
 
-        To be multiplied by ``exp(-x_j/2)`` of the shallow end of the source panel.
+        This is for a source panel whose shallow end is ``x_j = 0``: it scales with ``exp(-x_j/2)``.
         """
         f = self.fixed
         h = f.of(self._disk.panels.width)

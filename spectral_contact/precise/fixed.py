@@ -1,8 +1,8 @@
 """Fixed-point arithmetic on arrays of whole numbers.
 
-NumPy multiplies and adds arrays of Python integers some twenty times faster than mpmath its
-numbers. What fixed point lacks in range is made up by more bits. The integers are gmpy2's where
-mpmath uses gmpy2.
+NumPy multiplies and adds arrays of Python integers some twenty times faster than mpmath multiplies
+and adds its numbers. Fixed point has less range than floating point; more bits make up for it. The
+integers are gmpy2's if mpmath uses gmpy2.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Ints = NDArray[np.object_]
 
 
 class Fixed:
-    """Numbers that count units of ``2**-bits``.
+    """Arithmetic of numbers that are stored as integers, in units of ``2**-bits``.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Fixed:
     Attributes
     ----------
     mp : MPContext
-        Floating-point context of the same precision, for what is not an array.
+        Floating-point context of at least the same precision, for numbers that are not arrays.
     one : int
         The number 1.
     """
@@ -57,9 +57,11 @@ class Fixed:
         self._chebyshev = lru_cache(maxsize=None)(self._chebyshev_of)
 
     def _convert(self, value: Any) -> Any:
+        """Return one number in fixed point."""
         return libmp.to_fixed(self.mp.mpf(value)._mpf_, self.bits)
 
     def _floating(self, value: Any) -> Any:
+        """Return one number of mpmath's from fixed point."""
         return self.mp.make_mpf(libmp.from_man_exp(value, -self.bits, self.mp.prec, "n"))
 
     def of(self, values: Any) -> Any:
@@ -118,7 +120,10 @@ class Fixed:
         return values
 
     def series(self, x: Ints, coefficients: Ints) -> Ints:
-        """Return the values of a Legendre series at `x`, of any shape."""
+        """Return the values of a Legendre series at `x`, of any shape.
+
+        This is Clenshaw's recurrence for the same polynomial as a Chebyshev series.
+        """
         chebyshev = self.dot(self._chebyshev(len(coefficients)), coefficients)
         ahead = beyond = 0 * x
         for c in chebyshev[:0:-1]:
@@ -128,17 +133,20 @@ class Fixed:
     def moments(self, weights: Ints, x: Ints, degree: int) -> Ints:
         """Return the sums over the last axis of weights and Legendre polynomials at `x`.
 
-        Those of Chebyshev take half the operations, and Legendre's are sums of few of them.
+        The recurrence is that of the Chebyshev polynomials, which takes half the operations; a
+        matrix product turns their sums into those of Legendre polynomials.
         """
-        before, last, found = 0 * x + self.one, x, []
+        before = 0 * x + self.one
+        last = x
+        found = []
         for _ in range(degree + 1):
             found.append((weights * before).sum(axis=-1) >> self.bits)
             before, last = last, ((x * last) >> (self.bits - 1)) - before
         return np.asarray(self.dot(np.stack(found, axis=-1), self._chebyshev(degree + 1)))
 
     def _chebyshev_of(self, count: int) -> Ints:
-        """Return Legendre polynomials as columns of coefficients of Chebyshev's."""
-        binomials = [self.one]  # of 2j over j, over 4**j
+        """Return a matrix whose columns have the Chebyshev coefficients of Legendre polynomials."""
+        binomials = [self.one]  # the binomial of 2j over j, divided by 4**j
         for j in range(1, count):
             binomials.append(binomials[-1] * (2 * j - 1) // (2 * j))
         matrix = np.zeros((count, count), dtype=object)
@@ -151,6 +159,7 @@ class Fixed:
     def _gauss(self, points: int) -> tuple[Ints, Ints]:
         """Return nodes and weights of the Gauss-Legendre rule on [-1, 1]."""
         x = self.of(gauss_rule(points)[0])
+        # Newton's method doubles the digits: the nodes in doubles have some 50 bits
         for _ in range(math.ceil(math.log2(self.bits / 50.0)) + 1):
             values = self.legendre(x, points)
             last, before = values[:, points], values[:, points - 1]
@@ -166,7 +175,7 @@ class Fixed:
 
 
 class DoubleFactors:
-    """A matrix in double precision, factored with its rows scaled; it is overwritten."""
+    """A matrix in double precision, factored with scaled rows; the matrix is overwritten."""
 
     def __init__(self, matrix: NDArray[np.float64]) -> None:
         self._scale = 1.0 / np.abs(matrix).max(axis=1)
@@ -179,9 +188,10 @@ class DoubleFactors:
         return np.asarray(lu_solve(self._factor, scaled, check_finite=False))
 
     def corrected(self, f: Fixed, misfit: Ints) -> Ints:
-        """Return the correction of a residual in fixed point, whatever its size."""
+        """Return the correction of a residual in fixed point, however small the residual is."""
         size = int(np.abs(misfit).max()) or 1
-        lift = max(f.bits - size.bit_length(), 0)  # what is below the range of doubles, too
+        # scaled to about 1, as its own size may be below the range of doubles
+        lift = max(f.bits - size.bit_length(), 0)
         step = self.solved(f.floats(np.asarray(misfit << lift, dtype=object)))
         return np.asarray(f.of(step) >> lift)
 
@@ -197,10 +207,12 @@ class FixedRule(NamedTuple):
 def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> FixedRule:
     """Return u, weights of ``int . du / (2 sqrt(1 - exp(-u)))``, and ``exp(-u)``.
 
-    The rule is Gauss's in the root of u, from each of `lower` to `upper`.
+    The rule is Gauss's in the root of u, from each of `lower` to its `upper`: in the root the
+    integrand is analytic.
     """
     g, w = f.gauss(points)
-    a, b = f.sqrt(lower)[:, None], f.sqrt(upper)[:, None]
+    a = f.sqrt(lower)[:, None]
+    b = f.sqrt(upper)[:, None]
     u = a + f.times(b - a, f.one + g) // 2
     u = f.times(u, u)
     fall = f.exp(-u)

@@ -1,4 +1,4 @@
-"""Heights of profiles and what a smooth surface asks of them, as mpmath's numbers.
+"""Heights of profiles and their transforms H of a contact on a smooth surface, in many digits.
 
 Written anew from the definitions: no digit comes from `profiles`, which is in double precision.
 """
@@ -18,7 +18,9 @@ from spectral_contact.profiles.profile_base import Profile
 
 Function = Callable[[Any], Any]
 
-#: Digits for a node of a Chebyshev series of a function that is analytic a panel's length around.
+#: Digits that a node of a Chebyshev series gains if the function is analytic within the length of
+#: the panel from it: the logarithm of ``2 + sqrt(5)``, the sum of the semi-axes of the ellipse
+#: through 2i, if the panel is [-1, 1].
 _PER_NODE = 0.62
 
 
@@ -37,8 +39,9 @@ class Heights:
     breaks : list of mpf
         Radii at which a derivative jumps.
     order : mpf
-        The height is a smooth function of ``r**2``, plus ``r**order`` at the centre; 0 if it is
-        smooth altogether.
+        At the centre the height is a smooth function of ``r**2`` plus ``r**order`` times another; 0
+        if it is one smooth function of ``r**2``. For pointed tables it is 1, or 2 if the slope is
+        0 there.
     """
 
     def __init__(self, mp: Any, profile: Profile) -> None:
@@ -55,12 +58,12 @@ class Heights:
         raise NotImplementedError
 
     def rate(self, t: Any) -> Any:
-        """Return the derivative of H times `root`."""
+        """Return ``H' root(t)``, which stays finite at breaks."""
         raise NotImplementedError
 
     def root(self, t: Any) -> Any:
         """Return the root of ``t^2 - b^2``, b the last break up to t; t without a break."""
-        # a break itself counts as beyond it, as rounding may bring t there
+        # at a break itself t counts as beyond it, as rounding may bring t there
         below = max((b for b in self.breaks if b <= t), default=self._mp.zero)
         return self._mp.sqrt((t - below) * (t + below))
 
@@ -154,7 +157,7 @@ class _RoundedFlatHeights(Heights):
         mp, b = self._mp, self.breaks[0]
         if t <= b:
             return mp.zero
-        # next to the flat part all but a third of (root / b)^3 cancels
+        # next to the flat part all cancels but b (root / b)^3 / 3
         with mp.extraprec(2 * max(-mp.mag(self.root(t) / b), 0) + 10):
             root = self.root(t)
             risen = root - b * mp.atan(root / b)
@@ -176,7 +179,7 @@ class _SampledHeights(Heights):
         self._edges = [mp.mpf(edge) for edge in profile.edges]
         self._rows = [[mp.mpf(c) for c in row] for row in profile.slopes]
         self._rises = [_integrated(row) for row in self._rows]
-        self._bends = [
+        self._second_derivatives = [
             [2 * c / (high - low) for c in _derived(row)]
             for (low, high), row in zip(pairwise(self._edges), self._rows, strict=True)
         ]
@@ -220,7 +223,7 @@ class _SampledHeights(Heights):
     def _bare_rate(self, t: Any) -> Any:
         """Return the derivative of H times `root`, by quadrature."""
         mp = self._mp
-        total = 2 * (self._mean(t, self._rows, 0) + t * self._mean(t, self._bends, 1))
+        total = 2 * (self._mean(t, self._rows, 0) + t * self._mean(t, self._second_derivatives, 1))
         for k, b in enumerate(self._edges[1:-1]):
             if b < t:
                 jump = _clenshaw(self._rows[k + 1], -mp.one) - _clenshaw(self._rows[k], mp.one)
@@ -228,7 +231,7 @@ class _SampledHeights(Heights):
         return total * self.root(t)
 
     def _tabulated(self, function: Function, t: Any) -> Any:
-        """Return a function of t from its series."""
+        """Return H or its rate from the series that `_panelled` makes once."""
         piece = min(bisect(self._edges, t), len(self._rows)) - 1
         root = self.root(t)
         ends, table = self._tables(function, piece)
@@ -237,21 +240,23 @@ class _SampledHeights(Heights):
         return value * self._falling(piece, t)
 
     def _falling(self, piece: int, t: Any) -> Any:
-        """Return what H and its rate fall like towards the centre."""
+        """Return the power of t that H and its rate fall like towards the centre; else 1."""
         if piece:
             return self._mp.one
         return t if self.order == 1 else t * t
 
     def _panelled(self, function: Function, piece: int) -> tuple[list[Any], list[list[Any]]]:
-        """Return panels of `root` on a piece and series of a function that is analytic there.
+        """Return panels in `root` on a piece, and Chebyshev series of a function on them.
 
-        Where it is not, at smaller breaks, is no nearer than a panel is long.
+        The function is singular at the smaller breaks: no panel is longer than its distance from
+        them.
         """
         mp, edges = self._mp, self._edges
         low, high = edges[piece], edges[piece + 1]
         top = mp.sqrt((high - low) * (high + low))
         inner = edges[piece - 1] if piece else mp.zero
-        ends, step = [mp.zero], mp.sqrt((low - inner) * (low + inner)) if piece else top
+        ends = [mp.zero]
+        step = mp.sqrt((low - inner) * (low + inner)) if piece else top
         while ends[-1] < top:
             ends.append(min(ends[-1] + max(step, ends[-1]), top))
         count = max(ceil(mp.dps / _PER_NODE), len(self._rows[piece])) + 6
@@ -271,7 +276,7 @@ class _SampledHeights(Heights):
 
 
 def _local(r: Any, low: Any, high: Any) -> Any:
-    """Return where a radius is in a piece, from -1 to 1."""
+    """Return the coordinate of a radius in a piece, from -1 to 1."""
     return 2 * (r - low) / (high - low) - 1
 
 

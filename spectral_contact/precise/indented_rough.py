@@ -1,9 +1,10 @@
 r"""Normal contact under a profile in fixed point, collocated on parts between the profile's breaks.
 
 On the unit disk ``(alpha/a) p + N p = (delta - h(a s))/a``, with ``N p = (1/pi) int_0^s F(t) dt /
-sqrt(s^2 - t^2)`` of the half-integral F. It is solved for two right-hand sides, ``(D - h)/a`` and
-1: the second is the flat punch, and as much of it is added as makes the pressure zero at the edge.
-With ``D = H(a)/2``, the approach on a smooth surface, that is little, and no digit is lost.
+sqrt(s^2 - t^2)`` and the half-integral F of p. It is solved for two right-hand sides, ``(D - h)/a``
+and 1. The second is the flat punch; a multiple of it is added so that the pressure is zero at the
+edge. With ``D = H(a)/2``, the approach on a smooth surface, the multiple is small, and no digit is
+lost.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _MOST_NODES = 12000
 
 
 class Contact:
-    """What a contact under a profile has in many digits.
+    """A contact under a profile in many digits.
 
     Attributes
     ----------
@@ -60,7 +61,7 @@ class Contact:
 
 @dataclass(frozen=True)
 class RoughContact(Contact):
-    """A contact on a layer."""
+    """A contact on a layer, with values and series of the pressure and values of F."""
 
     fixed: Fixed
     geometry: DiskInParts
@@ -95,21 +96,22 @@ class RoughContact(Contact):
             if not self._vanishes:
                 values[rows] = series.at(above, below)
                 continue
-            # in the tail next to the edge the pressure is proportional to the distance
+            # in the tail next to the edge the pressure is proportional to the distance: it is
+            # evaluated where the tail begins, and scaled
             least = series.mesh.outer_end
-            seen = np.maximum(below, least)
-            found = series.at(np.where(seen > below, f.one - least, above), seen)
-            values[rows] = f.over(f.times(found, below), seen)
+            clipped = np.maximum(below, least)
+            found = series.at(np.where(clipped > below, f.one - least, above), clipped)
+            values[rows] = f.over(f.times(found, below), clipped)
         return f.numbers(values)
 
     @property
     def _vanishes(self) -> bool:
-        """Whether what has the series is zero at the edge."""
+        """Whether the function of `series` is zero at the edge."""
         return True
 
     @property
-    def _moved(self) -> Any:
-        """The approach, as the gap counts it."""
+    def _approach_of_gap(self) -> Any:
+        """The approach that closes the gap; a layer may reach out by some of it."""
         return self.approach
 
     def law(self) -> tuple[Any, Any]:
@@ -117,10 +119,10 @@ class RoughContact(Contact):
         f, mp = self.fixed, self.fixed.mp
         mean = self.load / (mp.pi * self.radius**2)
         least = min(v.min() for v in self.values)
-        return f.numbers(least) / mean, self._least_gap() / self._moved
+        return f.numbers(least) / mean, self._least_gap() / self._approach_of_gap
 
     def _least_gap(self) -> Any:
-        """Return the least gap outside."""
+        """Return the least gap at some places outside the contact."""
         f, mp, places = self.fixed, self.fixed.mp, self.geometry
         gaps = []
         weights = [
@@ -138,7 +140,7 @@ class RoughContact(Contact):
             if r >= self.heights.reach:
                 break
             lifted = f.numbers(moved) / mp.pi * self.radius
-            gaps.append(self.heights.height(r) - self._moved + lifted)
+            gaps.append(self.heights.height(r) - self._approach_of_gap + lifted)
         return min(gaps, default=mp.one)
 
 
@@ -160,7 +162,7 @@ OUTSIDE = (1e-6, 1e-4, 0.01, 0.1, 0.5)
 
 
 class DiskInParts:
-    """The parts of the disk in the unit of its radius, and the integrals over them."""
+    """The parts of the disk between breaks, in units of its radius, and integrals over them."""
 
     def __init__(self, f: Fixed, meshes: list[AnnulusMesh], radius: Any, breaks: list[Any]) -> None:
         self._f, self.meshes = f, meshes
@@ -169,7 +171,7 @@ class DiskInParts:
         self.squares = np.array([0 * f.one, *(f.of(b * b) for b in inner), f.one])
         rests = [(radius - b) * (radius + b) / radius**2 for b in breaks]
         self.rests = np.array([f.one, *(f.of(v) for v in rests), 0 * f.one])
-        # of narrow parts the square of one radius less that of the other keeps few digits
+        # factored, as the difference of two squares in fixed point loses digits of narrow parts
         ends = [mp.zero, *breaks, radius]
         widths = [(b - a) * (b + a) / radius**2 for a, b in pairwise(ends)]
         self.widths = [f.of(w) for w in widths]
@@ -178,7 +180,7 @@ class DiskInParts:
         self.y = [r + f.times(w, m.below) for (m, w), r in zip(own, self.rests[1:], strict=True)]
         self.roots = [f.sqrt(z) for z in self.z]
         sizes = np.cumsum([0, *(m.above.size for m in meshes)])
-        self.places = [slice(a, b) for a, b in pairwise(sizes)]
+        self.slices = [slice(a, b) for a, b in pairwise(sizes)]
         self.size = int(sizes[-1])
         count = range(len(meshes))
         self._between = {
@@ -233,7 +235,7 @@ class DiskInParts:
                     else own * mesh.inner_matrix(pole=k == 0)
                 )
                 for c in range(k, count):
-                    matrix[self.places[r], self.places[c]] += inner @ half[c]
+                    matrix[self.slices[r], self.slices[c]] += inner @ half[c]
         return matrix
 
     def integral(self, values: list[Ints]) -> Any:
@@ -299,8 +301,8 @@ class RoughIndented:
         """Return the number of panels in the inner and the outer half of every part.
 
         At the edge p over its slope is ``d + d**2 ln d``, at a break ``1 + d + d**2 ln d``, and
-        under a tip ``1 + r**n + r**(n+1) ln r``, in units of the layer. Or, at the edge, of how far
-        the pole of the half-integral is beyond it.
+        under a tip ``1 + r**n + r**(n+1) ln r``, all in units of the layer; at the edge also in
+        units of the distance to the pole of the half-integral beyond it, if that is less.
         """
         breaks = [b for b in self._profile.breaks if b < radius]
         inner = [0.0, *(b / radius for b in breaks), 1.0]
@@ -311,8 +313,9 @@ class RoughIndented:
         centre = log(widths[0])
         if self._profile.pointed:
             power = getattr(self._profile, "exponent", 1.0)
-            wholly = 2.0 if float(power).is_integer() else min(power, 2.0)
-            centre = 2.0 * (log(min(inner[1], layer)) - settle / wholly)
+            # the first term that is no polynomial in r, which is what the tail is
+            first = 2.0 if float(power).is_integer() else min(power, 2.0)
+            centre = 2.0 * (log(min(inner[1], layer)) - settle / first)
         ends = [(centre, outer[0]), *pairwise(outer)]
         depths = [[log(w) - end for end in pair] for w, pair in zip(widths, ends, strict=True)]
         return [(max(ceil(a / width), 1), max(ceil(b / width), 1)) for a, b in depths]
@@ -380,7 +383,11 @@ class RoughIndented:
         return [of_z(z) for z in places.z]
 
     def _growth(self, places: DiskInParts, last: Ints, rate: Ints) -> Any:
-        """Return ``ddelta/da``, from what is zero at the edge and its derivative by delta."""
+        """Return ``ddelta/da``.
+
+        `last` has the values on the last part of the function that is zero at the edge, and `rate`
+        those of its derivative by delta.
+        """
         f, mesh = self.fixed, self._meshes[-1]
         ends = f.one - mesh.outer_end, mesh.outer_end
         near = mesh.series(last).at(*(np.array([v], dtype=object) for v in ends))[0]
@@ -392,8 +399,8 @@ class RoughIndented:
     ) -> tuple[list[Ints], Any]:
         """Return the pressure of a right-hand side.
 
-        If `flat` is given, that of 1, as much of it is added as makes the pressure zero at the
-        edge: how much is returned, too.
+        If `flat` is given, the pressure of the right-hand side 1, a multiple of it is added so that
+        the sum is zero at the edge. The multiple is returned, too.
         """
         f, factored, edge = self.fixed, self._factored, self._meshes[-1]
         assert factored is not None
@@ -419,11 +426,12 @@ class RoughIndented:
         )
 
     def _split(self, places: DiskInParts, flat: Ints) -> list[Ints]:
-        parts = zip(self._meshes, places.places, strict=True)
+        """Return the values on every part from those of all nodes in one vector."""
+        parts = zip(self._meshes, places.slices, strict=True)
         return [flat[own].reshape(mesh.above.shape) for mesh, own in parts]
 
     def _share(self, places: DiskInParts, step: Ints, p: Ints) -> float:
-        """Return the largest share of a step in any cell."""
+        """Return the largest step relative to the largest value in its cell."""
         f, worst = self.fixed, 0.0
         for a, b in zip(self._split(places, step), self._split(places, p), strict=True):
             pairs = zip(np.abs(a).max(axis=1), np.abs(b).max(axis=1) + 1, strict=True)

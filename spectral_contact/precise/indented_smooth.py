@@ -1,8 +1,8 @@
-r"""Normal contact under a profile on a smooth surface: integrals of mpmath's, and no system.
+r"""Normal contact under a profile on a smooth surface: quadrature in mpmath, and no system.
 
 The half-integral is known, ``F = H(a) - H(t)``, and ``p(r) = (2/pi) int_r^a H'(t) dt /
-sqrt(t^2 - r^2)``. From each break on, and from r, the square of t grows by ``w0^2 sinh(x)^2``: over
-x the integrand is smooth.
+sqrt(t^2 - r^2)``. The integral is cut at the breaks; with ``t^2 = t0^2 + w0^2 sinh(x)^2`` from the
+start t0 of each part the integrand is smooth in x.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ from spectral_contact.precise.heights import heights
 from spectral_contact.precise.indented_rough import OUTSIDE, Contact
 from spectral_contact.profiles import Profile
 
-#: Longest interval of a rule, and radii inside where the pressure is looked at.
+#: Longest interval in x of one quadrature rule.
 _LONGEST = 3
+#: The pressure is checked at the multiples of ``a / _INSIDE``.
 _INSIDE = 24
 
 
@@ -41,17 +42,17 @@ class SmoothIndented(Contact):
     def __init__(self, mp: Any, profile: Profile, radius: Any, adhesion: float = 0.0) -> None:
         self._mp, self.radius = mp, mp.mpf(radius)
         self._adhesive = adhesion > 0.0
-        #: by how much adhesion lowers the approach, Johnson, Kendall and Roberts (1971)
+        #: how much adhesion lowers the approach by, as Johnson, Kendall and Roberts have it
         self._pull = mp.sqrt(mp.pi * self.radius * mp.mpf(adhesion) / 2)
         self.heights = heights(mp, profile)
-        self._top = self.heights.transform(self.radius)
+        self._edge_transform = self.heights.transform(self.radius)
         self._breaks = [b for b in self.heights.breaks if b < self.radius]
-        self.approach, self.stiffness = self._top / 2 - self._pull, 8 * self.radius
+        self.approach, self.stiffness = self._edge_transform / 2 - self._pull, 8 * self.radius
         self.load = 4 * self._integral(self.heights.rate) - self.stiffness * self._pull
 
     @property
     def growth(self) -> Any:
-        """``ddelta/da``; at a break, where it jumps or is infinite, that just beyond."""
+        """``ddelta/da``; if the edge is at a break, where it may jump, just beyond the break."""
         mp, a = self._mp, self.radius
         if self.heights.root(a) == 0:
             a = a * (1 + mp.sqrt(mp.eps))
@@ -72,11 +73,11 @@ class SmoothIndented(Contact):
         return 4 * self._pull / (self._mp.pi * self.radius * root)
 
     def _half(self, t: Any) -> Any:
-        """Return F, that of adhesion included."""
-        return self._top - self.heights.transform(t) - 2 * self._pull
+        """Return F, with that of adhesion."""
+        return self._edge_transform - self.heights.transform(t) - 2 * self._pull
 
     def _integral(self, function: Callable[[Any], Any]) -> Any:
-        """Return the integral of a function of t over ``v``, with ``t^2 = b^2 + v^2``."""
+        """Return the integral over v, part by part, with ``t^2 = b^2 + v^2`` from the start b."""
         mp, total = self._mp, self._mp.zero
         for b, end in pairwise([mp.zero, *self._breaks, self.radius]):
             top = mp.sqrt((end - b) * (end + b))
@@ -91,6 +92,7 @@ class SmoothIndented(Contact):
         return found
 
     def _pressure(self, s: Any, from_edge: Any) -> Any:
+        """Return the pressure without that of adhesion at one radius."""
         mp, r = self._mp, self.radius * s
         if r == 0:
             return self._central()
@@ -100,16 +102,18 @@ class SmoothIndented(Contact):
         starts = [b for b in self._breaks if b > r]
         for low, high in pairwise([r, *starts, self.radius]):
             before = max((b for b in self._breaks if b <= low), default=mp.zero)
-            # of r itself the last break is seen from outside, of a break r from inside
+            # the integrand has roots at r and at the last break: of these two radii one is where
+            # this part starts, and the part is seen from the other
             inner, outer = (before, r) if low == r else (r, low)
             start = mp.sqrt((outer - inner) * (outer + inner))
             extent = mp.sqrt((high - low) * (high + low))
             if high == self.radius and low == r:
                 extent = self.radius * mp.sqrt(from_edge * (1 + s))
             if start == 0:  # at a break
-                if self.heights.rate(low) > mp.sqrt(mp.eps) * self._top:
+                if self.heights.rate(low) > mp.sqrt(mp.eps) * self._edge_transform:
                     return mp.inf  # a corner
-                with mp.workprec(2 * mp.prec):  # the square of t less that of the break keeps half
+                # t^2 - b^2 loses half the digits next to the break
+                with mp.workprec(2 * mp.prec):
                     total += mp.quad(lambda v, b=low: self._over(mp.hypot(b, v), v), [0, extent])
                 continue
             if inner == 0 and self.heights.order == 0:  # H'/t is smooth
@@ -144,7 +148,7 @@ class SmoothIndented(Contact):
         if order == 1:
             return mp.inf
         first, *others = [*self._breaks, self.radius]
-        # H' / t over t; under a tip over u, with t = u^(1/(n - 1))
+        # the integral of H'/t over t; under a tip over u, with t = u^(1/(n - 1))
         power = 1 / (order - 1) if order else mp.one
         total = mp.quad(
             lambda u: self.heights.rate(u**power) * power / u ** (power + 1),
@@ -172,5 +176,5 @@ class SmoothIndented(Contact):
         return inside, min(gaps, default=mp.one)
 
     def _lift(self, r: Any, t: Any) -> Any:
-        """Return what F at t lifts the surface at r by, over v."""
+        """Return the integrand, over v, of how far the surface at r is lifted by F at t."""
         return self._half(t) * self.heights.root(t) / t / self._mp.sqrt((r - t) * (r + t))

@@ -1,9 +1,9 @@
 """The friction law on a solution in fixed point: everywhere, and not at samples only.
 
-On every cell of a zone's mesh what has to be positive is a Legendre series. No Legendre polynomial
-exceeds 1, so the sum of the coefficients bounds it; where that does not decide, the cell is halved.
-At a boundary between zones the law holds as an equality: next to it nothing can be decided, and
-nothing has to be.
+The quantity that has to be positive is a Legendre series on every cell of a zone's mesh. No
+Legendre polynomial exceeds 1 in modulus, so the coefficients bound it; where these bounds do not
+decide its sign, the cell is halved. At a boundary between zones the law is an equality: next to it
+nothing can be decided, and nothing has to be.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from spectral_contact.precise.zone_trial import ZoneTrial
 
 #: A cell is halved at most so many times.
 _MOST_HALVINGS = 60
-#: Digits that are not trusted of those aimed at.
+#: Of the digits aimed at, the last ones that are not trusted.
 _UNTRUSTED = 2
 
 
 @dataclass(frozen=True)
 class Breach:
-    """An interval in which the law does not hold, or is not known to.
+    """An interval in which the law does not hold, or is not known to hold.
 
     Attributes
     ----------
@@ -33,13 +33,13 @@ class Breach:
     ends : tuple of mpf
         ``ln(s**2/(1 - s**2))``, infinite at the centre and at the edge.
     from_edge : tuple of float
-        Distances of the same from the edge.
+        Distances of the ends from the edge.
     wanted : int
         The state that the law asks for: 0 for stick, +1 or -1 for slip with that sign.
     amount : float
         The violation, relative to the largest margin of the zone.
     decided : bool
-        Whether it is known to be one.
+        Whether the law is known not to hold.
     """
 
     zone: int
@@ -51,9 +51,9 @@ class Breach:
 
     def __str__(self) -> str:
         what = "|q| exceeds f p" if self.wanted else "slip has the wrong sense"
-        by = f"by {self.amount:.1e}" if self.decided else "or not: it is undecided"
+        amount = f"by {self.amount:.1e}" if self.decided else "or not: it is undecided"
         places = " and ".join(f"{place:.6g}" for place in self.from_edge)
-        return f"{what} {by} between {places} from the edge"
+        return f"{what} {amount} between {places} from the edge"
 
 
 class _Piece(NamedTuple):
@@ -79,22 +79,23 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
     sticking : dict of int to ndarray
         ``q / (kappa s)`` at the nodes of the zones that stick.
     digits : int
-        To which this is right.
+        Relative accuracy of the solution.
     """
     problem, f = trial.problem, trial.problem.drive.fixed
-    moved, stray = {}, 0
+    displacements: dict[int, Ints] = {}
+    noise = 0
     if any(problem.states):
-        moved = trial.displacement(sticking, range(len(problem.states)))
-        # nothing moves in stick: what is left there is the error
-        stray = 4 * max(abs(moved[k]).max() for k in sticking)
+        displacements = trial.displacement(sticking, range(len(problem.states)))
+        # in stick the displacement is zero: what is computed there is its error
+        noise = 4 * max(abs(displacements[k]).max() for k in sticking)
     found = []
     for k, (state, mesh) in enumerate(zip(problem.states, problem.meshes, strict=True)):
         zone = _LawZone(k, mesh, trial.ends[k], trial.ends[k + 1])
         if state:
-            found += zone.below_zero(-state * moved[k], 0, digits, stray)
+            found += zone.below_zero(-state * displacements[k], 0, digits, noise)
             continue
         bound, q = trial.bound(k), sticking[k]
-        # all of it times s, and times what makes the pressure finite at the edge
+        # times s, and times the root that makes a singular pressure finite at the edge
         weight = f.sqrt(trial.z[k])
         if problem.drive.singular:
             weight = f.times(weight, f.sqrt(trial.y[k]))
@@ -114,7 +115,7 @@ def excesses(mesh: AnnulusMesh, bound: Ints, traction: Ints, digits: int) -> lis
 def obeying(
     states: Sequence[int], logits: Sequence[Any], found: Sequence[Breach]
 ) -> tuple[tuple[int, ...], tuple[Any, ...]]:
-    """Return the zones, as states and their boundaries, with the state the law asks for."""
+    """Return states and boundaries of the zones after every breach has the state that it wants."""
     inf = found[0].ends[0].context.inf
     ends = [-inf, *logits, inf]
     parts: list[tuple[int, Any]] = []  # states, and where each begins
@@ -142,7 +143,10 @@ class _LawZone:
     stop: Any
 
     def below_zero(self, values: Ints, wanted: int, digits: int, noise: Any = 0) -> list[Breach]:
-        """Return where a function through values at the nodes is not known to be positive."""
+        """Return where the function through values at the nodes is not known to be positive.
+
+        Values within the noise count as undecided.
+        """
         f = self.mesh.fixed
         largest = abs(values).max() or f.one
         noise = max(noise, f.times(f.of(f.mp.mpf(10) ** (_UNTRUSTED - digits)), largest))
@@ -164,12 +168,12 @@ class _LawZone:
         return found
 
     def _judged(self, values: Ints, noise: Any) -> list[_Piece]:
-        """Return the zone in pieces, outward."""
+        """Return the zone in pieces with their verdicts, outward."""
         f, outermost = self.mesh.fixed, self.mesh.panels + 1
         divide = _Division(f, self.mesh.blocks.points)
         pieces = []
         for cell, row in enumerate(self.mesh.series(values).table):
-            # what the series leaves out is less than some of its last coefficients
+            # the truncation error is taken for at most four times the last two coefficients
             left_out = 4 * (abs(row[-1]) + abs(row[-2]))
             part = list(divide(_Piece(cell, -f.one, f.one, 0, row[0]), row, max(noise, left_out)))
             if cell == outermost:  # its coordinate rises inward
@@ -216,7 +220,7 @@ class _Division:
         ]
 
     def __call__(self, piece: _Piece, row: Ints, noise: Any, depth: int = 0) -> Iterator[_Piece]:
-        """Yield pieces of a piece, inward coordinate first, with their verdicts."""
+        """Yield the parts of a piece with their verdicts, in the order of the cell's coordinate."""
         spread = abs(row[1:]).sum()
         least, most = row[0] - spread, row[0] + spread
         verdict = 1 if least > noise else -1 if most < -noise else 0
@@ -230,7 +234,7 @@ class _Division:
 
 
 def _decided_by_the_next(pieces: list[_Piece]) -> list[_Piece]:
-    """Return pieces of which the first ones, if undecided, have the verdict of the next."""
+    """Return the pieces; the first ones, if undecided, get the verdict of the next decided one."""
     first = next((k for k, piece in enumerate(pieces) if piece.verdict), 0)
     verdict = pieces[first].verdict
     return [piece._replace(verdict=verdict) for piece in pieces[:first]] + pieces[first:]

@@ -1,7 +1,8 @@
-"""Laws of layers as mpmath's numbers, with their derivatives and integrals.
+"""Laws of layers in mpmath, with their derivatives and integrals.
 
-Written anew from the definitions: no digit comes from `layers`, which is in double precision.
-Overclosures are counted from where the pressure begins; from 0 where there is some at every gap.
+They are written anew from the definitions: no digit comes from `layers`, which is in double
+precision. Overclosures `w` are counted from the one at which the pressure begins, or from 0 if
+there is pressure at every gap.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class Law:
     Attributes
     ----------
     origin : mpf
-        Overclosure from which it counts.
+        Overclosure from which `w` is counted.
     gapless : bool
         Whether there is pressure at every gap.
     """
@@ -41,11 +42,11 @@ class Law:
         raise NotImplementedError
 
     def slope(self, w: Any) -> Any:
-        """Return its derivative."""
+        """Return the derivative of the pressure."""
         raise NotImplementedError
 
     def energy(self, w: Any) -> Any:
-        """Return its integral."""
+        """Return the integral of the pressure, up to w."""
         raise NotImplementedError
 
 
@@ -87,10 +88,10 @@ class _Abaqus(Law):
 
     def energy(self, w: Any) -> Any:
         mp, x = self.mp, max(w, 0) / self._size
-        # near 0 all but x^3/3 cancels
+        # near 0 all cancels but x^3/3
         with mp.extraprec(3 * max(-mp.mag(x), 0) + 10 if x else 0):
-            whole = (x - 1) * mp.exp(x) + 1 - x**2 / 2
-        return self._unit * self._size * whole
+            integral = (x - 1) * mp.exp(x) + 1 - x**2 / 2
+        return self._unit * self._size * integral
 
 
 class _Calculix(Law):
@@ -112,7 +113,7 @@ class _Calculix(Law):
 
 
 class _Asperities(Law):
-    """Greenwood and Williamson's: moments of the heights beyond the separation ``-w``."""
+    """Greenwood and Williamson's law: moments of the asperities above the separation ``-w``."""
 
     def __init__(self, mp: Any, layer: layers.GreenwoodWilliamson) -> None:
         super().__init__(mp, layer)
@@ -121,7 +122,7 @@ class _Asperities(Law):
         self._unit = density * mp.sqrt(tip) * 16 / 3 * self._size ** (mp.mpf(3) / 2)
 
     def _moment(self, w: Any, order: int) -> Any:
-        """Return ``int (z - h)^(order/2) phi(z) dz`` beyond ``h = -w`` over the deviation."""
+        """Return ``int_h^inf (z - h)^(order/2) phi(z) dz``, with ``h = -w/deviation``."""
         mp, h, power = self.mp, -w / self._size, self.mp.mpf(order) / 2
         if self._gaussian:  # a parabolic cylinder function
             scale = mp.gamma(power + 1) / mp.sqrt(2 * mp.pi)
@@ -149,7 +150,7 @@ class _SeriesLaw(Law):
         self._terms = [mp.mpf(one) for one in layer.series[0]]
 
     def _sum(self, w: Any, function: Any) -> Any:
-        """Return the sum of the terms times functions of the order and of the angle."""
+        """Return the sum of the terms times functions of the order and of w, scaled to [-1, 1]."""
         local = w / self._half - 1
         return sum(term * function(n, local) for n, term in enumerate(self._terms))
 

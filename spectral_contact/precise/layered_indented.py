@@ -1,8 +1,9 @@
 r"""Normal contact through a nonlinear layer in fixed point: the overclosure at the nodes.
 
-``w + N F(w) = (delta - h - start)/a`` on the disk of radius a, by Newton's method: the residual has
-all digits, the correction comes from a matrix in doubles. Under a law with an edge as much of
-``dw/ddelta`` is added as makes w zero there.
+``w + N p(w) = (delta - h - start)/a`` on the disk of radius a, where start is the overclosure at
+which the pressure begins, by Newton's method: the residual has all digits, the correction comes
+from a matrix in doubles. If the contact has an edge, a multiple of ``dw/ddelta`` is added so that w
+is zero there.
 """
 
 from __future__ import annotations
@@ -23,21 +24,21 @@ from spectral_contact.profiles import Flat, Profile
 from spectral_contact.threads import cached_property
 
 _MOST_SWEEPS = 30
-#: Corrections in which the matrix is made anew.
+#: The first corrections each have a new matrix; the later ones keep the last of these.
 _ANEW = 3
 
 
 @dataclass(frozen=True)
-class Begin:
-    """A contact in double precision.
+class InitialContact:
+    """A contact in double precision, where Newton's method starts.
 
     Attributes
     ----------
     radius, approach : float
     pressure : callable
-        At distances from the edge over the radius.
+        Takes distances from the edge over the radius.
     thin : float
-        Least of the layer's compliances.
+        The layer's compliance at the largest pressure, the least of them.
     cuts : tuple of float
         Where there is no edge: radii between parts on which all is smooth.
     """
@@ -76,21 +77,21 @@ class LayeredContact(RoughContact):
     def law(self) -> tuple[Any, Any]:
         """Return the least overclosure inside over the mean pressure, and the least gap.
 
-        Under a law with pressure at every gap nothing has to hold.
+        Under a law with pressure at every gap neither has to be positive: 1 stands for both.
         """
         if self.compression.gapless:
             return self.fixed.mp.one, self.fixed.mp.one
         return super().law()
 
     @property
-    def _moved(self) -> Any:
-        """The approach from where the layer begins to carry."""
+    def _approach_of_gap(self) -> Any:
+        """The approach, counted from where the layer begins to carry."""
         return self.approach - self.compression.origin
 
 
 @dataclass(frozen=True)
 class _Fields:
-    """Overclosure, what is added to the approach, ``dw/ddelta``, and the law's slope."""
+    """Overclosure, what is added to the approach, ``dw/ddelta`` and ``dp/dw`` at the nodes."""
 
     overclosure: Ints
     more: Any
@@ -105,31 +106,32 @@ class LayeredIndented(RoughIndented):
     ----------
     profile : Profile
     layer : Layer
-    begin : Begin
+    start : InitialContact
     digits, width
         As of `RoughIndented`.
     """
 
     def __init__(
-        self, profile: Profile, layer: Layer, begin: Begin, digits: int, width: float
+        self, profile: Profile, layer: Layer, start: InitialContact, digits: int, width: float
     ) -> None:
-        self._begin = begin
-        super().__init__(profile, begin.thin, begin.radius, digits, width)
+        self._start = start
+        super().__init__(profile, start.thin, start.radius, digits, width)
         self._law = law_of(self.fixed.mp, layer)
-        self._edged = not (isinstance(profile, Flat) or begin.cuts)
+        self._edged = not (isinstance(profile, Flat) or start.cuts)
+        #: overclosures of the last contact that was solved, and the matrix of N
         self._w: Ints | None = None
         self._normal: NDArray[np.float64] | None = None
 
     def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
         """Return the number of panels in the inner and the outer half of every part."""
-        if self._begin.cuts:
-            return [(1, 1)] * (len(self._begin.cuts) + 1)
+        if self._start.cuts:
+            return [(1, 1)] * (len(self._start.cuts) + 1)
         return super()._panels(radius, width)
 
     @cached_property
     def _breaks(self) -> list[Any]:
-        if self._begin.cuts:
-            return [self.fixed.mp.mpf(one) for one in self._begin.cuts]
+        if self._start.cuts:
+            return [self.fixed.mp.mpf(one) for one in self._start.cuts]
         return self.heights.breaks[: len(self._meshes) - 1]
 
     def solve(self, given: Any) -> RoughContact:
@@ -141,15 +143,16 @@ class LayeredIndented(RoughIndented):
             If the iteration stalls.
         """
         f, mp, law = self.fixed, self.fixed.mp, self._law
-        radius = given if self._edged else mp.mpf(self._begin.radius)
+        radius = given if self._edged else mp.mpf(self._start.radius)
         places = DiskInParts(f, self._meshes, radius, self._breaks)
         h = self._heights_at(places, radius)
         smooth = self.heights.transform(+radius) / 2 if self._edged else given - law.origin
+        # the overclosure if nothing gave way
         room = np.concatenate([f.over(f.of(smooth) - v, f.of(radius)).ravel() for v in h])
         fields = self._newton(places, radius, room)
         w, rate = fields.overclosure, fields.rate
         delta = smooth + law.origin + radius * f.numbers(fields.more)
-        flat = self._split(places, f.times(fields.slope, rate))
+        pressure_rate = self._split(places, f.times(fields.slope, rate))
         own, at = self._split(places, w), f.numbers(w) * radius
         pressure = np.frompyfunc(law.pressure, 1, 1)(at)
         p = self._split(places, f.of(pressure))
@@ -172,7 +175,7 @@ class LayeredIndented(RoughIndented):
             radius,
             delta,
             2 * mp.pi * radius**2 * places.integral(p),
-            2 * mp.pi * radius * places.integral(flat),
+            2 * mp.pi * radius * places.integral(pressure_rate),
             2 * mp.pi * radius**2 * energy,
             growth,
             places.size,
@@ -181,18 +184,18 @@ class LayeredIndented(RoughIndented):
         )
 
     def _started(self, places: DiskInParts, radius: Any, room: Ints) -> Ints:
-        """Return overclosures at the nodes to begin with."""
+        """Return overclosures at the nodes from the contact in double precision."""
         f = self.fixed
         rests = [f.floats(y) for y in places.y]
         p = np.concatenate(
-            [self._begin.pressure(y / (1.0 + np.sqrt(1.0 - y))).ravel() for y in rests]
+            [self._start.pressure(y / (1.0 + np.sqrt(1.0 - y))).ravel() for y in rests]
         )
         assert self._normal is not None
-        moved = 0.0
+        more = 0.0  # of the approach than on a smooth surface, over the radius
         if self._edged:
-            moved = self._begin.approach - float(self._law.origin)
-            moved = (moved - float(self.heights.transform(+radius)) / 2.0) / float(radius)
-        return np.asarray(f.of(f.floats(room) + moved - self._normal @ p))
+            more = self._start.approach - float(self._law.origin)
+            more = (more - float(self.heights.transform(+radius)) / 2.0) / float(radius)
+        return np.asarray(f.of(f.floats(room) + more - self._normal @ p))
 
     def _factored_at(self, w: Ints, radius: Any) -> DoubleFactors:
         """Factor Newton's matrix at overclosures."""
@@ -203,22 +206,26 @@ class LayeredIndented(RoughIndented):
         return DoubleFactors(matrix)
 
     def _newton(self, places: DiskInParts, radius: Any, room: Ints) -> _Fields:
-        """Return the solution at the nodes."""
+        """Return the solution at the nodes, and its derivative by the approach."""
         f, law, edge = self.fixed, self._law, self._meshes[-1]
         if self._normal is None:
             self._normal = places.matrix()
         w = self._started(places, radius, room) if self._w is None else self._w
-        goal, share = 10.0 ** -(self.digits + 2), 0 * f.one
+        goal = 10.0 ** -(self.digits + 2)
+        share = 0 * f.one  # what is added to the approach, over the radius
         one = 0 * room + f.one
 
         def limit(values: Ints) -> Any:
+            """Return the value at the edge."""
             return edge.limits(self._split(places, values)[-1])[1]
 
         def image(p: Ints) -> Ints:
+            """Return ``N p``."""
             half = places.half(self._split(places, p))
             return np.concatenate([v.ravel() for v in places.normal(half)])
 
         def applied(function: Any, values: Ints) -> Ints:
+            """Return a function of the law at overclosures in units of the radius."""
             numbers = f.numbers(values) * radius
             return np.asarray(f.of(np.frompyfunc(function, 1, 1)(numbers)))
 

@@ -31,10 +31,10 @@ class PreciseOneDisk:
     logit : mpf
         ``ln(c^2 / (1 - c^2))``.
     traction : PreciseSeries
-        ``q / (s/c)`` in ``1 - s^2/c^2``.
+        ``q / (s/c)`` as a function of ``1 - s^2/c^2``.
     total_shear : int
     slope : mpf
-        Derivative by the logit of what is zero at the right radius.
+        Derivative by the logit of the mismatch, which is zero at the right radius.
     """
 
     logit: Any
@@ -46,8 +46,9 @@ class PreciseOneDisk:
 class _PreciseSlipSource:
     """The half-integral ``int_c^1 p ds/sqrt(s^2 - t^2)`` where ``c^2 - t^2 = e``.
 
-    Next to the rim p is a polynomial, whose integrals obey recurrences: these lose digits like
-    powers of a modest number, which more bits make good. Farther out the kernel is a power series.
+    Next to the rim of the stick disk, in three quarters of the slip zone in ``s^2``, p is a
+    polynomial. The integrals of its powers obey recurrences, which lose some bits at each step:
+    `_wide` has 7 more bits for each of the terms. Next to the edge the kernel is a power series.
     """
 
     def __init__(self, drive: PreciseDrive, square: Any, rest: Any, digits: int) -> None:
@@ -56,8 +57,8 @@ class _PreciseSlipSource:
         terms = ceil(2.2 * digits) + 12
         self._wide = Fixed(f.bits + 7 * terms)
         self._extra = 7 * terms
+        # the factor 1/s of dz is part of the polynomial, unless its pole at the centre is near
         self._folded = 2 * square >= f.one
-        # p/s is analytic beyond the rim unless the centre is near
         w, fit = self._wide, self._fit(terms)
         self._length = 3 * rest // 4
         y = rest - f.times(self._length, self._samples(terms, f))
@@ -67,6 +68,7 @@ class _PreciseSlipSource:
         self._powers = w.dot(fit, values << self._extra)
         count = ceil(1.7 * digits) + 10
         self._far = self._sums(drive, rest // 4, count)
+        # of the whole slip zone, for points far inside a large stick disk
         self._all = self._sums(drive, rest, ceil(2.2 * digits) + 10) if self._folded else None
 
     @staticmethod
@@ -76,7 +78,7 @@ class _PreciseSlipSource:
         return np.array([f.of((1 + f.mp.cos(a)) / 2) for a in angles], dtype=object)
 
     def _fit(self, terms: int) -> Ints:
-        """Return the matrix from values at the Chebyshev points to powers."""
+        """Return the matrix from values at the Chebyshev points to coefficients of powers."""
         w = self._wide
         cosines = [w.of(w.mp.cos(w.mp.pi * i / (2 * terms))) for i in range(4 * terms)]
         k, i = np.arange(terms)[:, None], np.arange(terms)[None, :]
@@ -91,7 +93,7 @@ class _PreciseSlipSource:
         return np.asarray(powers.T @ matrix)
 
     def _sums(self, drive: PreciseDrive, top: Any, count: int) -> Ints:
-        """Return the coefficients of the power series of the kernel."""
+        """Return the coefficients of `_power_series` for the sources ``y < top``."""
         f = self.fixed
         y, weights = drive.outside(top)
         weights = f.over(weights, f.sqrt(f.one - y))
@@ -103,7 +105,7 @@ class _PreciseSlipSource:
         return np.array(sums, dtype=object)
 
     def __call__(self, e: Ints) -> Ints:
-        """Return the half-integral; `e` has one axis."""
+        """Return the half-integral at points `e`, an array with one axis."""
         values = np.empty(len(e), dtype=object)
         near = e <= 2 * self._rest
         if near.any():
@@ -115,6 +117,7 @@ class _PreciseSlipSource:
         return values
 
     def _power_series(self, sums: Ints, top: Any, e: Ints) -> Ints:
+        """Return the half-integral over ``y < top``, from its `_sums`."""
         f = self.fixed
         y = self._rest + e
         ratio, value = f.over(top, y), 0 * y
@@ -123,6 +126,7 @@ class _PreciseSlipSource:
         return np.asarray(f.over(value, f.sqrt(y)))
 
     def _near(self, e: Ints) -> Ints:
+        """Return the half-integral over three quarters of the slip zone, by recurrences."""
         w, x = self._wide, self._extra
         length = self._length << x
         eps = w.over(e << x, length)
@@ -180,8 +184,8 @@ def solve_one_disk(
         If the radius does not settle.
     """
     mp = drive.fixed.mp
-    # without compliance an error of the radius leaves a traction that is infinite at the rim, and
-    # more than its root wherever the distance is less than the error
+    # without compliance the traction ends in a root at the rim. An error of the radius adds an
+    # inverse root, which exceeds it where the distance is less than the error: twice the digits
     goal = mp.mpf(10) ** -((disk.mesh.digits + 2) if beta else 2 * disk.mesh.digits)
     before, step = None, mp.mpf(10) ** -13
     for number in range(1, _MOST_TRIALS + 2):
@@ -210,19 +214,20 @@ class _PreciseTrial:
         self._compliance = f.over(beta, f.sqrt(self.square))
         self._source = _PreciseSlipSource(drive, self.square, self.rest, disk.mesh.digits)
         edge = np.array([self.rest], dtype=object)
-        #: what the mismatch is small against; without compliance the radius is exact enough
+        #: what the mismatch has to be small against; without compliance nothing: the step decides
         self.scale = mp.inf
-        if beta:  # the traction is continuous
+        if beta:  # the traction is continuous at the rim: its jump is zero
             bound = f.times(friction, drive.pressure(edge)[0])
             mismatch = disk.series(self._coefficients).limit - bound
             self.scale = f.numbers(bound)
-        else:  # and no more than a square root
+        else:  # it has no inverse root there: its half-integral is zero
             mismatch = drive.target(edge)[0] - f.times(friction, self._source(0 * edge)[0])
         #: what is zero at the right radius
         self.mismatch = f.numbers(mismatch)
 
     @cached_property
     def _coefficients(self) -> Ints:
+        """Coefficients of the traction on the stick disk."""
         f, disk = self._drive.fixed, self._disk
         e = f.times(self.square, disk.d)
         target = self._drive.target(self.rest + e) - f.times(self._friction, self._source(e))

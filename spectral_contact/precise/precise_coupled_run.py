@@ -19,17 +19,17 @@ from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
 _LN10 = log(10.0)
-#: Distances below this are no place that `Solution` can be asked about.
+#: An opening closer to the edge than this is none: doubles cannot express the distance.
 _CLOSEST = 1e-300
 
 
 class PreciseCoupledRun:
-    """A scene solved on meshes of one panel width; see `run.PreciseRun`.
+    """A scene solved on meshes of one panel width, with the interface of `precise_run.PreciseRun`.
 
     Parameters
     ----------
     scene : Scene
-        With coupling, and friction enough for full stick.
+        With coupling, and enough friction for full stick.
     digits : int
         Relative accuracy aimed at.
     width : float
@@ -47,8 +47,8 @@ class PreciseCoupledRun:
         compliances = scene.normal_compliance, scene.tangential_compliance
         layers = [max(-log(c), 0.0) for c in compliances if c]
         self._smooth = not layers
-        # under one compliance alone there are roots at the edge; on a smooth surface the end of
-        # the mesh is felt like exp(-x), and the fields oscillate all the way
+        # with one compliance alone the fields have roots at the edge. On a smooth surface the end
+        # of the mesh perturbs them like exp(-x), and they oscillate up to it: degrees stay high
         rate = 1.0 if len(layers) == 2 else 0.5
         powers = [0.0 if c else -0.5 for c in compliances]
         meshes = [
@@ -65,9 +65,9 @@ class PreciseCoupledRun:
         self.depth = meshes[0].depth
         self.unknowns = 2 * (sum(meshes[0].degrees) + len(meshes[0].degrees))
         # a diagonal entry of the last panel is as small as exp(-x) (compliance + exp(-x))
-        scales = digits + sum(abs(log(c)) for c in compliances if c) / _LN10
-        scales += (self.depth + min(self.depth, max(layers, default=0.0))) / _LN10
-        self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
+        decades = digits + sum(abs(log(c)) for c in compliances if c) / _LN10
+        decades += (self.depth + min(self.depth, max(layers, default=0.0))) / _LN10
+        self.fixed = Fixed(ceil((decades + 10.0) * 3.33) + 64)
         tell("operators of a disk")
         disks = [Disk(meshes[0], self.fixed)]
         disks.append(disks[0] if powers[0] == powers[1] else Disk(meshes[1], self.fixed))
@@ -75,6 +75,7 @@ class PreciseCoupledRun:
         self._solve(*disks)
 
     def _solve(self, normal: Disk, tangential: Disk) -> None:
+        """Set approach, shear and the series of the fields."""
         f, scene = self.fixed, self.scene
         alpha, beta = f.of([scene.normal_compliance, scene.tangential_compliance])
         pair = CoupledDisk(normal, tangential).solve(alpha, beta, f.of(self.kappa))
@@ -90,7 +91,7 @@ class PreciseCoupledRun:
         """Let go of the operators; none are kept."""
 
     def breaches(self) -> list[Breach]:
-        """Return where friction or a pressure above zero is not enough, or not known to be."""
+        """Return where |q| exceeds f p, or is not known not to; with p < 0 it always does."""
         f, scene = self.fixed, self.scene
         if scene.friction == inf:
             return []
@@ -98,7 +99,7 @@ class PreciseCoupledRun:
         [mesh] = self.layout.meshes(f, *compliances, self.digits, self._width)
         y = mesh.below
         p, u = (one.at(y) for one in self._series)
-        if not compliances[0]:  # all of it times the root of which p lacks the inverse
+        if not compliances[0]:  # the series is p times the root of y: so is the traction's then
             u = f.times(u, f.sqrt(y))
         bound = f.times(f.of(f.mp.mpf(scene.friction)), p)
         return excesses(mesh, bound, f.times(f.sqrt(mesh.above), u), self.digits)
@@ -135,22 +136,24 @@ class PreciseCoupledRun:
             return f.numbers(self._series[k].at(f.of(y)))
         edge = mp.nan if self._smooth else mp.sign(f.numbers(self._series[k].limit)) * mp.inf
         values = np.array([edge] * len(y), dtype=object)
-        deep = np.array([self._smooth and 0 < v < mp.exp(-self._leading) for v in y], dtype=bool)
+        deep = np.array(
+            [self._smooth and 0 < v < mp.exp(-self._oscillation) for v in y], dtype=bool
+        )
         values[deep] = [self._oscillating(-mp.log(v))[k] for v in y[deep]]
         rest = np.array([v > 0 for v in y], dtype=bool) & ~deep
         values[rest] = f.numbers(self._series[k].at(f.of(y[rest])))
         return np.array([v / mp.sqrt(d) if d else v for v, d in zip(values, y, strict=True)])
 
     @property
-    def _leading(self) -> float:
-        """``-ln y`` past which the fields of a smooth surface are their oscillation."""
+    def _oscillation(self) -> float:
+        """``-ln y`` beyond which the fields of a smooth surface are the oscillation at the edge."""
         return self.depth / 2.0
 
     @cached_property
     def _phase(self) -> tuple[Any, Any]:
-        """Amplitude and phase at `_leading` of ``sqrt(y) (p + i q)``."""
+        """Amplitude and phase at `_oscillation` of ``sqrt(y) (p + i q)``."""
         f, mp = self.fixed, self.fixed.mp
-        at = f.of([mp.exp(-mp.mpf(self._leading))])
+        at = f.of([mp.exp(-mp.mpf(self._oscillation))])
         p, u = (f.numbers(one.at(at))[0] for one in self._series)
         return mp.hypot(p, u), mp.atan2(u, p)
 
@@ -162,7 +165,7 @@ class PreciseCoupledRun:
     def _oscillating(self, x: Any) -> tuple[Any, Any]:
         """Return p and q, times ``sqrt(y)``, near the edge of a smooth surface."""
         mp, (size, phase) = self.fixed.mp, self._phase
-        angle = phase + self._theta * (x - self._leading)
+        angle = phase + self._theta * (x - self._oscillation)
         return size * mp.cos(angle), size * mp.sin(angle)
 
     # the edge
@@ -171,7 +174,7 @@ class PreciseCoupledRun:
     def opening(self) -> Any:
         """The largest distance from the edge at which p changes sign; None if it does not."""
         f, mp, series = self.fixed, self.fixed.mp, self._series[0]
-        last = self._leading if self._smooth else self.depth
+        last = self._oscillation if self._smooth else self.depth
         x = np.linspace(1e-3, last, ceil(4.0 * last))
         signs = np.sign(f.floats(series.at(f.exp(-f.of(x)), f.of(x))))
         negative = np.flatnonzero(signs <= 0.0)
@@ -185,7 +188,7 @@ class PreciseCoupledRun:
                 verify=False,  # the comparison of two meshes is more
             )
         elif self._smooth:
-            root = self._leading + (mp.pi / 2 - self._phase[1]) / self._theta
+            root = self._oscillation + (mp.pi / 2 - self._phase[1]) / self._theta
         else:
             return None
         y = mp.exp(-root)

@@ -14,16 +14,16 @@ from spectral_contact.errors import ConvergenceError
 from spectral_contact.layers.scene_layer import endless
 from spectral_contact.precise.indented_rough import Contact, RoughIndented
 from spectral_contact.precise.indented_smooth import SmoothIndented
-from spectral_contact.precise.layered_indented import Begin, LayeredIndented
+from spectral_contact.precise.layered_indented import InitialContact, LayeredIndented
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import CONTROLS
 from spectral_contact.records import ErrorEstimates
 from spectral_contact.scene import Scene
 
-#: What a contact under a profile has; all but the radius are attributes of `Contact`, too.
+#: The scalars of a contact under a profile.
 PRESSED = ("approach", "contact_radius", "load", "stiffness", "indentation_work")
 _MOST_STEPS = 10
-#: The first two radii of an adhesive contact, relatively.
+#: Relative distance of the first two radii of the secants.
 _APART = 1e-9
 #: Digits of mpmath beyond those aimed at, on a smooth surface.
 _GUARD = 12
@@ -33,21 +33,21 @@ _ASIDE = (1e-12, 1e-6, 1e-3)
 
 
 class PreciseProfileRun:
-    """A scene with a profile solved with one mesh and precision.
+    """A scene with a profile solved on one mesh, in one precision.
 
     Parameters
     ----------
     scene : Scene
-        Normal contact alone matters.
+        Only its normal contact is solved.
     digits : int
         Relative accuracy aimed at.
     width : float
         Panel width.
     guess : mpf or float
-        Of the contact radius.
+        Of the contact radius; of the approach where the radius is no unknown.
     tell : callable
         Is told every step.
-    begin : Begin, optional
+    start : InitialContact, optional
         Of a nonlinear layer: the contact in double precision.
 
     Raises
@@ -63,54 +63,55 @@ class PreciseProfileRun:
         width: float,
         guess: Any,
         tell: Callable[[str], None],
-        begin: Begin | None = None,
+        start: InitialContact | None = None,
     ) -> None:
         self.scene, self.digits, self._tell = scene, digits, tell
         profile, alpha = scene.profile, scene.normal_compliance
         adhesion = scene.work_of_adhesion or 0.0
         assert profile is not None
         self._given_radius = isinstance(profile, Flat) or endless(scene)
+        #: the contact of a radius, or of an approach where the radius is no unknown
         if scene.layer is not None:
-            assert begin is not None
+            assert start is not None
             tell("operators")
-            layered = LayeredIndented(profile, scene.layer, begin, digits, width)
+            layered = LayeredIndented(profile, scene.layer, start, digits, width)
             self.mp, self.bits = layered.fixed.mp, layered.fixed.bits
-            self._contact: Callable[[Any], Contact] = layered.solve
+            self._solve: Callable[[Any], Contact] = layered.solve
         elif alpha == 0.0:
             mp = self.mp = MPContext()
             mp.dps = digits + _GUARD
             self.bits = mp.prec
-            self._contact = lambda a: SmoothIndented(mp, profile, a, adhesion)
+            self._solve = lambda a: SmoothIndented(mp, profile, a, adhesion)
         else:
             tell("operators")
             solver = RoughIndented(profile, alpha, float(guess), digits, width, adhesion)
             self.mp, self.bits = solver.fixed.mp, solver.fixed.bits
-            self._contact = solver.solve
+            self._solve = solver.solve
         self.contact = self._found(guess)
 
     @property
     def fixed(self) -> PreciseProfileRun:
-        """Itself: where `mp` and `bits` are."""
+        """The run itself: it has `mp` and `bits`, as the `fixed` of the other runs."""
         return self
 
     def _found(self, guess: Any) -> Contact:
-        """Return the contact of the radius, or of the load or approach.
+        """Return the contact of the scene, by Newton's method from a guess.
 
-        Under a flat punch, and where there is no edge, it is the approach that is looked for.
+        The unknown is the radius; under a flat punch, and where there is no edge, the approach.
         """
         scene, mp = self.scene, self.mp
         if self._given_radius and scene.approach is not None:
             self._tell("contact")
-            return self._contact(mp.mpf(scene.approach))
+            return self._solve(mp.mpf(scene.approach))
         if scene.contact_radius is not None:
             self._tell("contact")
-            return self._contact(mp.mpf(scene.contact_radius))
+            return self._solve(mp.mpf(scene.contact_radius))
         if scene.work_of_adhesion is not None:
-            return self._between(mp.mpf(guess))
+            return self._by_secants(mp.mpf(guess))
         a = mp.mpf(guess)
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
-            contact = self._contact(a)
+            contact = self._solve(a)
             if self._given_radius:
                 change = (scene.load - contact.load) / contact.stiffness
             elif scene.load is not None:
@@ -122,17 +123,18 @@ class PreciseProfileRun:
             a += change
         raise ConvergenceError("the contact radius does not settle", "ask for fewer digits")
 
-    def _between(self, a: Any) -> Contact:
-        """Return the adhesive contact of a load or an approach, by secants from a radius.
+    def _by_secants(self, a: Any) -> Contact:
+        """Return the adhesive contact of a load or an approach, by secants from a guessed radius.
 
-        Its rate in the radius is not known.
+        Derivatives by the radius are not known with adhesion.
         """
         scene, mp = self.scene, self.mp
         name = "load" if scene.load is not None else "approach"
-        before, b = self._contact(a), a * (1 + mp.mpf(_APART))
+        before = self._solve(a)
+        b = a * (1 + mp.mpf(_APART))
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
-            contact = self._contact(b)
+            contact = self._solve(b)
             value, other = getattr(contact, name), getattr(before, name)
             if abs(b - a) <= abs(b) * mp.mpf(10) ** -self.digits or value == other:
                 return contact
@@ -144,7 +146,7 @@ class PreciseProfileRun:
 
     @property
     def place(self) -> Any:
-        """What was looked for: the radius, or the approach where the radius is no unknown."""
+        """The unknown that was found: the radius, or the approach where the radius is given."""
         return self.contact.approach if self._given_radius else self.contact.radius
 
     @property
@@ -164,7 +166,7 @@ class PreciseProfileRun:
 
     @property
     def unknowns(self) -> int:
-        """Of the space; 0 on a smooth surface."""
+        """Dimension of the discrete space; 0 on a smooth surface."""
         return self.contact.unknowns
 
     def pressures(self, s: Any, from_edge: Any) -> Any:
@@ -177,7 +179,9 @@ class PreciseProfileRun:
 
 
 def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEstimates, float]:
-    """Return twice the relative differences, no less than the check aims at, and the worst.
+    """Return twice the relative differences of two runs, at least what the check aims at.
+
+    The largest of them is returned, too.
 
     Raises
     ------
@@ -191,8 +195,8 @@ def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEst
     floor, mp = 10.0**-check.digits, run.mp
 
     def error(pairs: Any) -> float:
-        shares = [abs((a - mp.mpf(b)) / mp.mpf(b)) for a, b in pairs if a != b]
-        return max(2.0 * float(max(shares, default=0.0)), floor)
+        ratios = [abs((a - mp.mpf(b)) / mp.mpf(b)) for a, b in pairs if a != b]
+        return max(2.0 * float(max(ratios, default=0.0)), floor)
 
     own, other = run.values, check.values
     errors = {name: error([(own[name], other[name])]) for name in PRESSED if name in own}
@@ -200,7 +204,7 @@ def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEst
         errors["contact_radius"] = 0.0
     s, rest = _places(run)
     pairs = list(zip(run.pressures(s, rest), check.pressures(s, rest), strict=True))
-    if endless(run.scene):  # of the pressure or its mean: it falls below all digits
+    if endless(run.scene):  # relative to pressure plus mean, as the pressure falls towards 0
         mean = own["load"] / (mp.pi * own["domain_radius"] ** 2)
         pairs = [(a + mean, mp.mpf(b) + mean) for a, b in pairs]
     errors["pressure"] = error(pairs)
@@ -208,14 +212,14 @@ def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEst
 
 
 def _places(run: PreciseProfileRun) -> tuple[Any, Any]:
-    """Return radii over a and distances from the edge."""
-    mp, a = run.mp, run.contact.radius
+    """Return the radii over a, and distances from the edge, where pressures are compared."""
+    mp, a, profile = run.mp, run.contact.radius, run.scene.profile
+    assert profile is not None
     rests = [mp.mpf(v) for v in _DEPTHS]
     places = [(1 - rest, rest) for rest in rests]
-    order = run.scene.profile.pointed if run.scene.profile else False
-    places += [(mp.mpf(v), 1 - mp.mpf(v)) for v in (*_ASIDE, *([] if order else [0.0]))]
-    assert run.scene.profile is not None
-    for b in run.scene.profile.breaks:
+    central = _ASIDE if profile.pointed else (*_ASIDE, 0.0)
+    places += [(mp.mpf(v), 1 - mp.mpf(v)) for v in central]
+    for b in profile.breaks:
         if b < a:
             at = [mp.mpf(b) / a * (1 + sign * mp.mpf(v)) for v in _ASIDE for sign in (-1, 1)]
             places += [(s, 1 - s) for s in at if s < 1]

@@ -1,4 +1,4 @@
-"""One solution on one mesh; `reference` compares two of them."""
+"""One solution on meshes of one panel width; `reference` compares two of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
 _LN10 = log(10.0)
-#: A mesh with so many panels more than needed is used if it is there.
+#: An existing mesh is used in place of a new one if it has at most so many panels too many.
 _SPARE = 12
 
 
@@ -36,16 +36,16 @@ class PreciseRun:
     width : float
         Panel width in ``-ln d``.
     layout : PreciseLayout, optional
-        The zones, roughly. None leaves the tangential problem out.
+        The zones, with rough boundaries. None leaves the tangential problem out.
     tell : callable
         Is told every step.
     near : PreciseRun, optional
-        On the same zones and another mesh: where to begin. No digit of it enters.
+        The solution of the same zones on another mesh, a first guess: none of its digits are used.
     held : bool
-        Leave their boundaries where they are.
+        Leave the boundaries where they are.
     """
 
-    #: without coupling the pressure is positive
+    #: without coupling the pressure is positive, and nothing opens
     opening = None
 
     def __init__(
@@ -62,48 +62,62 @@ class PreciseRun:
         self.scene, self.digits, self._width = scene, digits, width
         self.layout, self._held, self._tell, self._near = layout, held, tell, near
         alpha, beta = scene.normal_compliance, scene.tangential_compliance
-        self._layer = _layer(alpha)
-        self._rate, self._power = (0.5 if alpha == 0.0 and self._one_disk else 1.0), 0.0
+        #: ``-ln d`` at which the layer next to the edge begins, for the pressure
+        self._layer = _start_of_layer(alpha)
+        #: the same next to the rim of the stick disk, for the traction
         self._stick_layer = self._layer
-        scales = digits + abs(log(alpha or 1.0)) / _LN10
+        #: beyond the layer the traction settles like ``exp(-rate x)``; 0.5 if it has a root there
+        self._rate = 0.5 if alpha == 0.0 and self._one_disk else 1.0
+        #: of y, the endpoint weight of the traction
+        self._power = 0.0
+        # the decades from 1 down to the smallest number that needs all digits
+        decades = digits + abs(log(alpha or 1.0)) / _LN10
         if layout is not None and self._one_disk:
-            scales += self._of_rim(alpha, beta)
-        # a diagonal entry of the last panel is as small as exp(-x) (compliance + exp(-x))
+            self._grade_to_rim(alpha, beta)
+            decades += self._decades_of_rim(beta)
+        # a diagonal entry of the last panel is about exp(-x) (compliance + exp(-x)), x its depth
         depth = max(self._layer, self._stick_layer) + (digits * _LN10 + 6.0) / self._rate
-        bound = _layer(min(alpha or 1.0, beta or 0.0)) if beta else depth
-        scales += (depth + min(depth, max(bound, self._stick_layer))) / _LN10
+        deepest = _start_of_layer(min(alpha or 1.0, beta)) if beta else depth
+        decades += (depth + min(depth, max(deepest, self._stick_layer))) / _LN10
         if layout is not None:
-            scales = max(scales, layout.scales(alpha, beta, digits, width))
-        self.fixed = Fixed(ceil((scales + 10.0) * 3.33) + 64)
+            decades = max(decades, layout.decades(alpha, beta, digits, width))
+        # 3.33 bits a decade; ten decades and 64 bits to spare were chosen
+        self.fixed = Fixed(ceil((decades + 10.0) * 3.33) + 64)
         self._disks: list[Disk] = []
         self._smooth = alpha == beta == 0.0 and self._power != 0.0
 
-    def _of_rim(self, alpha: float, beta: float) -> float:
-        """Set what the mesh of one stick disk is graded to; return decades of its numbers."""
+    def _grade_to_rim(self, alpha: float, beta: float) -> None:
+        """Set layer, rate and endpoint weight of the mesh of one stick disk."""
         c, rest = self._rim.value, self._rim.rest
-        scales = abs(log(beta / c or 1.0)) / _LN10
         if rest == 0.0:
-            self._stick_layer = max(self._layer, _layer(beta))
+            self._stick_layer = max(self._layer, _start_of_layer(beta))
             self._power = -0.5 if beta == 0.0 else 0.0
-            return scales
+            return
         rim = max(alpha, rest) / c**2
-        self._stick_layer = max(_layer(min(rim, beta / c or rim)), _layer(rim))
+        self._stick_layer = max(_start_of_layer(min(rim, beta / c or rim)), _start_of_layer(rim))
         self._rate = 0.5 if beta == 0.0 else 1.0
-        return scales + (2.0 * abs(log(rest)) - 4.0 * log(c)) / _LN10
+
+    def _decades_of_rim(self, beta: float) -> float:
+        """Return the decades that one stick disk adds to the range of the numbers."""
+        c, rest = self._rim.value, self._rim.rest
+        decades = abs(log(beta / c or 1.0)) / _LN10
+        if rest:
+            decades += (2.0 * abs(log(rest)) - 4.0 * log(c)) / _LN10
+        return decades
 
     @property
     def _one_disk(self) -> bool:
-        """Whether `one_disk` will do, if anything tangential has to be done."""
+        """Whether there is at most one stick disk, which `one_disk` solves, its rim not held."""
         return self.layout is None or (self.layout.states in ((0,), (0, 1)) and not self._held)
 
     @property
     def _rim(self) -> Radius:
-        """Of the one stick disk."""
+        """The boundary of the one stick disk; the edge in full stick."""
         assert self.layout is not None
         return self.layout.radii[0] if self.layout.radii else EDGE
 
-    def _disk(self, layer: float, rate: float, power: float) -> Disk:
-        """Return operators on a mesh fine enough."""
+    def _operators(self, layer: float, rate: float, power: float) -> Disk:
+        """Return operators on a mesh that is fine enough, existing ones if there are any."""
         mesh = PreciseMesh.graded(self.digits, layer, rate=rate, width=self._width, power=power)
         for disk in self._disks:
             have = disk.mesh
@@ -136,7 +150,7 @@ class PreciseRun:
             shared = max(layer, self._stick_layer)
             if shared - layer <= _SPARE * self._width:
                 layer = shared
-        return RoughDrive(self._disk(layer, 1.0, 0.0), f.of(alpha))
+        return RoughDrive(self._operators(layer, 1.0, 0.0), f.of(alpha))
 
     @property
     def approach(self) -> Any:
@@ -145,12 +159,12 @@ class PreciseRun:
 
     @property
     def depth(self) -> float:
-        """``-ln y`` below which the fields of this mesh do not vary."""
+        """``-ln y`` beyond which, next to the edge, the fields of this mesh no longer vary."""
         return max(disk.mesh.depth for disk in self._disks) if self._disks else self.digits * _LN10
 
     @property
     def unknowns(self) -> int:
-        """Of the largest space; 0 if closed forms were enough."""
+        """Dimension of the largest space; 0 if closed forms were enough."""
         sizes = [sum(d.mesh.degrees) + len(d.mesh.degrees) for d in self._disks]
         if not self._one_disk:
             sizes.append(self.annuli.unknowns)
@@ -176,19 +190,21 @@ class PreciseRun:
         return self.fixed.of(self.fixed.mp.mpf(self.scene.friction) / self.kappa)
 
     @cached_property
-    def disk(self) -> PreciseOneDisk:
-        """The stick disk if there is but one, for ``kappa = 1``."""
+    def stick_disk(self) -> PreciseOneDisk:
+        """The stick disk and its traction if `_one_disk`, for ``kappa = 1``."""
         f, rim = self.fixed, self._rim
         beta = f.of(self.scene.tangential_compliance)
-        disk = self._disk(self._stick_layer, self._rate, self._power)
+        operators = self._operators(self._stick_layer, self._rate, self._power)
         if rim.from_edge == 0.0:
-            unit = disk.solve(beta, self.drive.target(disk.d), tangential=True)
-            return PreciseOneDisk(f.mp.inf, disk.series(unit), disk.shear(unit), None)
-        mp, slope = f.mp, None
+            unit = operators.solve(beta, self.drive.target(operators.d), tangential=True)
+            return PreciseOneDisk(f.mp.inf, operators.series(unit), operators.shear(unit), None)
+        mp = f.mp
+        slope = None
         logit = 2 * mp.log(mp.mpf(rim.value)) - mp.log(mp.mpf(rim.from_edge) * (1 + rim.value))
         if self._near is not None:
-            logit, slope = self._near.disk.logit, self._near.disk.slope
-        return solve_one_disk(self.drive, disk, beta, self._friction, logit, self._tell, slope)
+            logit = self._near.stick_disk.logit
+            slope = self._near.stick_disk.slope
+        return solve_one_disk(self.drive, operators, beta, self._friction, logit, self._tell, slope)
 
     @cached_property
     def _problem(self) -> ZoneProblem:
@@ -201,7 +217,7 @@ class PreciseRun:
 
     @cached_property
     def annuli(self) -> Zones:
-        """The zones if there are others, for ``kappa = 1``."""
+        """The zones if there is not one stick disk alone, for ``kappa = 1``."""
         assert self.layout is not None
         near = None if self._near is None else self._near.annuli
         return solve_zones(self._problem, self.layout.radii, self._tell, held=self._held, near=near)
@@ -211,7 +227,7 @@ class PreciseRun:
         """``ln(b**2/(1 - b**2))`` of the boundaries between zones, outward."""
         if self.layout is None or not self.layout.radii:
             return ()
-        return (self.disk.logit,) if self._one_disk else self.annuli.logits
+        return (self.stick_disk.logit,) if self._one_disk else self.annuli.logits
 
     def breaches(self) -> list[Breach]:
         """Return where the friction law does not hold, or is not known to."""
@@ -227,7 +243,7 @@ class PreciseRun:
         mesh, f = trial.problem.meshes[zone], self.fixed
         below = mesh.below.ravel()
         if self._one_disk:
-            values = f.over(self.disk.traction.at(below), f.sqrt(trial.squares[1]))
+            values = f.over(self.stick_disk.traction.at(below), f.sqrt(trial.squares[1]))
         else:
             series = self.annuli.tractions[zone]
             assert series is not None
@@ -241,7 +257,7 @@ class PreciseRun:
             return self.fixed.mp.zero
         if self._smooth:
             return 2 * self.kappa * self.fixed.mp.ln2
-        solved = self.disk if self._one_disk else self.annuli
+        solved = self.stick_disk if self._one_disk else self.annuli
         return self.fixed.numbers(solved.total_shear) * self.kappa
 
     @cached_property
@@ -267,11 +283,14 @@ class PreciseRun:
         mp = self.fixed.mp
         if self.layout is None:
             return np.full(len(s), mp.zero)
-        # a small disk shows in s alone
-        own = sum(np.where(s < 0.5, s > b, from_edge < e).astype(int) for b, e in self.radii)
-        own, values = own * np.ones(len(s), dtype=int), np.empty(len(s), dtype=object)
+        # zones: next to the centre told apart by s, next to the edge by the distance from it
+        own = np.zeros(len(s), dtype=int)
+        for boundary, distance in self.radii:
+            own += np.where(s < 0.5, s > boundary, from_edge < distance).astype(int)
+        values = np.empty(len(s), dtype=object)
         for k in np.unique(own):
-            rows, state = own == k, self.layout.states[k]
+            rows = own == k
+            state = self.layout.states[k]
             if state:
                 p = self.pressures(s[rows], from_edge[rows])
                 values[rows] = state * mp.mpf(self.scene.friction) * p
@@ -280,6 +299,7 @@ class PreciseRun:
         return values
 
     def _in_stick(self, zone: int, s: Any, from_edge: Any) -> Any:
+        """Return q at radii in a zone that sticks."""
         mp, y = self.fixed.mp, from_edge * (1 + s)
         if self._smooth:
             ratios = [
@@ -291,8 +311,8 @@ class PreciseRun:
         below = [np.where(s < 0.5, b - s, from_edge - e) * (b + s) for b, e in ends]
         if self._one_disk:
             c = self.radius[0]
-            depth = np.minimum(below[1] / c**2, 1)  # rounding is past the centre
-            values = self.disk.traction.at(self.fixed.of(depth))
+            depth = np.minimum(below[1] / c**2, 1)  # rounding may exceed 1 at the centre
+            values = self.stick_disk.traction.at(self.fixed.of(depth))
             values = self.fixed.numbers(values) * s / c * self.kappa
             return self._singular(values, y) if self._power else values
         series = self.annuli.tractions[zone]
@@ -301,7 +321,7 @@ class PreciseRun:
         return self.fixed.numbers(values) * s * self.kappa
 
     def _singular(self, values: Any, y: Any) -> Any:
-        """Divide by the root of the distance to the edge."""
+        """Divide by the root of ``y = 1 - s**2``; infinite at the edge."""
         mp = self.fixed.mp
         pairs = zip(values, y, strict=True)
         return np.array([v / mp.sqrt(distance) if distance else mp.inf for v, distance in pairs])
@@ -318,10 +338,10 @@ class PreciseRun:
         if scene.normal_compliance == 0.0:
             return f.mp.zero
         edge = np.array([0], dtype=object)
-        ratio = f.over(self.disk.traction.limit, self.drive.pressure(edge)[0])
+        ratio = f.over(self.stick_disk.traction.limit, self.drive.pressure(edge)[0])
         return self.kappa * f.numbers(ratio)
 
 
-def _layer(width: float) -> float:
-    """Return ``x`` of a layer of this width; none if it is 0 or wide."""
+def _start_of_layer(width: float) -> float:
+    """Return ``x = -ln d`` at which a layer of this width begins; 0 if it is none, or is wide."""
     return max(-log(width), 0.0) if width else 0.0

@@ -1,4 +1,4 @@
-"""The façade: a scene and a number of digits go in, a solution with its error comes out."""
+"""The function that users call: a scene and a number of digits in, a certified solution out."""
 
 from __future__ import annotations
 
@@ -15,15 +15,17 @@ from spectral_contact.solving.solver import solve
 def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -> ReferenceSolution:
     """Solve a scene to any number of digits.
 
-    Normal contact (3.5), full stick (4.2) and partial slip (5.8) on any zones; with elastic
-    coupling full stick; under a profile normal contact, with adhesion, too.
+    This is normal contact, full stick and partial slip on any zones: equations (3.5), (4.2) and
+    (5.8) of docs/theory. With elastic coupling it is full stick alone, and under a profile normal
+    contact alone, with or without adhesion.
 
     Parameters
     ----------
     scene : Scene
         Its parameters are taken as exactly the doubles they are.
     digits : int
-        Relative accuracy of everything, from 15 to 60. Unknowns grow like its square.
+        Relative accuracy of everything, from 15 to 60. The number of unknowns grows like its
+        square.
     progress : bool, optional
         Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
@@ -36,21 +38,22 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     SceneError
         For an argument out of its range.
     NotComputedError
-        With elastic coupling and slip; with a profile and friction, or so many breaks that a
-        dense system of 12,000 unknowns will not do; with a nonlinear layer that has bends, or
-        pressure at every gap under a tip or a break; if `solve` has slip everywhere as
-        the stick disk is so small or, without tangential compliance, stick everywhere as the slip
-        zone is so narrow.
+        With elastic coupling and slip. With a profile and friction, or with so many breaks that
+        the dense system would have more than 12,000 unknowns. With a nonlinear layer whose law has
+        bends, or one with pressure at every gap under a profile with a tip or a break. If `solve`
+        finds slip everywhere because the stick disk is too small for it or, without tangential
+        compliance, stick everywhere because the slip zone is too narrow for it.
     ConvergenceError
-        If the digits are not reached; it carries the solution. If no zones are found on which the
-        friction law holds, or these digits do not decide whether it does; it says where.
+        If the digits are not reached: the error carries the solution. If no zones are found on
+        which the friction law holds, or if these digits do not decide whether it holds: the error
+        says where.
 
     Notes
     -----
     Two solutions on different meshes are compared, the second with two digits less: twice their
-    difference is the error estimate. `solve` guesses which zones there are, and their boundaries;
-    no digit of it enters. The friction law is checked everywhere; where it does not hold, the zones
-    are changed as it asks, and solved for again.
+    difference is the error estimate. `solve` provides a first guess of the zones and their
+    boundaries, and none of the digits. The friction law is checked everywhere; where it is
+    violated, the zones are changed accordingly and solved for again.
 
     Examples
     --------

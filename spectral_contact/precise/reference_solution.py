@@ -28,7 +28,7 @@ class ReferenceSolution:
     ----------
     scene : Scene
     digits : int
-        What was asked for.
+        The number that was asked for.
     approach : mpf
         ``delta*``.
     total_shear : mpf
@@ -45,17 +45,18 @@ class ReferenceSolution:
     error : ErrorEstimates
         Relative errors, from a second solution on another mesh.
     converged : bool
-        Whether all of them, and that of the opening, are below ``10**-digits``.
+        Whether all of them, and that of the opening, are at most ``10**-digits``.
     unknowns : int
-        Of the largest space.
+        Dimension of the largest discrete space.
     bits : int
-        Of the fixed-point numbers, after the point.
+        Bits after the point of the fixed-point numbers; on a smooth surface under a profile, of the
+        floating-point numbers.
     seconds : float
-        Time that it took.
+        Time that the solution took.
     contact_radius, load, stiffness, indentation_work : mpf or None
-        Of a scene with a profile, in its units; the approach is, too.
+        Of a scene with a profile, in the units of the scene, as the approach is then, too.
     domain_radius : mpf or None
-        Where there is no edge: the radius in which `pressure` counts.
+        Where the contact has no edge: the radius that `s` = 1 stands for.
     """
 
     scene: Scene
@@ -89,9 +90,9 @@ class ReferenceSolution:
         Returns
         -------
         mpf or ndarray of mpf
-            Infinite at the edge of a surface that is smooth in normal contact, of either sign with
-            coupling; then of one that is smooth altogether, NaN. Under a profile on a smooth
-            surface infinite at tips and corners.
+            At the edge of a surface without normal compliance it is infinite, with coupling of
+            either sign; with coupling and without any compliance it is NaN there. Under a profile
+            on a smooth surface it is infinite at tips and corners.
 
         Raises
         ------
@@ -117,11 +118,13 @@ class ReferenceSolution:
             exact.append(_fraction(value))
             if not 0 <= exact[-1] <= 1:
                 raise SceneError(name, value, "in [0, 1]")
-        # the distance to the other end, too, before anything is rounded
-        numbers, rest = np.empty(len(exact), dtype=object), np.empty(len(exact), dtype=object)
-        numbers[:] = [_rounded(mp, one) for one in exact]
-        rest[:] = [_rounded(mp, 1 - one) for one in exact]
-        found = function(numbers, rest) if from_edge is None else function(rest, numbers)
+        with mp.workprec(self.bits):  # of the solution, which is more than that of its results
+            near = np.empty(len(exact), dtype=object)
+            near[:] = [_rounded(mp, one) for one in exact]
+            # the distance to the other end is taken before anything is rounded
+            far = np.empty(len(exact), dtype=object)
+            far[:] = [_rounded(mp, 1 - one) for one in exact]
+            found = function(near, far) if from_edge is None else function(far, near)
         result = np.empty(len(exact), dtype=object)
         result[:] = [+mp.mpf(v) for v in found]
         return result[0] if values.ndim == 0 else result.reshape(values.shape)

@@ -1,4 +1,4 @@
-"""Zones on which the friction law holds: solve, check everywhere, change what it asks for."""
+"""Zones on which the friction law holds: solve, check the law everywhere, change the zones."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from spectral_contact.scene import Scene
 from spectral_contact.view.progress import silent
 
 _MOST_ROUNDS = 12
-#: By so much boundaries may move, as logits, before they are given meshes of their own.
+#: If a boundary ends farther than this from its guess, in logits, the zones are solved again on
+#: meshes that are made for where it ended.
 _FAR = 0.5
 
 
@@ -30,12 +31,15 @@ def solved(
     *,
     held: bool = False,
 ) -> PreciseRun | PreciseCoupledRun:
-    """Return the solution on one mesh and these zones, the friction law aside."""
+    """Return the solution on one mesh and these zones, whether or not the friction law holds.
+
+    The arguments are those of `PreciseRun`.
+    """
     if scene.couples:
         return PreciseCoupledRun(scene, digits, width, tell)
     assert not isinstance(near, PreciseCoupledRun)
     run = PreciseRun(scene, digits, width, layout, tell, near, held=held)
-    _ = run.approach, run.total_shear
+    _ = run.approach, run.total_shear  # properties that solve when they are first read
     return run
 
 
@@ -54,28 +58,30 @@ def lawful(
     digits : int
         Relative accuracy aimed at.
     width : float
-        Panel width.
+        Panel width in ``-ln d``.
     layout : PreciseLayout or None
-        Where the search begins.
+        The zones at which the search begins. None leaves the tangential problem out.
     tell : callable
         Is told every step.
 
     Raises
     ------
     ConvergenceError
-        If no such zones are found, or the digits do not decide.
+        If no such zones are found, or these digits do not decide whether the law holds.
     NotComputedError
-        With elastic coupling, if friction is not enough.
+        With elastic coupling, if friction is too small for full stick.
     """
-    held, found = False, list[Breach]()
+    held = False
+    found = list[Breach]()
     for _ in range(_MOST_ROUNDS):
         try:
             run = solved(scene, digits, width, layout, tell, held=held)
         except ConvergenceError:
-            # with tangential compliance alone is there a solution wherever boundaries are
+            # only with tangential compliance is there a solution for any given boundaries
             if held or layout is None or not (layout.radii and scene.tangential_compliance):
                 raise
-            # far from its zones the problem is linear for given ones, and says what is wrong
+            # with boundaries held where they are the problem is linear, and the breaches of the law
+            # on its solution show how to change the zones
             held = True
             continue
         tell("friction law")
@@ -89,13 +95,14 @@ def lawful(
 
 
 def _no_zones(found: list[Breach]) -> ConvergenceError:
+    """Return the error of a search that ends without zones."""
     last = f"on the last {found[0]}" if found else "the last did not settle"
     cause = f"the friction law holds on no zones that were tried; {last}"
     return ConvergenceError(cause, "ask for more digits")
 
 
 def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:
-    """Return the zones as the friction law asks for them."""
+    """Return zones whose states are changed where the friction law does not hold."""
     assert run.layout is not None
     states, logits = run.layout.states, run.logits
     if found:
@@ -103,6 +110,7 @@ def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:
         if not known:
             raise ConvergenceError(f"{found[0]}", "ask for more digits")
         states, logits = obeying(states, logits, known)
+    # the centre sticks; slips of opposite signs cannot meet, as between them the traction passes 0
     slip_meets_slip = any(a and b for a, b in pairwise(states))
     if states[0] or slip_meets_slip:
         raise _no_zones(found)
@@ -110,13 +118,14 @@ def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:
 
 
 def _radius(run: PreciseRun, logit: Any) -> Radius:
+    """Return a boundary as a radius in doubles and its distance from the edge."""
     mp = run.fixed.mp
     value = 1 / mp.sqrt(1 + mp.exp(-logit))
     return Radius(float(value), float(1 / ((1 + mp.exp(logit)) * (1 + value))))
 
 
 def _moved(layout: PreciseLayout | None, run: PreciseRun | PreciseCoupledRun) -> float:
-    """Return by how much the boundaries are not where they were thought to be."""
+    """Return how far, in logits, a boundary is from its guess at most."""
     if layout is None or isinstance(run, PreciseCoupledRun):
         return 0.0
     pairs = zip(layout.radii, run.logits, strict=True)

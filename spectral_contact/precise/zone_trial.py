@@ -1,7 +1,7 @@
-"""Zones with their boundaries given, in fixed point: how far the equation is from satisfied.
+"""Zones with given boundaries, in fixed point: the residual of the tangential equation.
 
-The tangential equation is collocated at the Gauss points of the zones; where a zone slips, what is
-left of it is the displacement.
+The equation is collocated at the Gauss points of the zones. Where a zone slips, the residual is the
+displacement.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class PreciseLayout:
     states : tuple of int
         From the centre outward: 0 for stick, +1 or -1 for slip with that sign.
     radii : tuple of Radius
-        The boundaries between them, one less.
+        The boundaries between the zones, one fewer.
     """
 
     states: tuple[int, ...]
@@ -52,10 +52,11 @@ class PreciseLayout:
         ends = [Radius(0.0, 1.0), *self.radii, EDGE]
         return [gap(a, b) for a, b in pairwise(ends)]
 
-    def scales(self, alpha: float, beta: float, digits: int, width: float) -> float:
-        """Return the decades from 1 down to what fixed point has to resolve."""
+    def decades(self, alpha: float, beta: float, digits: int, width: float) -> float:
+        """Return the decades from 1 down to the smallest number that fixed point has to resolve."""
         deepest = width * max(map(max, self.panels(alpha, beta, digits, width))) / _LN10
-        # the equation is divided by beta and s^2, which is down to 1e-8 of the rim's at the nodes
+        # the equation is divided by beta and by s^2, which at the innermost nodes is down to 1e-8
+        # of that of the first boundary
         first = log10(self.radii[0].square) if self.radii else 0.0
         return digits + deepest + 8.0 + abs(log10(beta or 1.0)) - 2.0 * first
 
@@ -65,15 +66,16 @@ class PreciseLayout:
         At a boundary the traction settles like ``d**2 ln d``, at the edge like ``d ln d`` below the
         scales of the problem, and slip under a singular pressure like a root.
         """
-        widths, settle = self.widths, (digits + 2.0) * _LN10
-        ends = []
+        widths = self.widths
+        settle = (digits + 2.0) * _LN10
+        ends = []  # logarithms of the distances at which the panels end and the tail begins
         for b, near in zip(self.radii, pairwise(widths), strict=True):
-            scales = beta * b.value or 1.0, b.rest + alpha
-            ends.append(log(min(*near, *scales)) - settle / 2.0)
+            layers = beta * b.value or 1.0, b.rest + alpha
+            ends.append(log(min(*near, *layers)) - settle / 2.0)
         rooted = alpha == 0.0 and self.states[-1] != 0
         settle *= 2.0 if rooted else 1.0
         ends.append(log(min(widths[-1], beta or 1.0, alpha or 1.0)) - settle)
-        # nothing happens at the centre
+        # at the centre the traction is smooth: the mesh is not graded to it
         pairs = pairwise([log(widths[0]), *ends])
         depths = [[log(w) - end for end in pair] for w, pair in zip(widths, pairs, strict=True)]
         return [(max(ceil(a / width), 1), max(ceil(b / width), 1)) for a, b in depths]
@@ -99,7 +101,7 @@ class Zones:
     total_shear : int
     unknowns : int
     slopes : ndarray or None
-        Derivatives by the logits of the jumps at the boundaries, the tractions following.
+        Derivatives of `ZoneTrial.mismatch` by the logits; the tractions solve the equation at each.
     """
 
     logits: tuple[Any, ...]
@@ -110,13 +112,17 @@ class Zones:
 
 
 def panel_points(digits: int, width: float) -> int:
-    """Return how many nodes of a panel resolve singularities ``i pi`` from it."""
+    """Return how many nodes of a panel resolve a function with singularities ``i pi`` from it.
+
+    These are at ``i reach`` from the panel on [-1, 1]. Its Chebyshev series converges like the
+    powers of ``reach + sqrt(1 + reach**2)``, the sum of the semi-axes of the ellipse through them.
+    """
     reach = 2.0 * pi / width
     return ceil((digits + 4.0) / log10(reach + sqrt(1.0 + reach * reach))) + 4
 
 
 class ZoneProblem:
-    """States and meshes of the zones.
+    """States and meshes of the zones, and where the unknowns of each begin in a flat vector.
 
     Parameters
     ----------
@@ -149,11 +155,11 @@ class ZoneProblem:
         self.meshes = layout.meshes(f, alpha, beta, digits, width)
         self.sticking = [k for k, state in enumerate(self.states) if state == 0]
         sizes = [self.meshes[k].above.size for k in self.sticking]
-        self.bounds = np.cumsum([0, *sizes])
+        self.offsets = np.cumsum([0, *sizes])
 
     def split(self, flat: Any) -> dict[int, Any]:
         """Return the values in every zone that sticks."""
-        pieces = zip(self.sticking, pairwise(self.bounds), strict=True)
+        pieces = zip(self.sticking, pairwise(self.offsets), strict=True)
         return {k: flat[a:b].reshape(self.meshes[k].above.shape) for k, (a, b) in pieces}
 
     def share(self, step: Array, flat: Ints) -> float:
@@ -166,7 +172,7 @@ class ZoneProblem:
 
 
 class _StuckEnd(NamedTuple):
-    """At a boundary: the zone that sticks, which of its ends it is, and ``s / (f p)``."""
+    """At a boundary: the zone that sticks, the end of it (0 the inner one), and ``s / (f p)``."""
 
     zone: int
     end: int
@@ -174,7 +180,7 @@ class _StuckEnd(NamedTuple):
 
 
 class ZoneTrial:
-    """The problem with its boundaries given.
+    """The problem with given boundaries.
 
     Parameters
     ----------
@@ -182,7 +188,7 @@ class ZoneTrial:
     logits : sequence of mpf
         ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
     last : int, optional
-        The last zone where the equation is wanted; by default the last that sticks.
+        The last zone at whose nodes the equation is evaluated; by default the last that sticks.
     """
 
     def __init__(
@@ -204,7 +210,7 @@ class ZoneTrial:
         self._loads: dict[int, Ints] = {}
 
     def bound(self, zone: int) -> Ints:
-        """Return ``f p / (kappa s)`` at the nodes of a zone, what ``|q| / s`` may be at most."""
+        """Return ``f p / (kappa s)`` at the nodes of a zone, the bound of ``|q| / (kappa s)``."""
         f = self._f
         p = self.problem.drive.pressure(self.y[zone])
         return np.asarray(f.over(f.times(self.problem.friction, p), f.sqrt(self.z[zone])))
@@ -217,7 +223,7 @@ class ZoneTrial:
 
     @cached_property
     def between(self) -> dict[tuple[int, int], Between]:
-        """The integrals from zone to zone."""
+        """The operators that integrate over one zone at the nodes of another."""
         meshes = self.problem.meshes
         return {
             (a, b): Between(
@@ -231,7 +237,7 @@ class ZoneTrial:
         }
 
     def residual(self, flat: Ints) -> Ints:
-        """Return by how much the equation is not satisfied at the nodes in stick."""
+        """Return the residual of the equation at the nodes of the zones that stick."""
         left = self.displacement(self.problem.split(flat), self.problem.sticking)
         return np.concatenate([left[k].ravel() for k in self.problem.sticking])
 
@@ -263,20 +269,20 @@ class ZoneTrial:
         return result
 
     def mismatch(self, flat: Ints) -> Ints:
-        """Return by how much the traction is discontinuous at the boundaries, over f p."""
+        """Return the jumps of the traction at the boundaries, over f p."""
         f, values = self._f, self.problem.split(flat)
         limits = {k: self.problem.meshes[k].limits(v) for k, v in values.items()}
-        # of two neighbours one slips, and its state is the sense
+        # of two neighbours one slips, with its state as the sign of the traction, and one is 0
         senses = [a + b for a, b in pairwise(self.problem.states)]
         found = [
             f.times(factor, limits[k][end]) - sense * f.one
-            for (k, end, factor), sense in zip(self._ends, senses, strict=True)
+            for (k, end, factor), sense in zip(self._stuck_ends, senses, strict=True)
         ]
         return np.array(found, dtype=object)
 
     @cached_property
-    def _ends(self) -> list[_StuckEnd]:
-        """Where zones stick up to their boundaries."""
+    def _stuck_ends(self) -> list[_StuckEnd]:
+        """The ends of zones that stick, one at each boundary."""
         f, problem = self._f, self.problem
         p = problem.drive.pressure(np.array(self.rests[1:-1], dtype=object))
         factors = f.over(f.sqrt(np.array(self.squares[1:-1])), f.times(problem.friction, p))
@@ -286,10 +292,10 @@ class ZoneTrial:
         ]
 
     def conditions(self) -> Array:
-        """Return the matrix of the mismatch in double precision."""
+        """Return the derivative of the mismatch by the unknowns in double precision."""
         f, problem = self._f, self.problem
-        rows = np.zeros((len(self._ends), problem.bounds[-1]))
-        for row, (k, end, factor) in zip(rows, self._ends, strict=True):
+        rows = np.zeros((len(self._stuck_ends), problem.offsets[-1]))
+        for row, (k, end, factor) in zip(rows, self._stuck_ends, strict=True):
             limit = problem.meshes[k].blocks.limit
             values = problem.split(row)[k]
             values[-end] = f.floats(f.times(factor, limit[::-1] if end else limit))
@@ -298,8 +304,8 @@ class ZoneTrial:
     def matrix(self) -> Array:
         """Return the matrix of the residual in double precision."""
         f, problem = self._f, self.problem
-        matrix = np.zeros((problem.bounds[-1],) * 2)
-        parts = pairwise(problem.bounds)
+        matrix = np.zeros((problem.offsets[-1],) * 2)
+        parts = pairwise(problem.offsets)
         places = {k: slice(a, b) for k, (a, b) in zip(problem.sticking, parts, strict=True)}
         for k in range(self.last + 1):
             mesh, own = problem.meshes[k], sqrt(float(f.numbers(self.widths[k])))
@@ -330,4 +336,4 @@ class ZoneTrial:
             None if state else problem.meshes[k].series(values[k])
             for k, state in enumerate(problem.states)
         )
-        return Zones(tuple(self.logits), tractions, shear, int(problem.bounds[-1]), slopes)
+        return Zones(tuple(self.logits), tractions, shear, int(problem.offsets[-1]), slopes)

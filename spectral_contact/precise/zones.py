@@ -1,8 +1,8 @@
 """Partial slip on any number of stick and slip zones, in fixed point, for ``kappa = 1``.
 
 For given boundaries the tractions are refined by a factorisation in double precision, with
-residuals in fixed point. What is left of their jumps at the boundaries moves these, by Newton's
-method first, and then by Broyden's.
+residuals in fixed point. The boundaries are then moved until the tractions do not jump there, by
+Newton's method first, and near the solution by Broyden's. The jumps are called the mismatch.
 """
 
 from __future__ import annotations
@@ -27,15 +27,16 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _MOST_SWEEPS = 20
-#: Accuracy of the tractions for which the slopes of the mismatch are taken.
+#: Accuracy of the tractions at which the slopes of the mismatch are computed.
 _CLOSE = 1e-8
-#: Its differences are taken ``2**-_STEP`` apart.
+#: Slopes are differences over ``2**-_STEP`` in the logit of a boundary.
 _STEP = 50
-#: A step of the boundaries, as `_length` has it, from which on the factorisation is kept, and the
-#: longest that is taken.
-_NEAR, _LONGEST = 0.02, 0.6
+#: Newton's step, in the measure of `_length`, below which factorisation and slopes are kept.
+_NEAR = 0.02
+#: The longest step that is taken, in the same measure.
+_LONGEST = 0.6
 _MOST_STARTS = 8
-#: What may be left of the jumps of the tractions, over the accuracy of the boundaries.
+#: Jumps of the tractions that are tolerated, over the accuracy of the boundaries.
 _CONTINUOUS = 100.0
 
 
@@ -58,9 +59,9 @@ def solve_zones(
     tell : callable
         Is told every step.
     held : bool
-        Leave the boundaries where they are. The traction is not continuous there then.
+        Leave the boundaries where they are; the traction is then not continuous there.
     near : Zones, optional
-        The same zones solved on another mesh: better guesses of boundaries and slopes.
+        The same zones solved on another mesh: better guesses of the boundaries, and the slopes.
 
     Raises
     ------
@@ -69,7 +70,8 @@ def solve_zones(
     """
     mp = problem.drive.fixed.mp
     logits = [mp.mpf(r.logit) for r in radii] if near is None else [+mp.mpf(x) for x in near.logits]
-    goal, flat = 10.0 ** -(problem.digits + 2), np.zeros(problem.bounds[-1], dtype=object)
+    goal = 10.0 ** -(problem.digits + 2)
+    flat = np.zeros(problem.offsets[-1], dtype=object)  # the unknowns of all zones
     tell("zones")
     if held:
         trial = ZoneTrial(problem, logits)
@@ -102,24 +104,26 @@ def _settled(
 ) -> Zones:
     """Move the boundaries until they settle, and the tractions with them.
 
-    The goals are of them, in logits and in tractions, and of the width of the narrowest zone.
+    The first of the goals is the accuracy of the boundaries, in logits, and of the tractions; the
+    second is that of the boundaries relative to the width of the zones beside them.
     """
-    f, problem, expected = trial.problem.drive.fixed, trial.problem, 0.0
+    f, problem = trial.problem.drive.fixed, trial.problem
     before = shift = np.zeros_like(slopes[0])
-    size = 0.0
+    size = expected = 0.0  # of this step of the boundaries, and of the next one
     for _ in range(_MOST_SWEEPS):
         flat = factored.refined(trial, flat, max(goals[0], 1e-4 * expected))
         mismatch = f.floats(trial.mismatch(flat))
-        # of smaller steps the tractions' accuracy would be seen
+        # Broyden's update; after a smaller step the difference would be the tractions' error
         if size > 1e6 * goals[0]:
             slopes = slopes + np.outer(mismatch - before - slopes @ shift, shift) / (shift @ shift)
         before, shift = mismatch, _step(slopes, mismatch)
         size, length = float(np.abs(shift).max()), _length(shift, trial.logits)
-        # under little compliance the traction feels steps below the goal, and the friction law does
+        # under little compliance steps below the goal change the traction enough for the friction
+        # law to be violated: the jumps are checked, too
         continuous = np.abs(mismatch).max() <= _CONTINUOUS * goals[0]
         if size <= goals[0] and length <= goals[1] and continuous:
             return trial.outcome(factored.refined(trial, flat, goals[0]), slopes)
-        if length > 2.0 * _NEAR:  # it leaves where its factorisation is from
+        if length > 2.0 * _NEAR:  # the factorisation holds for boundaries nearby alone
             break
         expected = size * length
         trial = ZoneTrial(problem, _moved(trial.logits, shift))
@@ -127,11 +131,12 @@ def _settled(
 
 
 def _step(slopes: Array, mismatch: Array) -> Array:
-    """Return by how much boundaries move so that nothing is left of a mismatch."""
+    """Return Newton's step of the boundaries, in logits, for a mismatch."""
     return -np.asarray(np.linalg.solve(slopes, mismatch), dtype=float)
 
 
 def _moved(logits: Sequence[Any], shift: Array) -> list[Any]:
+    """Return the logits of the boundaries after a step."""
     return [x + x.context.mpf(dx) for x, dx in zip(logits, shift, strict=True)]
 
 
@@ -150,7 +155,7 @@ class _Preconditioned:
         self._f, self._factored = trial.problem.drive.fixed, DoubleFactors(trial.matrix())
 
     def refined(self, trial: ZoneTrial, flat: Ints, goal: float) -> Ints:
-        """Return the tractions of a trial to an accuracy."""
+        """Return the tractions of a trial to the accuracy `goal`, refined from `flat`."""
         for _ in range(_MOST_SWEEPS):
             step = -self._factored.solved(self._f.floats(trial.residual(flat)))
             flat = np.asarray(flat + self._f.of(step))
@@ -159,7 +164,10 @@ class _Preconditioned:
         raise ConvergenceError("the tractions do not settle", "ask for fewer digits")
 
     def slopes(self, trial: ZoneTrial, flat: Ints) -> Array:
-        """Return the derivatives of the mismatch by the boundaries, the tractions following."""
+        """Return the derivatives of the mismatch by the logits of the boundaries.
+
+        The tractions solve their equation at each: this is a Schur complement.
+        """
         f = self._f
         before = trial.residual(flat), trial.mismatch(flat)
         columns, corner = [], []

@@ -25,13 +25,15 @@ def test_the_two_ways_to_one_stick_disk_agree():
     friction = f.of(f.mp.mpf(scene.friction) / run.kappa)
     problem = ZoneProblem(run.drive, *parameters, friction, layout, digits, 2.0)
     zones = solve_zones(problem, layout.radii)
-    assert abs(zones.logits[0] - run.disk.logit) <= 10.0**-digits
-    assert abs(f.mp.mpf(zones.total_shear) / f.mp.mpf(run.disk.total_shear) - 1) <= 10.0**-digits
+    assert abs(zones.logits[0] - run.stick_disk.logit) <= 10.0**-digits
+    assert (
+        abs(f.mp.mpf(zones.total_shear) / f.mp.mpf(run.stick_disk.total_shear) - 1) <= 10.0**-digits
+    )
     c = run.radius[0]
     square, shares = f.of(c * c), [0.01, 0.3, 0.9, 0.999, 1 - 1e-9]
     above = np.array([f.times(square, f.of(share)) for share in shares])
     mine = f.numbers(zones.tractions[0].at(above, square - above)) * c  # q / s, and q / (s / c)
-    its = f.numbers(run.disk.traction.at(f.one - f.over(above, square)))
+    its = f.numbers(run.stick_disk.traction.at(f.one - f.over(above, square)))
     assert max(abs(mine / its - 1)) <= 10.0**-digits
 
 

@@ -102,7 +102,7 @@ class UnloadedProblem(ZoneProblem):
         if loaded._one_disk:
             radius = f.sqrt(ends[1])
             depth = np.clip(f.over(ends[1] - z, ends[1]), 1, f.one)
-            return np.asarray(f.over(loaded.disk.traction.at(depth), radius))
+            return np.asarray(f.over(loaded.stick_disk.traction.at(depth), radius))
         series = loaded.annuli.tractions[zone]
         assert series is not None
         return series.at(np.maximum(z - ends[zone], 1), np.maximum(ends[zone + 1] - z, 1))
@@ -151,7 +151,7 @@ class UnloadedTrial(ZoneTrial):
     def conditions(self) -> Any:
         """Return the matrix of the mismatch in double precision."""
         f, problem = self._f, self.problem
-        rows = np.zeros((len(problem.free), problem.bounds[-1]))
+        rows = np.zeros((len(problem.free), problem.offsets[-1]))
         for row, (stuck, end, _, bound) in zip(rows, self._boundaries(), strict=True):
             limit = problem.meshes[stuck].blocks.limit
             values = problem.split(row)[stuck]
@@ -185,7 +185,7 @@ class UnloadedRun(PreciseRun):
         own = PreciseLayout(tuple(part.state for part in self.parts), radii)
         super().__init__(scene, digits, width, own, held=True)
         self.loaded = PreciseRun(scene.replace(unloaded_to=1.0), digits, width, layout)
-        scales = own.scales(scene.normal_compliance, scene.tangential_compliance, digits, width)
+        scales = own.decades(scene.normal_compliance, scene.tangential_compliance, digits, width)
         bits = max(self.loaded.fixed.bits, int((scales + 10.0) * 3.33) + 64)
         self.fixed = self.loaded.fixed = Fixed(bits)
         _ = self.loaded.approach, self.loaded.total_shear
@@ -203,7 +203,7 @@ class UnloadedRun(PreciseRun):
                 logits[j] = min(self.loaded.logits, key=lambda x: abs(x - logits[j]))
         trial = UnloadedTrial(problem, logits)
         factors = DoubleFactors(trial.matrix())
-        flat = np.zeros(problem.bounds[-1], dtype=object)
+        flat = np.zeros(problem.offsets[-1], dtype=object)
         flat = _refined(factors, trial, flat, 1e-8)
         slopes = _slopes(factors, trial, flat)
         for _ in range(STEPS):
@@ -364,7 +364,7 @@ def reference(scene: Scene, digits: int) -> ReferenceSolution:
         opening=None,
         error=_compared(run, check, digits),
         converged=True,
-        unknowns=run.problem.bounds[-1],
+        unknowns=run.problem.offsets[-1],
         bits=run.fixed.bits,
         seconds=perf_counter() - begin,
         _run=run,

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from mpmath.ctx_mp import MPContext
 
-from spectral_contact import Scene, SceneError
+from spectral_contact import Scene, SceneError, profiles
 from spectral_contact.precise import reference
+from spectral_contact.precise.indented_smooth import SmoothIndented
 
 
 @pytest.fixture(scope="module")
@@ -36,3 +37,14 @@ def test_radii_with_more_digits_than_the_solution_keep_their_distance_to_the_edg
 def test_numbers_of_every_type_are_exact(smooth, kind):
     assert smooth.pressure(kind(1)) == smooth.pressure(np.int8(1)) == math.inf
     assert smooth.pressure(kind(1) / 4) == smooth.pressure(0.25)
+
+
+def test_pressures_next_to_a_corner_have_their_digits():
+    punch = profiles.TruncatedCone(0.5, 1.0)
+    found = reference(Scene(0.3, profile=punch, contact_radius=0.7), 15)
+    mp = context()
+    contact = SmoothIndented(mp, punch, 0.7)
+    for past in (1e-12, 1e-6, -1e-6):
+        s = mp.mpf(0.5 / 0.7 * (1 + past))
+        [truth] = contact.pressures([s], [1 - s])
+        assert abs(mp.mpf(found.pressure(s)) / truth - 1) <= found.error.pressure
