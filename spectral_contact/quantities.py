@@ -8,11 +8,13 @@ __all__ = [
     "ADHESION_QUANTITIES",
     "FIELDS",
     "FLAT_QUANTITIES",
+    "FOLLOWING_LOAD",
     "FULL_STICK_RATIOS",
     "NUMBERS",
     "OUTPUTS",
     "PROFILE_QUANTITIES",
     "QUANTITIES",
+    "RADIAL",
     "TANGENTIAL_QUANTITIES",
     "UNLOADED_QUANTITIES",
     "OutputQuantity",
@@ -46,6 +48,10 @@ class OutputQuantity:
     scenes : str
         Which scenes have it: ``"all"``, those with a ``"profile"``, those with ``"adhesion"``, or
         those with a ``"flat"`` punch, or those that are ``"unloaded"``.
+    follows_load : bool
+        Whether it is proportional to the load of a flat punch whose zones are given.
+    radial : bool
+        Whether it has another sign where kappa has.
     """
 
     name: str
@@ -57,6 +63,8 @@ class OutputQuantity:
     kind: str = "number"
     contact: str = "tangential"
     scenes: str = "all"
+    follows_load: bool = False
+    radial: bool = False
 
 
 #: Everything that can be asked of `solve`, in the order of a report.
@@ -113,6 +121,7 @@ OUTPUTS = (
         si_unit="m",
         si_factor="displacement",
         contact="normal",
+        follows_load=True,
     ),
     OutputQuantity(
         "pressure",
@@ -123,6 +132,7 @@ OUTPUTS = (
         si_factor="stress",
         kind="field",
         contact="normal",
+        follows_load=True,
     ),
     OutputQuantity(
         "traction",
@@ -132,6 +142,8 @@ OUTPUTS = (
         si_unit="Pa",
         si_factor="stress",
         kind="field",
+        follows_load=True,
+        radial=True,
     ),
     OutputQuantity(
         "slip",
@@ -141,6 +153,8 @@ OUTPUTS = (
         si_unit="m",
         si_factor="displacement",
         kind="field",
+        follows_load=True,
+        radial=True,
     ),
     OutputQuantity("zones", "boundaries of the zones", "a", kind="zones"),
     OutputQuantity(
@@ -158,6 +172,8 @@ OUTPUTS = (
         under_profile=("total shear Q", "E'L²"),
         si_unit="N",
         si_factor="force",
+        follows_load=True,
+        radial=True,
     ),
     OutputQuantity("edge_ratio", "q/p of full stick at the edge", "1", scenes="flat"),
     OutputQuantity(
@@ -205,6 +221,10 @@ NUMBERS = tuple(one.name for one in OUTPUTS if one.kind == "number")
 #: Those that a flat punch alone has, and those that take the traction.
 FLAT_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.scenes == "flat")
 TANGENTIAL_QUANTITIES = frozenset(one.name for one in OUTPUTS if one.contact == "tangential")
+
+#: Those that are proportional to the load of a flat punch, and those whose sign is that of kappa.
+FOLLOWING_LOAD = frozenset(one.name for one in OUTPUTS if one.follows_load)
+RADIAL = frozenset(one.name for one in OUTPUTS if one.radial)
 
 #: Those that take q/p of full stick and nothing of the slip.
 FULL_STICK_RATIOS = frozenset({"edge_ratio", "critical_friction", "shakedown_ratio"})

@@ -10,7 +10,7 @@ top degree alone (`FieldSolution.coarse_differences`). From them follow
   stick with an unknown pressure they are energies of the changes.
 
 Second-order terms, rounding, and the error that corrections with the factors of nearby boundaries
-leave in the fields (`free_boundary.corrected`) are added to all.
+leave in the fields (`free_boundary.correct_to`) are added to all.
 
 E is the residual of the tangential equation before the compliance is subtracted, and its *defect*
 at a boundary b is the number that has to be added to E(b) for the traction to be continuous there
@@ -103,6 +103,10 @@ def _field_errors(
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ZoneSolution(ScalarResults):
     """The solution on any zones, before the friction law is checked.
+
+    Under a known pressure its approach is 1, and the errors of approach and pressure are those of
+    the contributions to that pressure alone; `slip_outcome.zones_outcome` puts approach and errors
+    of the normal contact in their place.
 
     Attributes
     ----------
@@ -274,8 +278,8 @@ class ZoneEstimate:
         narrower = np.minimum(widths[1:], widths[:-1])
         return np.asarray(errors * (1.0 + errors / (JACOBIAN_RANGE * narrower)))
 
-    def attempt(self) -> SpaceSolution[ZoneSolution]:
-        """Return the solution with its errors."""
+    def with_errors(self) -> SpaceSolution[ZoneSolution]:
+        """Return the solution with its errors, as `refine` wants it."""
         system = self.system
         fields = self.field_errors
         integral_floor = self.second_order + self.noise
@@ -335,7 +339,7 @@ class ZoneEstimate:
     @property
     def _shear_cancellation(self) -> float:
         """By how much more of the shear rounding is where it may vanish, as q changes sign."""
-        if not self.system.known_displacement:
+        if not self.system.displacement_coefficients:
             return 1.0
         bound = self.system.parameters.friction  # of the shear under unit load
         return max(bound / abs(self.system.total_shear(self.values)), 1.0)

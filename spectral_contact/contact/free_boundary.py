@@ -113,7 +113,7 @@ class FieldSolution:
         defects = -np.linalg.solve(rows @ responses, rows @ values)
         return np.asarray(defects), np.asarray(values + responses @ defects)
 
-    def corrected(self) -> tuple[FieldSolution, Array]:
+    def correct_once(self) -> tuple[FieldSolution, Array]:
         """Return the fields after one correction with the factors, and the change of the vector."""
         residual = self.system.residual(self.values[:, None], np.ones(1), self.defects[:, None])
         step = self.factors.step(residual)[:, 0]
@@ -190,7 +190,7 @@ class Corrected(NamedTuple):
     remaining: float
 
 
-def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
+def correct_to(fields: FieldSolution, tolerance: float) -> Corrected:
     """Correct fields at given boundaries to a tolerance, or until only rounding is left.
 
     Parameters
@@ -198,6 +198,14 @@ def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
     fields : FieldSolution
     tolerance : float
         Relative, of the fields.
+
+    Notes
+    -----
+    The *contraction* is the length of a correction over that of the one before. With the factors of
+    other boundaries it is unknown at the first correction. The matrix at hand is factored if the
+    contraction with such factors is above MAX_CONTRACTION, or if it is unknown and the correction
+    is longer than COARSE_TOL. Corrections that are shorter and do not shrink go on with the same
+    factors.
     """
     # where beta > 0, new factors may lower the rounding
     rounding = RIGID_TRACTION_ROUNDING if fields.system.parameters.beta == 0.0 else 0.0
@@ -205,15 +213,15 @@ def corrected(fields: FieldSolution, tolerance: float) -> Corrected:
     remaining = inf
     for _ in range(MAX_STEPS):
         exact_factors = fields.factors.system is fields.system
-        next_fields, change = fields.corrected()
+        next_fields, change = fields.correct_once()
         length = next_fields.relative_size(change)
         if not np.isfinite(length):
             return Corrected(fields, inf)
         if length_before < inf:
             contraction = length / length_before
         else:
-            # with the factors of other boundaries nothing is known of the next correction yet: 1
-            # stands for that, with which an error above the coarse tolerance asks for new factors
+            # the first correction: with the factors of the matrix itself only rounding is left
+            # after it, with those of other boundaries it is counted as one that does not shrink
             contraction = 0.0 if exact_factors else 1.0
         fields = next_fields
         remaining = length * min(max(contraction, NEGLIGIBLE_FRACTION), 1.0)
@@ -363,7 +371,7 @@ class FreeBoundary:
     ) -> Iterate:
         """Return the iterate with its fields corrected to a tolerance."""
         if iterate.remaining > tolerance:
-            fields, remaining = corrected(iterate.fields, tolerance)
+            fields, remaining = correct_to(iterate.fields, tolerance)
             iterate = replace(iterate, fields=fields, remaining=remaining)
         return replace(iterate, converged=converged)
 

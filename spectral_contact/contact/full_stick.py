@@ -18,12 +18,12 @@ from math import atan2, exp, inf, log, pi, sqrt
 import numpy as np
 
 from spectral_contact.contact.error_estimate import ZoneSolution
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, SpaceSolution
 from spectral_contact.contact.relative_changes import relative_changes
 from spectral_contact.contact.resolution import (
     TINY,
-    NormalContact,
     first_sign_change,
     relative_panel_changes,
     sample_depths,

@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.on_parts import (
     edge_value,
     field_of,
@@ -16,7 +17,6 @@ from spectral_contact.contact.on_parts import (
     series_on_parts,
     split_parts,
 )
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.fields.series import EDGE, PressureField, Radius, ZonalField
 from spectral_contact.spectral.cells import DiskCells, cell_space
 from spectral_contact.spectral.jacobi import legendre_values

@@ -37,9 +37,10 @@ class Layout(NamedTuple):
         Of every zone, one more than boundaries: 0 for stick, +1 or -1 for slip with ``q = +f p`` or
         ``q = -f p``. The first is 0.
     jacobian : ndarray, shape (boundaries, boundaries), optional
-        Derivatives by the logits of the boundary residual, which is zero where the traction is
-        continuous (docs/theory); None if no solution on such zones is at hand. Newton's method
-        begins with it.
+        Derivatives by the logits of the boundary residual, which is zero where the boundaries are
+        right (`free_boundary`). Newton's method begins with it, and with these boundaries. None if
+        no solution on such zones is at hand: then boundaries are looked for first, in a small
+        space.
     """
 
     logits: tuple[float, ...]

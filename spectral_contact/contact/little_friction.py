@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, fixed_disk
-from spectral_contact.contact.resolution import TINY
+from spectral_contact.contact.resolution import REGULARISING_COMPLIANCE, TINY
 from spectral_contact.contact.stick_radius import min_logit
 from spectral_contact.contact.tuning import CENTRAL_CLEARANCE, ROUNDING
 from spectral_contact.fields.series import Radius
@@ -40,11 +40,13 @@ def regularising_radius(parameters: Parameters) -> Radius:
 def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
     """Return the parameters and zones whose solution stands for slip everywhere.
 
-    The regularising disk is a stick zone whose boundary is no unknown. In place of beta it has a
-    compliance of ``1/ROUNDING``, so that the traction in it vanishes: with beta it would exceed f p
-    by far, and the fields around it would lose digits to it. No error of this traction counts. The
+    The regularising disk is a stick zone whose boundary is no unknown. In place of beta it has
+    REGULARISING_COMPLIANCE, so that the traction in it vanishes: with beta it would exceed f p by
+    far, and the fields around it would lose digits to it. No error of this traction counts. The
     friction is at least ROUNDING, because the traction of a smaller one is all rounding.
     """
     alpha, _, kappa, friction = parameters
-    with_disk_compliance = Parameters(alpha, 1.0 / ROUNDING, kappa, max(friction, ROUNDING))
+    with_disk_compliance = Parameters(
+        alpha, REGULARISING_COMPLIANCE, kappa, max(friction, ROUNDING)
+    )
     return with_disk_compliance, fixed_disk(regularising_radius(parameters).logit)

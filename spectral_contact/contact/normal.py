@@ -10,20 +10,17 @@ the approach.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import log, pi, sqrt
 
 import numpy as np
 
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
-from spectral_contact.contact.resolution import (
-    NormalContact,
-    graded_space,
-    relative_panel_changes,
-)
+from spectral_contact.contact.resolution import graded_space, relative_panel_changes
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING
 from spectral_contact.fields.series import Array, EdgeWeight, PressureField
 from spectral_contact.spectral.moments import load_vector
-from spectral_contact.spectral.panels import DiscreteSpace
+from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 from spectral_contact.spectral.spaces import unit_space
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
@@ -31,6 +28,42 @@ from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 #: The endpoint weight is ``(4/pi) / sqrt(y + WEIGHT_SHIFT * alpha)``. As alpha vanishes its value
 #: ``sqrt((4/pi) / alpha)`` at the edge becomes that of the pressure for unit approach.
 WEIGHT_SHIFT = 4 / pi
+
+
+@dataclass(frozen=True, slots=True)
+class NormalContact:
+    """Solution of the normal problem for unit load. Stars mark quantities without units.
+
+    Attributes
+    ----------
+    compliance : float
+        ``alpha*``.
+    approach : float
+        ``delta*``.
+    pressure : PressureField
+        ``p*``.
+    panels : LogPanels or None
+        Mesh of the series of the pressure; None on a smooth surface, whose pressure is the endpoint
+        weight alone.
+    coefficients : ndarray
+        Coefficients of the series.
+    approach_error, pressure_error : float
+        Estimates of the relative errors of the approach, and of the pressure pointwise.
+    changes : tuple of NormalContact
+        Contributions of the top two degrees of every panel, and of the top degree alone, each in
+        the form of a contact. Everything tangential is linear in the pressure, so that these show
+        how its error propagates; where the signs of two degrees cancel, those of one do not. Empty
+        if they are not wanted.
+    """
+
+    compliance: float
+    approach: float
+    pressure: PressureField
+    panels: LogPanels | None
+    coefficients: Array
+    approach_error: float = 0.0
+    pressure_error: float = 0.0
+    changes: tuple[NormalContact, ...] = ()
 
 
 class _NormalProblem:

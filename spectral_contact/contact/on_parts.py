@@ -37,7 +37,7 @@ from spectral_contact.spectral.transforms import series_of
 
 if TYPE_CHECKING:
     from spectral_contact.contact.layered_bends import Bend
-    from spectral_contact.contact.resolution import NormalContact
+    from spectral_contact.contact.normal import NormalContact
 
 Array = NDArray[np.float64]
 

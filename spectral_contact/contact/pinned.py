@@ -12,10 +12,9 @@ from __future__ import annotations
 
 from math import inf, pi, sqrt
 
-from spectral_contact.contact.normal import solve_normal
+from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement, SpaceSolution
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.fields.series import PressureField
 

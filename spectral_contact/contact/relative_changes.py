@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.resolution import relative_panel_changes
-from spectral_contact.contact.tuning import ROUNDING
+from spectral_contact.contact.resolution import REGULARISING_COMPLIANCE, relative_panel_changes
 from spectral_contact.contact.zone_spaces import leading_depth, rounding_depth
 from spectral_contact.fields.series import Array
 from spectral_contact.spectral.transforms import series_of
@@ -38,7 +37,7 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
         if field.part in singular_parts:
             leading = leading_depth(alpha, beta, extent)
         cutoff = inf
-        if part.boundary >= 0:
+        if part.boundary_number >= 0:
             cutoff = rounding_depth(part.mesh.boundary, extent)
         changes.append(
             relative_panel_changes(
@@ -58,7 +57,7 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
     for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. In a part that
     sticks again after slip, whose displacement is known, u may change sign, too: its size is
-    ``f p/s`` there, the most that u can be. The compliance ``1/eps`` marks a regularising disk. Its
+    ``f p/s`` there, the most that u can be. REGULARISING_COMPLIANCE marks a regularising disk. Its
     traction, the last field, is rounding that changes no other field, so that its size is infinite.
     """
     _, beta, kappa, friction = system.parameters
@@ -69,12 +68,12 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     if changes_sign and not (system.pressure_known or system.radii):  # in full stick
         pressure, shear = sizes
         sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
-    if beta == 1.0 / ROUNDING:
+    if beta == REGULARISING_COMPLIANCE:
         sizes[-1][:] = inf
-    if system.known_displacement:
+    if system.displacement_coefficients:
         pressures, _ = system.series(values)
         for i, field in enumerate(system.fields):
-            if field.part in system.known_displacement:
+            if field.part in system.displacement_coefficients:
                 series = pressures[field.part]
                 radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
                 sizes[i] = friction * series.at_ends() / radii

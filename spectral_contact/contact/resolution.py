@@ -9,7 +9,7 @@ contribute, the *change*: two, because coefficients of one parity may vanish.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import ceil, inf, log
 
 import numpy as np
@@ -23,12 +23,15 @@ from spectral_contact.contact.tuning import (
     SPARE_DEGREES,
     START_DEGREES_PER_EFOLD,
 )
-from spectral_contact.fields.series import Array, PressureField, Radius
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 #: The smallest normal double: added to, or put in place of, a divisor that may be zero.
 TINY = float(np.finfo(float).tiny)
+#: Stands for the tangential compliance of a regularising disk, whose traction shall vanish
+#: (`little_friction`). It is larger than any compliance of a scene, so that it marks such a disk.
+REGULARISING_COMPLIANCE = 1.0 / ROUNDING
 #: The depth ``x = -ln d`` at which a distance d is the rounding of a double: no boundary is defined
 #: more closely, and so far past a layer a singular field is its leading term.
 EPSILON_DEPTH = -log(np.finfo(float).eps)
@@ -38,42 +41,6 @@ CUBIC_TAIL_DEPTH = EPSILON_DEPTH / 3.0
 #: top degrees of panels show nothing of it. With 13 in place of 24, at rtol 1e-4, a stick radius
 #: had an error of 5e-10 and an estimate of 3e-13.
 ROOT_TAIL_DEPTH = 2.0 * CUBIC_TAIL_DEPTH
-
-
-@dataclass(frozen=True, slots=True)
-class NormalContact:
-    """Solution of the normal problem for unit load. Stars mark quantities without units.
-
-    Attributes
-    ----------
-    compliance : float
-        ``alpha*``.
-    approach : float
-        ``delta*``.
-    pressure : PressureField
-        ``p*``.
-    panels : LogPanels or None
-        Mesh of the series of the pressure; None on a smooth surface, whose pressure is the endpoint
-        weight alone.
-    coefficients : ndarray
-        Coefficients of the series.
-    approach_error, pressure_error : float
-        Estimates of the relative errors of the approach, and of the pressure pointwise.
-    changes : tuple of NormalContact
-        Contributions of the top two degrees of every panel, and of the top degree alone, each in
-        the form of a contact. Everything tangential is linear in the pressure, so that these show
-        how its error propagates; where the signs of two degrees cancel, those of one do not. Empty
-        if they are not wanted.
-    """
-
-    compliance: float
-    approach: float
-    pressure: PressureField
-    panels: LogPanels | None
-    coefficients: Array
-    approach_error: float = 0.0
-    pressure_error: float = 0.0
-    changes: tuple[NormalContact, ...] = ()
 
 
 def graded_space(

@@ -7,8 +7,9 @@ With the traction q, the drive g of the pressure (docs/theory) and the operator 
     R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2),     G(t) = int_t^1 q ds / sqrt(s^2 - t^2).
 
 E is known from pressure and traction, in stick as in slip. In stick u is zero, which is the
-tangential equation, so that only u in slip is computed. It takes E of all zones inside. Everything
-is computed for kappa = 1: `friction` is ``f / kappa``, and displacements are ``u / kappa``.
+tangential equation, so that only u in slip is computed. It takes E of all zones inside. kappa and f
+are those of the system: without elastic coupling kappa is 1 there and f stands for ``f / kappa``,
+so that displacements are ``u / kappa``.
 
 Each slip zone is an annulus with two halves, whose panels are graded toward its boundaries: a
 `GradedMesh` is the panels of one half, and `OffsetRadii` are radii given by offsets of ``z = s**2``
@@ -49,9 +50,7 @@ from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.resolution import (
-        NormalContact,
-    )
+    from spectral_contact.contact.normal import NormalContact
     from spectral_contact.spectral.annulus import Annulus
     from spectral_contact.spectral.contact_fields import KnownDisplacement
 
@@ -102,7 +101,7 @@ class SlipFields(NamedTuple):
     Attributes
     ----------
     fields : list of AnnulusSeries
-        ``u / kappa``, a field for every slip zone.
+        A field for every slip zone.
     samples : list of ndarray
         Its values times the sign of the traction: negative where slip opposes traction.
     at_outer_ends : list of float
@@ -149,7 +148,7 @@ def slip_displacement(
     beta: float,
     friction: float,
 ) -> SlipFields:
-    """Return the displacement ``u / kappa`` on every slip zone.
+    """Return the displacement on every slip zone.
 
     Parameters
     ----------
@@ -157,7 +156,7 @@ def slip_displacement(
         Ordered outward.
     pressure : PressureField or ZonalField
     beta, friction : float
-        Tangential compliance, and ``f / kappa``.
+        Tangential compliance, and the friction of the system.
     """
     fields: list[AnnulusSeries] = []
     samples: list[Array] = []

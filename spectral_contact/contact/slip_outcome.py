@@ -36,8 +36,9 @@ from spectral_contact.contact.friction_law import (
     stick_violation,
 )
 from spectral_contact.contact.layout import Layout, ScalarResults, Trial
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
-from spectral_contact.contact.resolution import TINY, NormalContact
+from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, UNCERTAIN_SLIP_ERROR
 from spectral_contact.fields.series import (
@@ -222,7 +223,7 @@ def zones_outcome(
     *,
     point_disk: bool = False,
 ) -> PartialSlip:
-    """Return the solution on zones with its displacement, verified against the friction law.
+    """Return the solution on zones with its displacement and the verdict of the friction law.
 
     Parameters
     ----------
@@ -233,7 +234,7 @@ def zones_outcome(
         Normal contact, if the pressure was known; without it the pressure is part of `solved`.
     point_disk : bool
         Whether the stick disk is so small that it counts as a point: it contributes neither to
-        the displacement nor to its error, and the friction law is not verified in it.
+        the displacement nor to its error, and the friction law is not checked in it.
     """
     from spectral_contact.contact import zone_fields
 
@@ -261,13 +262,13 @@ def zones_outcome(
         pressure = zone_fields.pressure_field(solved, parameters)
     else:
         pressure = contact.pressure
-    outcome = _verified_outcome(solved, pressure, stick_tractions, excess, slip_zones, parameters)
+    outcome = _checked_outcome(solved, pressure, stick_tractions, excess, slip_zones, parameters)
     if contact is None and not zone_fields.all_positive(solved.pressures):
         return replace(outcome, violation=inf, violation_text="the pressure is not positive")
     return outcome
 
 
-def _verified_outcome(
+def _checked_outcome(
     solved: ZoneSolution,
     pressure: PressureField | ZonalField,
     stick_tractions: dict[int, DiskSeries | AnnulusSeries],
@@ -309,7 +310,7 @@ def _verified_outcome(
     slip_pieces: list[ZonePiece] = []
     displacement_fields = iter(displacement.fields)
     for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
-        displaced = 2 * k in solved.system.known_displacement
+        displaced = 2 * k in solved.system.displacement_coefficients
         kind = "slip" if state else "stick"
         zones.append(Zone.from_radii(kind, inner, outer, sense=state or 1, memory=displaced))
         if state:

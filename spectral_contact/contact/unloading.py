@@ -48,8 +48,8 @@ import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES, excused_excess
 from spectral_contact.contact.layout import Layout, NoBoundariesError, logit_at
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.stick_radius import JACOBIAN_FIELD_TOL
 from spectral_contact.contact.tuning import (
@@ -116,7 +116,7 @@ class UnloadedSearch(ZoneSearch):
     contact: NormalContact
     before: KnownDisplacement
     load_ratio: float
-    #: the latest solution
+    #: the latest solution, refuted or not: `_candidates` goes on from it, after `_solve` has set it
     solved: ZoneSolution | None = field(default=None, init=False)
 
     @cached_property
@@ -283,7 +283,7 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
     states = list(system.states)
     for zone in range(len(states) - 1, 0, -1):
         # both parts of a zone with memory have a known displacement
-        if 2 * zone not in system.known_displacement:
+        if 2 * zone not in system.displacement_coefficients:
             continue
         halves = [_friction_ratios(solved, k) for k in (2 * zone - 1, 2 * zone)]
         y, ratio = np.concatenate(halves, axis=1)
@@ -388,7 +388,9 @@ class Unloading:
             turning = "the turning ratio, which was not found,"
         else:
             if load_ratio > ratio.value * (1.0 + ratio.error):
-                raise NoZonesError("forward slip is too narrow to say whether it grows")
+                raise NoZonesError(
+                    "forward slip is too narrow to say whether it grows; a tighter rtol may do"
+                )
             turning = f"the turning ratio {ratio.value:.7g}"
         raise HistoryError(f"below {turning} it depends on the loads in between")
 
@@ -551,5 +553,5 @@ def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array
 
 def _reverse_margin(solved: ZoneSolution) -> float:
     """Return the least ``q/(f p) + 1`` in zones that stick with memory; infinity without any."""
-    displaced = solved.system.known_displacement
+    displaced = solved.system.displacement_coefficients
     return min((float(_friction_ratios(solved, k)[1].min()) for k in displaced), default=inf) + 1.0

@@ -28,9 +28,9 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from spectral_contact.contact.error_estimate import stick_zone_sources
-from spectral_contact.contact.free_boundary import FieldSolution, corrected
+from spectral_contact.contact.free_boundary import FieldSolution, correct_to
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.resolution import NormalContact
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import DERIVATIVE_CORRECTIONS, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.contact.zone_fields import stick_tractions
@@ -229,7 +229,7 @@ class _SolutionDerivatives:
     def _solution(self, logits: Array) -> FieldSolution:
         """Return the fields for given boundaries, to rounding."""
         factors = factored(self.system_at(self.parameters, logits))
-        return corrected(FieldSolution.first(factors), _FIELD_TOLERANCE).fields
+        return correct_to(FieldSolution.first(factors), _FIELD_TOLERANCE).fields
 
     def _boundary_derivatives(self, logits: Array) -> Array:
         """Return the derivatives of boundary residual, approach and shear by every logit.
@@ -249,7 +249,7 @@ class _SolutionDerivatives:
                 moved = replace(self.fields, system=system)
                 if not reuse_factors:
                     moved = moved.refactored()
-                moved = corrected(moved, _FIELD_TOLERANCE).fields
+                moved = correct_to(moved, _FIELD_TOLERANCE).fields
                 shear = moved.approach * moved.system.total_shear(moved.values)
                 values.append([*moved.boundary_residual, moved.approach, shear])
             rows.append(_DERIVATIVE @ np.array(values) / self.min_width)

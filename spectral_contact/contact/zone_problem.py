@@ -21,11 +21,12 @@ from spectral_contact.contact.free_boundary import (
     FieldSolution,
     FreeBoundary,
     Iterate,
-    corrected,
+    correct_to,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
-from spectral_contact.contact.resolution import NormalContact, concatenate_spaces
+from spectral_contact.contact.resolution import concatenate_spaces
 from spectral_contact.contact.stick_radius import (
     JACOBIAN_FIELD_TOL,
     MIN_LOGIT,
@@ -125,7 +126,7 @@ class FreeBoundaryProblem:
         return edge_power(self.parameters, self.states)
 
     def system(
-        self, spaces: Sequence[DiscreteSpace], logits: Array, *, changes: bool = False
+        self, spaces: Sequence[DiscreteSpace], logits: Array, *, with_contributions: bool = False
     ) -> ContactSystem:
         """Return the equations with given boundaries.
 
@@ -133,7 +134,7 @@ class FreeBoundaryProblem:
         ----------
         spaces : sequence of DiscreteSpace
         logits : ndarray
-        changes : bool
+        with_contributions : bool
             Whether the contributions of the top two degrees of a known pressure and of its top one
             are right-hand sides, too, so that the error of the pressure enters the estimates.
 
@@ -148,7 +149,7 @@ class FreeBoundaryProblem:
         pressures: list[PressureField] = []
         if self._known is not None:
             pressures = [self._known.pressure]
-            if changes:
+            if with_contributions:
                 contributions = [change.pressure for change in self._known.changes]
                 # a pressure in closed form has no top degrees in a space of its own
                 zero = PressureField(None, None)
@@ -159,13 +160,17 @@ class FreeBoundaryProblem:
             spaces,
             self.parameters,
             pressures,
-            truncated=changes and self._known is not None,
+            truncated=with_contributions and self._known is not None,
             displacement=self._displacement,
         )
 
-    def _newton(self, spaces: Sequence[DiscreteSpace], *, changes: bool = False) -> FreeBoundary:
+    def _newton(
+        self, spaces: Sequence[DiscreteSpace], *, with_contributions: bool = False
+    ) -> FreeBoundary:
         """Return Newton's method in these spaces."""
-        return FreeBoundary(lambda logits: self.system(spaces, logits, changes=changes))
+        return FreeBoundary(
+            lambda logits: self.system(spaces, logits, with_contributions=with_contributions)
+        )
 
     # the first boundaries, in small spaces
 
@@ -173,9 +178,9 @@ class FreeBoundaryProblem:
         """Return the fields with one given boundary in the smallest space, that of COARSE_TOL."""
         logits = np.array([logit])
         system = self.system(self.spaces(COARSE_TOL, logits), logits)
-        return corrected(FieldSolution.first(factored(system)), COARSE_TOL).fields
+        return correct_to(FieldSolution.first(factored(system)), COARSE_TOL).fields
 
-    def initial_layout(self) -> Layout:
+    def current_layout(self) -> Layout:
         """Return the boundaries to begin with in a space, and their Jacobian.
 
         Those of the last space; in the first space those of a warm start, or the guess improved to
@@ -227,11 +232,11 @@ class FreeBoundaryProblem:
         The `fraction` is that of the usual step.
         """
         factors = factored(self.system(spaces, logits))
-        centre = corrected(FieldSolution.first(factors), tolerance).fields
+        centre = correct_to(FieldSolution.first(factors), tolerance).fields
 
         def residual(moved_logits: Array) -> Array:
             moved = replace(centre, system=self.system(spaces, moved_logits))
-            return corrected(moved, tolerance).fields.boundary_residual
+            return correct_to(moved, tolerance).fields.boundary_residual
 
         return fd_jacobian(residual, logits, fraction)
 
@@ -243,7 +248,7 @@ class FreeBoundaryProblem:
 
     def start(self) -> DiscreteSpace:
         """Return the first space: those of all parts, concatenated."""
-        self._layout = self.initial_layout()
+        self._layout = self.current_layout()
         logits = np.array(self._layout.logits)
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway_tol = float(np.sqrt(self.field_tolerance))
@@ -268,8 +273,8 @@ class FreeBoundaryProblem:
     def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space, from the boundaries of the last one."""
         spaces = self.split(resolution)
-        layout = self.initial_layout()
-        newton = self._newton(spaces, changes=True)
+        layout = self.current_layout()
+        newton = self._newton(spaces, with_contributions=True)
         negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
         boundary_tol = max(negligible, RESIDUAL_NOISE)
         if self.parameters.beta == 0.0:
@@ -298,7 +303,7 @@ class FreeBoundaryProblem:
         self, iterate: Iterate, spaces: list[DiscreteSpace]
     ) -> SpaceSolution[ZoneSolution]:
         """Return a solution with the estimates of its errors."""
-        solution = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).attempt()
+        solution = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).with_errors()
         if self._known and not self.pointwise:
             return replace(solution, error=solution.value.shear_error)
         return solution
@@ -325,11 +330,11 @@ class _GivenRadius(FreeBoundaryProblem):
         factors: FactoredSystem | None = None
         for friction in (0.0, 1.0):
             self.parameters = self.parameters._replace(friction=friction)
-            system = self.system(spaces, logits, changes=True)
+            system = self.system(spaces, logits, with_contributions=True)
             # the friction is in the right-hand sides only
             factors = factors or factored(system)
             start = FieldSolution.first(factors, system)
-            fields = corrected(start, RESIDUAL_NOISE).fields
+            fields = correct_to(start, RESIDUAL_NOISE).fields
             residuals.append(float(fields.boundary_residual[0]))
         without_friction, unit_friction = residuals
         if not (without_friction > 0.0 and without_friction > unit_friction):
@@ -337,9 +342,9 @@ class _GivenRadius(FreeBoundaryProblem):
         friction = without_friction / (without_friction - unit_friction)
         self.parameters = self.parameters._replace(friction=friction)
         assert factors is not None
-        system = self.system(spaces, logits, changes=True)
+        system = self.system(spaces, logits, with_contributions=True)
         start = FieldSolution.first(factors, system)
-        fields, remaining = corrected(start, RESIDUAL_NOISE)
+        fields, remaining = correct_to(start, RESIDUAL_NOISE)
         iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
         return self.estimate(iterate, spaces)
 
@@ -352,10 +357,12 @@ def solve_stick(
     known: NormalContact | None = None,
     pointwise: bool = True,
 ) -> Refinement[ZoneSolution]:
-    """Solve with stick on the whole contact; see `solve_zones`."""
+    """Solve with stick on the whole contact; see `solve_coupled_zones`."""
     full_stick = Layout((), (0,))
     if known is None:
-        return solve_zones(parameters, full_stick, tolerance, max_unknowns, pointwise=pointwise)
+        return solve_coupled_zones(
+            parameters, full_stick, tolerance, max_unknowns, pointwise=pointwise
+        )
     problem = FreeBoundaryProblem(
         parameters, full_stick, tolerance, pointwise=pointwise, known=known
     )
@@ -381,7 +388,7 @@ def solve_given_radius(
     return refinement, refinement.best.value.system.parameters.friction
 
 
-def solve_zones(
+def solve_coupled_zones(
     parameters: Parameters,
     layout: Layout,
     tolerance: float,

@@ -1,4 +1,4 @@
-"""Which zones partial slip has: a list of candidates, each verified by the friction law.
+"""Which zones partial slip has: a list of candidates, each judged by the friction law.
 
 A candidate is a sequence of zones (`Layout`: boundaries, and whether each zone sticks or slips)
 with the reason why it is tried. `ZoneSearch.outcome` takes the candidates in order, solves for the
@@ -36,12 +36,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.contact.layout import Layout, NoBoundariesError, Trial, fixed_disk
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.contact.resolution import (
-    EPSILON_DEPTH,
-    NormalContact,
-)
+from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import (
     PartialSlip,
     as_full_slip,
@@ -67,7 +65,7 @@ from spectral_contact.contact.zone_fields import (
     estimated_stick_radius,
     with_central_asymptote,
 )
-from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_coupled_zones
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
@@ -105,8 +103,10 @@ class Candidate:
         Why they are tried.
     predicted : bool
         Whether boundaries and Jacobian are predicted from scenes that were solved before
-        (`solving.sharing`). Newton's method then starts from them, and no search for better ones
-        comes before it.
+        (`solving.sharing`), and are given up if they do not lead to a verified solution that meets
+        the tolerance. No search for better boundaries comes before Newton's method. Without
+        coupling one stick disk of a like scene is not predicted in this sense: it may miss the
+        tolerance, as a fresh start finds no better disk.
     closed_edge : bool
         Whether narrow stick at a smooth edge is added to them in closed form.
     """
@@ -180,7 +180,8 @@ class ZoneSearch(ABC):
                 if candidate.predicted:
                     outcomes += self._try(candidate)
                 elif candidate.zones.states not in trial_states:
-                    # a disk without a radius may come again with one; a warm start may be far off
+                    # Other boundaries of the same states are not tried, unless these were none
+                    # yet (a disk whose radius is to be found) or those of a like scene.
                     if candidate.zones.logits and candidate.zones.jacobian is None:
                         trial_states.add(candidate.zones.states)
                     outcomes += self._try_with_missing_stick(candidate, trial_states)
@@ -266,7 +267,7 @@ class ZoneSearch(ABC):
 
     @abstractmethod
     def _solve(self, candidate: Candidate) -> PartialSlip:
-        """Return the solution on a candidate, verified.
+        """Return the solution on a candidate, with the verdict on it, which may be against it.
 
         Raises
         ------
@@ -540,21 +541,21 @@ class CoupledSearch(ZoneSearch):
         try:
             if not candidate.predicted:
                 # first boundaries, from a small space
-                zones = FreeBoundaryProblem(self.parameters, zones, self.tolerance).initial_layout()
+                zones = FreeBoundaryProblem(self.parameters, zones, self.tolerance).current_layout()
         except NoStickDiskError as error:
             if error.at_centre and not candidate.closed_edge:
                 return self._full_slip()
             raise
-        refinement = solve_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
+        refinement = solve_coupled_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
         if not refinement.best.error < 0.5:
             raise NoZonesError("no digit of the fields is known")
         solved = perf_counter()
-        verified: Callable[..., PartialSlip] = zones_outcome
+        with_verdict: Callable[..., PartialSlip] = zones_outcome
         if candidate.closed_edge:
             from spectral_contact.contact.edge_stick import with_edge_stick
 
-            verified = with_edge_stick
-        outcome = verified(refinement.best.value, self.parameters)
+            with_verdict = with_edge_stick
+        outcome = with_verdict(refinement.best.value, self.parameters)
         if not outcome.violation_text:
             # without the time of the verdict
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
@@ -616,13 +617,13 @@ class CoupledSearch(ZoneSearch):
         from spectral_contact.contact.little_friction import full_slip_problem
 
         begin = perf_counter()
-        refinement = solve_zones(
+        refinement = solve_coupled_zones(
             *full_slip_problem(self.parameters), self.tolerance, self.max_unknowns
         )
         self.record(PARTIAL_SLIP, refinement, begin)
         begin = perf_counter()
-        verified = with_edge_stick if self._smooth_edge_sticks else zones_outcome
-        outcome = verified(refinement.best.value, self.parameters, point_disk=True)
+        with_verdict = with_edge_stick if self._smooth_edge_sticks else zones_outcome
+        outcome = with_verdict(refinement.best.value, self.parameters, point_disk=True)
         if self.parameters.alpha == 0.0:
             outcome = self._with_central_asymptote(outcome)
         outcome = as_full_slip(outcome, self.parameters.friction)

@@ -7,9 +7,7 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from spectral_contact.contact.resolution import (
-    NormalContact,
-)
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.tuning import (
     NEGLIGIBLE_FRACTION,
     ONSET_BAND,

@@ -1,16 +1,19 @@
-"""Pressure, traction and slip under a grown contact: integrals over its history, and their series.
+"""Pressure, traction and slip of a contact that has grown: integrals over its history.
 
-A point at radius ``r`` comes into contact when the contact radius ``b`` is ``r``. It slips until
-the stick radius has grown to ``r``, and sticks from then on; without slip it sticks at once. Each
-field at the point is the integral of the fields of flat punches over the increments of the load:
+A point at the radius ``r`` comes into contact when the contact radius ``b`` is ``r``. It slips
+until the stick radius ``c(b)`` has grown to ``r``, at ``b = b_r``, and sticks from then on. Where
+there is no slip it sticks at once. Each field at the point is an integral of the fields of flat
+punches over the increments of the load (docs/theory, G.4):
 
-- the pressure over the whole time since the point came into contact,
-- the slip over the time in which it slips,
-- the traction over the time in which it sticks, plus friction times the pressure gained before.
+- the pressure from ``b = r`` to today's contact radius ``a``,
+- the slip from ``r`` to ``b_r``,
+- the traction from ``b_r`` to ``a``, plus friction times the pressure gained from ``r`` to ``b_r``.
 
-Radii are given by their logarithms: ``log_r`` of points, ``u = ln b`` of contacts, and ``stuck``,
-the ``u`` at which a point begins to stick. ``t`` in [-1, 1] is the place in a panel of the history,
-and ``depth`` is the distance from its lower end in the coordinate ``x`` of its `RadiusStretch`.
+The fields are sampled, and given as series in ``s = r/a``.
+
+Radii are given by logarithms: ``log_r = ln r`` of points, ``u = ln b`` of contacts, and `u_stick`,
+which is ``ln b_r``. The coordinate ``v``, the place ``t`` and the depth, which is the distance in
+``v`` from the lower end of a panel, are those of its `RadiusStretch`.
 """
 
 from __future__ import annotations
@@ -46,7 +49,7 @@ from spectral_contact.spectral.transforms import sampled_series
 Fields = dict[str, Array]
 
 #: Width of the panels on which fields have series, in the logarithm of the distance from the end of
-#: an annulus.
+#: an annulus; the distance is a difference of ``s**2``.
 _WIDTH = 2.0
 #: Factor by which each degree of the Legendre series on a panel divides the error. The nearest
 #: singularity is at the other end of the annulus.
@@ -57,19 +60,19 @@ _FEWEST_AT_CENTRE = 4
 _FEWEST_PANELS = 11
 #: Largest number of them; it is enough for square roots, which fields have on a smooth surface.
 _MOST_PANELS = 26
-#: Within the layer, where fields are bounded, panels go on towards the edge to this power of the
-#: tolerance, in units of the thickness.
+#: With a layer fields are bounded at the edge. Panels end at a distance that is the square of the
+#: compliance times this power of the tolerance.
 _EDGE_POWER = 0.75
-#: Tolerance of the quadrature over the history, relative to that of the fields. It is this small
-#: because estimates may be a fiftieth of the tolerance that is asked for.
+#: Tolerance of the quadrature over the history, relative to that of the fields. It is so small
+#: because the other errors together may be a fiftieth of the tolerance.
 _QUADRATURE = 1e-3
 #: Number of Gauss points for a smooth integrand over a part of the history.
 _SMOOTH_POINTS = 16
-#: An integrand is smooth if its part of the history begins farther than this from a singularity, in
-#: lengths of the panel.
+#: An integrand over a part of a panel is smooth if this part begins farther than this from the
+#: radius at which the integrand is singular, in extents of the panel.
 _NEAR = 0.3
-#: Safety factor on the last coefficients of series. The error of a traction with square roots was
-#: 1.3 times these.
+#: Error estimate of a series over its last coefficients. The error of a traction with square roots
+#: was 1.3 times these.
 _SAFETY = 3.0
 #: Radii at which a field is not smooth are merged if their logarithms are closer than this.
 _APART = 1e-6
@@ -92,20 +95,20 @@ class GrownField:
     Attributes
     ----------
     field : ZonalField
-    lost : float
-        Estimate of the error, in the unit of the field.
+    error : float
+        Estimate of this error, in the unit of the field.
     largest : float
         Largest absolute value of the field at the ends of panels.
     """
 
     field: ZonalField
-    lost: float
+    error: float
     largest: float
 
     @property
-    def share_lost(self) -> float:
-        """The error, relative to the largest value; 0 for a field that is zero."""
-        return self.lost / self.largest if self.largest else 0.0
+    def relative_error(self) -> float:
+        """The error over the largest value; 0 for a field that is zero."""
+        return self.error / self.largest if self.largest else 0.0
 
 
 class GrownFields:
@@ -118,8 +121,8 @@ class GrownFields:
     stick : Radius
         Today's stick radius over the contact radius.
     layer : float
-        The least compliance of the layer, in contact radii. If it is zero, fields have square roots
-        at the edge.
+        The smaller of the two compliances of the layer, in contact radii. If it is zero, fields
+        have square roots at the edge.
     tolerance : float
         Relative to the largest value of each field.
     names : collection of str
@@ -136,13 +139,13 @@ class GrownFields:
         names: Collection[str],
     ) -> None:
         digits = -math.log(tolerance)
-        # square roots go on to within the thickness of the layer, on a smooth surface to the edge
+        # closer to the edge than `layer` square roots of the distance turn into bounded fields
         edge = -math.log(min(max(layer, TINY), 1.0))
         count = max(2 + int((2.0 * edge + _EDGE_POWER * digits) / _WIDTH), _FEWEST_PANELS)
         self._quadrature_error = _QUADRATURE * tolerance
         exact = -math.log(self._quadrature_error)
-        # A field goes like ln(x)/sqrt(x) at the edge, and nodes from x = exp(-2 half_depth) on
-        # leave out -2 sqrt(x) ln(x). Within the layer it is bounded.
+        # If a field is like ln(z)/sqrt(z) at the distance z from the edge, nodes from
+        # z = exp(-2 half_depth) on leave out -2 sqrt(z) ln(z). Within the layer it is bounded.
         half_depth = exact + math.log(4.0 * exact)
         self.history = _History(
             growth,
@@ -154,8 +157,8 @@ class GrownFields:
         self._names_slipping = ["pressure"] if self._names_stuck else []
         if "slip" in names:
             self._names_slipping.append("slip")
-        #: results of `_increments_at`, by the bytes of the radii
-        self._increments: dict[bytes, tuple[Fields, Fields]] = {}
+        #: results of `_integrals_at`, by the bytes of the radii
+        self._integrals: dict[bytes, tuple[Fields, Fields]] = {}
         self.stick = stick
         self._panel_count = min(count, _MOST_PANELS)
         self._kinks_inside = self._kinks(-math.inf, stick.log)
@@ -164,8 +167,8 @@ class GrownFields:
     def _kinks(self, log_low: float, log_high: float) -> list[Radius]:
         """Return the radii between two, given by ``ln s``, at which fields are not smooth.
 
-        These are the breaks of the profile and the contact radius at which slip began, and the
-        stick radii of the contacts of these radii.
+        The history is not smooth at the breaks of the profile and at the onset of slip. Fields are
+        not smooth at these contact radii, nor at the stick radii that the contact had then.
         """
         growth = self.history.growth
         events = [*growth.breaks, *([growth.onset] if growth.onset else [])]
@@ -185,11 +188,11 @@ class GrownFields:
         friction : float
             Infinite for full stick.
         pressure : PressureField or ZonalField
-            Today's pressure. In the slip zone the traction is friction times it.
+            Pressure today. In the slip zone of today the traction is friction times it.
         """
 
         def values(log_r: Array) -> Array:
-            stuck, slipping = self._increments_at(log_r)
+            stuck, slipping = self._integrals_at(log_r)
             if self.stick.from_edge == 0.0:
                 return stuck["traction"]
             return stuck["traction"] + friction * slipping["pressure"]
@@ -211,35 +214,35 @@ class GrownFields:
         """Return the pressure."""
 
         def values(log_r: Array) -> Array:
-            stuck, slipping = self._increments_at(log_r)
+            stuck, slipping = self._integrals_at(log_r)
             return stuck["pressure"] + slipping["pressure"]
 
         return self._sampled(values, [CENTRE, *self._kinks_inside, *self._outer_ends()], power=0)
 
     def slip(self) -> GrownField:
-        """Return by how far points have slipped since they came into contact."""
+        """Return how far points have slipped since they came into contact."""
 
         def values(log_r: Array) -> Array:
-            return self._increments_at(log_r)[1]["slip"]
+            return self._integrals_at(log_r)[1]["slip"]
 
         return self._sampled(values, [CENTRE, *self._kinks_inside, *self._outer_ends()], power=1)
 
-    def _increments_at(self, log_r: Array) -> tuple[Fields, Fields]:
-        """Return by how much fields grew at radii while they stuck, and while they slipped.
+    def _integrals_at(self, log_r: Array) -> tuple[Fields, Fields]:
+        """Return by how much fields grew at points while they stuck, and while they slipped.
 
-        It is computed once for the same radii.
+        For the same points it is computed once.
         """
         key = log_r.tobytes()
-        if key not in self._increments:
-            stuck = self.history.when_stuck(log_r)
-            self._increments[key] = (
-                self.history.while_stuck(self._names_stuck, log_r, stuck),
-                self.history.while_slipping(self._names_slipping, log_r, stuck),
+        if key not in self._integrals:
+            u_stick = self.history.when_stuck(log_r)
+            self._integrals[key] = (
+                self.history.while_stuck(self._names_stuck, log_r, u_stick),
+                self.history.while_slipping(self._names_slipping, log_r, u_stick),
             )
-        return self._increments[key]
+        return self._integrals[key]
 
     def _outer_ends(self) -> list[Radius]:
-        """Return the ends of annuli from the stick radius to the edge; they may be the same."""
+        """Return the ends of the annuli outside the stick disk; the edge alone if all sticks."""
         if self.stick.from_edge == 0.0:
             return [EDGE]
         return [self.stick, *self._kinks_outside, EDGE]
@@ -252,14 +255,14 @@ class GrownFields:
         Parameters
         ----------
         values : callable
-            The field at logarithms of radii, in the units of the history.
+            The field at logarithms of radii ``r``, in the units of the history.
         ends : list of Radius
-            The ends of the annuli, from the centre on.
+            The ends of the annuli, from the centre on, in contact radii.
         power : int
             The series are of the field over ``s**power``: 1 for odd fields, 0 for even ones.
         """
         pieces = []
-        lost = 0.0
+        error = 0.0
         largest = 0.0
         for low, high in pairwise(ends):
             halves = []
@@ -273,16 +276,16 @@ class GrownFields:
                 halves.append(series)
                 scale = _largest_radii(mesh) ** power
                 errors = _SAFETY * np.abs(series.coefficients[:, -2:]).max(axis=1)
-                lost = max(lost, float((scale * errors).max()))
+                error = max(error, float((scale * errors).max()))
                 largest = max(largest, float((scale * np.abs(series.at_ends()[:-1])).max()))
             pieces.append(ZonePiece(high, AnnulusSeries(low, high, halves[0], halves[1], power)))
-        lost += self._quadrature_error * largest
-        return GrownField(ZonalField(tuple(pieces)), lost, largest)
+        error += self._quadrature_error * largest
+        return GrownField(ZonalField(tuple(pieces)), error, largest)
 
     def _series(self, values: Callable[[Array], Array], mesh: GradedMesh, power: int) -> LogSeries:
         """Return the series of a field over ``s**power`` on one half of an annulus."""
         radii = mesh.points(mesh.panels.sampling_distances)
-        # ln s from 1 - s**2 near the edge, and from s**2 elsewhere
+        # ln s from y = 1 - s**2 near the edge, and from z = s**2 elsewhere
         near_edge = radii.y < 0.5
         rest = np.where(near_edge, radii.y, 0.0)
         square = np.where(near_edge, 1.0, radii.z)
@@ -294,8 +297,8 @@ class GrownFields:
 def opening(pressure: ZonalField) -> float | None:
     """Return the distance from the edge at which the pressure becomes negative.
 
-    It is that of the first change of sign from the centre on. None if no sample is negative, or if
-    the first sample, next to the centre, is.
+    It is that of the first change of sign from the centre on. It is None if no sample is negative,
+    or if the one next to the centre is.
     """
 
     def pressure_at(log_distance: float | Array) -> Array:
@@ -312,9 +315,10 @@ def opening(pressure: ZonalField) -> float | None:
 
 
 def _with_logarithm(series: LogSeries) -> LogSeries:
-    """Return a series that goes on beyond its panels linearly in the logarithm of the distance.
+    """Return a series that is continued beyond its panels, linearly in the logarithm of distance.
 
-    Value and slope are those of the last panel at its end, where ``P_n' = n (n + 1)/2``.
+    Value and slope are those at the end of the last panel. There the derivative of the Legendre
+    polynomial of degree n is ``n (n + 1)/2``.
     """
     last = series.coefficients[-1]
     n = np.arange(len(last))
@@ -336,11 +340,11 @@ class _History:
     ----------
     growth : Growth
     rule : tuple of ndarray
-        Nodes and weights on (0, 1) for a part of the history at whose ends the integrand may be
-        singular: the pressure of a flat punch has a square root at the edge and, with coupling, at
-        the stick radius. Over any other part it is integrated by Gauss points, `smooth_rule`.
+        Nodes and weights on (0, 1) for a part of a panel at whose ends the integrand may be
+        singular: the pressure of a flat punch is like a square root at the edge and, with coupling,
+        at the stick radius. Other parts have Gauss points, `smooth_rule`.
     degree : int
-        Degree of the series of fields.
+        Degree of the series of fields on each panel in ``s``.
     """
 
     def __init__(self, growth: Growth, rule: tuple[Array, Array], degree: int) -> None:
@@ -350,44 +354,54 @@ class _History:
         self.degree = degree
 
     def panels(self, boundary: Radius, reach: float, count: int) -> LogPanels:
-        """Return the panels towards an end of an annulus, of which half is `reach` in ``s**2``.
+        """Return the panels in the logarithm of the distance from an end of an annulus.
 
-        Towards the centre they go down to the radius where the history begins; towards any other
+        Towards the centre they go down to the radius at which the history begins. Towards any other
         end there are `count` of them.
+
+        Parameters
+        ----------
+        boundary : Radius
+            The end.
+        reach : float
+            Half the width of the annulus in ``s**2``, which the panels cover.
+        count : int
         """
         depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low) + math.log(reach)
-        # If a panel continues the history below its first radius, the two innermost panels are not
-        # needed.
-        unneeded = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
-        at_centre = max(math.ceil(depth / _WIDTH) - unneeded, _FEWEST_AT_CENTRE)
+        # If there is a panel before the first one, the history is so long that the two innermost
+        # panels are not needed.
+        left_out = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2
+        at_centre = max(math.ceil(depth / _WIDTH) - left_out, _FEWEST_AT_CENTRE)
         panels = at_centre if boundary is CENTRE else count
         return LogPanels(panels, _WIDTH, self.degree)
 
-    def while_stuck(self, names: Sequence[str], log_r: Array, stuck: Array) -> Fields:
-        """Return by how much fields grew at radii since they began to stick, at ``u = stuck``."""
+    def while_stuck(self, names: Sequence[str], log_r: Array, u_stick: Array) -> Fields:
+        """Return by how much fields grew at points since they began to stick, at `u_stick`."""
         total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
-            # for points that began to stick long before the panel the integrand is smooth
-            near = panel.stretch.before(stuck) < _NEAR * panel.stretch.extent
+            # the integrand is smooth for points that began to stick long before the panel
+            near = panel.stretch.distance_below(u_stick) < _NEAR * panel.stretch.extent
             for rows, rule in (
-                (near & (stuck < panel.high), self.rule),
+                (near & (u_stick < panel.high), self.rule),
                 (~near, self.smooth_rule),
             ):
                 if names and rows.any():
                     total[:, rows] += _added_while_stuck(
-                        names, panel, log_r[rows], stuck[rows], rule
+                        names, panel, log_r[rows], u_stick[rows], rule
                     )
         return dict(zip(names, total, strict=True))
 
-    def while_slipping(self, names: Sequence[str], log_r: Array, stuck: Array) -> Fields:
-        """Return by how much fields grew at radii before they began to stick, at ``u = stuck``."""
+    def while_slipping(self, names: Sequence[str], log_r: Array, u_stick: Array) -> Fields:
+        """Return by how much fields grew at points before they began to stick, at `u_stick`."""
         total = np.zeros((len(names), len(log_r)))
         for panel in self.growth.all_panels:
             begin = np.maximum(log_r, panel.low)
-            end = np.minimum(stuck, panel.high)
-            # the integrand is smooth far from where a point began to slip and where it stopped
+            end = np.minimum(u_stick, panel.high)
+            # the integrand is smooth far from where a point came into contact and began to stick
             distance = _NEAR * panel.stretch.extent
-            near = (panel.stretch.before(log_r) < distance) | (stuck - end < panel.high - panel.low)
+            near = (panel.stretch.distance_below(log_r) < distance) | (
+                u_stick - end < panel.high - panel.low
+            )
             slipped = (begin < end) & panel.slips
             for rows, rule in (
                 (slipped & near, self.rule),
@@ -399,45 +413,45 @@ class _History:
         return dict(zip(names, total, strict=True))
 
     def when_stuck(self, log_r: Array) -> Array:
-        """Return the logarithms of the contact radii at which points begin to stick.
+        """Return ``ln b_r`` of points: how large the contact was when they began to stick (G.3).
 
-        A point that slips today gets today's contact radius.
+        For a point that slips today that is today's contact radius.
         """
-        stuck = np.array(log_r)
+        u_stick = np.array(log_r)
         end_before = math.inf
         for panel in self.growth.all_panels:
             if panel.slips:
                 ends = panel.log_stick(np.array([-1.0, 1.0]))
                 begin, end = panel.low + ends[0], panel.high + ends[1]
-                # where panels meet their stick radii may differ by their errors
-                stuck[(log_r > end_before) & (log_r <= begin)] = panel.low
+                # the stick radii of two panels may differ by their errors where the panels meet
+                u_stick[(log_r > end_before) & (log_r <= begin)] = panel.low
                 on_panel = (log_r > begin) & (log_r <= end)
-                stuck[on_panel] = _radii_of_sticking(panel, log_r[on_panel])
+                u_stick[on_panel] = _radii_of_sticking(panel, log_r[on_panel])
                 end_before = end
         last = self.growth.panels[-1]
         if last.slips:
             still_slipping = log_r > last.high + last.log_stick(np.ones(1))[0]
-            stuck[still_slipping] = last.high
-        return stuck
+            u_stick[still_slipping] = last.high
+        return u_stick
 
 
 def _added_while_stuck(
-    names: Sequence[str], panel: Panel, log_r: Array, stuck: Array, rule: tuple[Array, Array]
+    names: Sequence[str], panel: Panel, log_r: Array, u_stick: Array, rule: tuple[Array, Array]
 ) -> Array:
-    """Return what one panel adds to fields at radii while they stick, (names, radii)."""
+    """Return what one panel adds to fields at points while they stick, (names, points)."""
     stretch = panel.stretch
-    begin = np.maximum(stuck, panel.low)
+    begin = np.maximum(u_stick, panel.low)
     points, weights = rule
     depth = stretch.depth_of(begin)[:, None]
-    extent = stretch.step(depth, (panel.high - begin)[:, None])
+    extent = stretch.v_increment(depth, (panel.high - begin)[:, None])
     t = stretch.place(depth + extent * points)
-    ahead = stretch.ahead(depth, extent * points)
-    # ln(b c*/r); for points that begin to stick on this panel it is exactly 0 there
+    ahead = stretch.u_increment(depth, extent * points)
+    # ln(c(b)/r); it is exactly 0 where points begin to stick, if they do so on this panel
     if panel.slips:
         first_stick = panel.log_stick(stretch.place(depth))
         log_ratio = ahead + panel.log_stick(t) - first_stick
-        log_ratio += np.where(stuck < panel.low, begin - log_r, 0.0)[:, None]
-        log_ratio += np.where(stuck[:, None] < panel.low, first_stick, 0.0)
+        log_ratio += np.where(u_stick < panel.low, begin - log_r, 0.0)[:, None]
+        log_ratio += np.where(u_stick[:, None] < panel.low, first_stick, 0.0)
         log_ratio = np.maximum(log_ratio, 0.0)
     else:
         log_ratio = ahead + (begin - log_r)[:, None]
@@ -454,17 +468,17 @@ def _added_while_slipping(
     span: tuple[Array, Array],
     rule: tuple[Array, Array],
 ) -> Array:
-    """Return what one panel adds to fields at radii while they slip, (names, radii).
+    """Return what one panel adds to fields at points while they slip, (names, points).
 
-    `span` is the part of the panel, in ``u``, on which each radius slips.
+    `span` is the part of the panel, in ``u``, on which each point slips.
     """
     stretch = panel.stretch
     begin, end = span
     points, weights = rule
     depth = stretch.depth_of(begin)[:, None]
-    extent = stretch.step(depth, (end - begin)[:, None])
+    extent = stretch.v_increment(depth, (end - begin)[:, None])
     t = stretch.place(depth + extent * points).ravel()
-    ahead = stretch.ahead(depth, extent * points)
+    ahead = stretch.u_increment(depth, extent * points)
     log_ratio = (begin - log_r)[:, None] + ahead  # ln(b/r)
     values = panel.where_slipping(names, t, log_ratio.ravel())
     values = (values * panel.increment(t)).reshape(-1, *ahead.shape)
@@ -476,9 +490,9 @@ def _added_while_slipping(
 def tanh_rule(digits: float, depth: float) -> tuple[Array, Array]:
     """Return nodes and weights on (0, 1) for integrands that are singular at one end or both.
 
-    It is the trapezoidal rule in ``y``, ``x = 1/(1 + exp(-y))`` (Trefethen and Weideman 2014,
-    section 14). Its error is ``exp(-pi**2/step)`` for an integrand that is analytic in the strip
-    ``|Im y| < pi/2``, which is the disk in ``x`` whose diameter is (0, 1).
+    It is the trapezoidal rule in ``y``, where ``z = 1/(1 + exp(-y))`` is the variable on (0, 1)
+    (Trefethen and Weideman 2014, section 14). Its error is ``exp(-pi**2/step)`` for an integrand
+    that is analytic in the strip ``|Im y| < pi/2``: in ``z`` the disk that has (0, 1) as diameter.
 
     Parameters
     ----------
@@ -495,14 +509,14 @@ def tanh_rule(digits: float, depth: float) -> tuple[Array, Array]:
 
 
 def _radii_of_sticking(panel: Panel, log_r: Array) -> Array:
-    """Return the ``u`` of contacts whose stick radii are these radii, by bisection on a panel."""
+    """Return ``ln b_r`` of points that begin to stick on a panel, by bisection for ``c(b) = r``."""
     if panel.alike:
         return np.asarray(log_r - panel.stick[0])
     low = -np.ones(len(log_r))
     high = np.ones(len(log_r))
     for _ in range(_BISECTIONS):
         middle = (low + high) / 2.0
-        below = panel.stretch.log_radius_at(middle) < log_r - panel.log_stick(middle)
+        below = panel.stretch.u_at(middle) < log_r - panel.log_stick(middle)
         low = np.where(below, middle, low)
         high = np.where(below, high, middle)
-    return panel.stretch.log_radius_at((low + high) / 2.0)
+    return panel.stretch.u_at((low + high) / 2.0)

@@ -1,14 +1,18 @@
-r"""Friction under a growing contact, by superposition of flat punches over the contact radius.
+r"""The history of a contact that grows under friction: its panels, and what they add up to.
 
-While the load grows the rates of pressure and traction are those of a flat punch of the radius
-``b`` (docs: profiles). So with flat solutions on panels, interpolated between Chebyshev points
-(`stretch`), and with the load that `weights` knows,
+While the load grows by ``dP``, pressure and traction grow by those of a flat punch that has the
+present contact radius ``b`` (docs/theory, Contacts that grow). So they are sums over the history,
+with the dimensionless solution of the flat punch, marked by a star,
 
-    q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*.
+    q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*      (G.2)
 
-It holds as long as slip reaches the edge and ``c`` does not fall, which is checked at every radius.
-Below the radius where slip begins everything sticks; points are dense next to it. In a panel ``u =
-ln b``, ``x`` is the coordinate of its stretch, and t in [-1, 1] the place.
+Flat punches are solved at the nodes of a few panels in ``b`` and interpolated between; the load at
+the nodes is from the module `weights`. This holds if slip, where there is any, reaches from the
+stick radius ``c`` to the edge, and ``c`` does not fall. Both are checked at all nodes.
+
+``u = ln b``, ``v`` is the coordinate of interpolation (G.10), and the place ``t`` is a linear
+function of ``v``, from -1 to 1 on a panel. *Today* is the end of the history. The onset is the
+contact radius at which slip begins.
 """
 
 from __future__ import annotations
@@ -26,54 +30,74 @@ from spectral_contact.errors import NotComputedError
 from spectral_contact.fields import Array
 from spectral_contact.solving.growth_panel import Panel, PowerCurve
 from spectral_contact.solving.stretch import RadiusStretch, chebyshev_value
-from spectral_contact.solving.weights import Weight, Weights
+from spectral_contact.solving.weights import LoadSource, PanelLoads
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-#: Of a contact radius: the solution of a flat punch.
-Stage: TypeAlias = "Callable[[float], Solution]"
+#: Takes a contact radius, and returns the solution of the flat punch of this radius.
+FlatSolver: TypeAlias = "Callable[[float], Solution]"
 
-#: The largest extent of a panel in ``x``, and the factors of ``exp(-n gained)``, which a panel of n
-#: points leaves out (`Grower._counted`), as measured: from the first touch on, and past the onset
-#: of slip or a break, where little changes at first.
-_WIDEST, _LEAVES, _LEAVES_PAST = 4.5, 3000.0, 100.0
-#: As functions of ``b`` flat solutions have poles at negative radii, no closer to 0 than so many
-#: times the least compliance: those of full stick at 2.2 or beyond.
-_POLES = 2.0
-#: The least points of a panel: those that the estimate of what is left out takes.
-_FEWEST = 6
-#: How far past the onset of slip points are dense, relative, at the tightest tolerance, and how it
-#: grows with it.
-_AT_ONSET, _TIGHTEST, _POWER = 1e-3, 1e-10, 0.2
-#: How long panels are next to the end of a profile, in their distance from it.
-_BESIDE = 2.0
-#: What panels may leave out, of the tolerance, as there are a few; they are not halved below.
-_MARGIN, _SHORTEST = 0.1, 1e-4
-#: A history that ends by less than this past a panel, in ``u``, ends with it.
-_SAME = 1e-12
-#: By how much a stick radius may fall, relative, beside what its errors make of it.
-_FALL = 1e-8
-#: By how much more than their own errors those of the flat punches count in load and approach,
-#: which the Volterra equation amplifies.
-_OF_FLATS = 3.0
-#: The place t of the upper end of a panel (its negative is the lower one), and its rounding.
-_END, _ROUNDING = np.ones(1), 1e-15
-#: Before a history that begins at a flat part goes a panel of this length in ``u``, in which
-#: ``ln P`` grows by so much. A radius is at the end of the flat part, or at a break, if it is
-#: closer in ``u`` than the last number.
-_FARTHER_BACK, _CORNER, _NEXT = 1e-10, 6.0, 1e-9
-#: Error of the fields at the centre over what is missing there, before the history begins: their
-#: series are interpolated from rings around it.
-_RINGS = 10.0
-#: Rounding of the shear: 5e-13 past the corner of a rounded flat.
-_SUMMED = 5e-13
-#: Points of the panel before the first one.
-_BEFORE = 10
-#: Slopes of ``ln P`` below which the history goes on for so much in ``u`` to the centre; how close
-#: to that of a tip it is one.
-_STEEP, _FARTHER, _LIKE_A_TIP = 3.1, 40.0, 1e-6
+#: The largest extent of a panel in ``v``.
+_LARGEST_EXTENT = 4.5
+#: A panel of n nodes has the error ``factor * exp(-gamma n)`` with ``gamma`` of (G.11). This is the
+#: measured factor of a panel from the first touch on.
+_ERROR_FACTOR = 3000.0
+#: The same beyond the onset of slip or a break of the profile. It is smaller, because little
+#: changes on the first part of a panel that begins there.
+_ERROR_FACTOR_PAST = 100.0
+#: Distance of the origin ``b_0`` of ``v`` below 0, over the least compliance. As functions of ``b``
+#: flat punches in full stick have no poles closer to 0: the nearest is at 2.32 without coupling,
+#: and at 2.01 with the largest coupling.
+_ORIGIN = 2.0
+#: Least number of nodes of a panel: `left_out` and the interpolation of fields need some.
+_LEAST_COUNT = 6
+#: Distance of ``b_0`` below the onset of slip, relative to the onset, for tolerances up to
+#: `_ONSET_TOLERANCE`. For looser ones it grows like this power of the tolerance.
+_ONSET_DISTANCE = 1e-3
+_ONSET_TOLERANCE = 1e-10
+_ONSET_POWER = 0.2
+#: Length of panels next to a radius at which the profile ends and the load has a pole, over their
+#: distance from it, both in ``u``.
+_LENGTH_NEAR_POLE = 2.0
+#: What one panel may leave out, over the tolerance; there are a few panels.
+_PANEL_FRACTION = 0.1
+#: Panels of a smaller extent in ``v`` are not halved.
+_LEAST_EXTENT = 1e-4
+#: If a history is cut off less than this above the lower end of a panel, in ``u``, there is no such
+#: short panel: the one before it is lengthened.
+_SAME_END = 1e-12
+#: By how much the stick radius may fall from node to node, relative; or by its errors, if larger.
+_ALLOWED_FALL = 1e-8
+#: Errors of load and approach over those of the flat punches: the Volterra equation amplifies them.
+_FLAT_ERROR_FACTOR = 3.0
+#: The place of the upper end of a panel; that of the lower end is its negative.
+_TOP = np.ones(1)
+#: Tolerance of a place.
+_PLACE_ROUNDING = 1e-15
+#: A history from the end of a flat part on gets one panel before its first: it has this length in
+#: ``u``, and ``ln P`` grows by so much on it, from next to no load.
+_FLAT_PART_LENGTH = 1e-10
+_FLAT_PART_LOG_LOAD = 6.0
+#: Two radii closer than this in ``u`` are one, where the end of a flat part, a break or the onset
+#: is compared with the end of a panel.
+_SAME_RADIUS = 1e-9
+#: Error of the fields at the centre over what the first part of the history, which is left out,
+#: would add there. Series of fields are fitted to rings around the centre, which amplifies it.
+_CENTRE_FACTOR = 10.0
+#: Rounding of the total shear; it is the largest past the corner of a rounded flat.
+_SHEAR_ROUNDING = 5e-13
+#: Number of nodes of the panel before the first one.
+_COUNT_BEFORE = 10
+#: Near the centre ``q/r`` is in proportion to the integral of ``dP/b**3``. If ``P`` begins with a
+#: power of ``b`` above 3, this is bounded, and no panel is needed before the first one. The rest is
+#: for the error of the power, which is a slope at the first radius.
+_BOUNDED_POWER = 3.1
+#: Length in ``u`` of the panel before the first one, if the power is 2.5 or less.
+_LENGTH_BEFORE = 40.0
+#: Error of the power of the load in the comparison with 2.
+_POWER_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -83,11 +107,11 @@ class Growth:
     Attributes
     ----------
     panels : tuple of Panel
-        From where the load is negligible to today.
+        They follow each other from a radius at which the load is negligible to today's.
     onset : float or None
         Radius at which slip begins; 0 if there is slip from the first touch, None if there is none.
     breaks : tuple of float
-        Of the profile.
+        Radii at which a derivative of the profile jumps, the end of a flat part among them.
     """
 
     panels: tuple[Panel, ...]
@@ -102,53 +126,54 @@ class Growth:
     @cached_property
     def load(self) -> float:
         """Load today."""
-        return float(self.panels[-1].load(_END)[0])
+        return float(self.panels[-1].load(_TOP)[0])
 
     @cached_property
     def approach(self) -> float:
         """Approach today."""
-        return math.exp(float(self.panels[-1].approaches.at(_END)[0]))
+        return math.exp(float(self.panels[-1].approaches.at(_TOP)[0]))
 
     @cached_property
     def work(self) -> float:
-        """``int P ddelta``."""
+        """Work of the load, ``int P ddelta``."""
 
         def rates(panel: Panel) -> Callable[[Array], Array]:
-            sunk = panel.approaches
-            return lambda t: panel.load(t) * np.exp(sunk.at(t)) * sunk.rate(t)
+            approaches = panel.approaches
+            return lambda t: panel.load(t) * np.exp(approaches.at(t)) * approaches.rate(t)
 
-        # before the first panel there is next to none
+        # the work before the first panel is negligible
         return sum(one.integral(rates(one)) for one in self.panels)
 
     @cached_property
     def total_shear(self) -> float:
-        """``Q = int Q* dP``."""
+        """Total shear today, ``Q = int Q* dP``."""
 
         def rates(panel: Panel) -> Callable[[Array], Array]:
             return lambda t: chebyshev_value(panel.shears, t) * panel.increment(t)
 
         first = self.panels[0]
-        # before the first panel there is next to no load
-        begun = first.flats[0].total_shear * float(first.load(-_END)[0])
-        return begun + sum(one.integral(rates(one)) for one in self.panels)
+        # before the first panel, where the load is negligible, Q* is taken for constant
+        beginning = first.flats[0].total_shear * float(first.load(-_TOP)[0])
+        return beginning + sum(one.integral(rates(one)) for one in self.panels)
 
     @cached_property
-    def weight_error(self) -> float:
-        """Estimate of the relative error of load and approach, as the panels leave it."""
-        panels = sum(one.shear_error * self._share(one) for one in self.panels)
-        begun = math.exp(float(self.panels[0].approaches.at(-_END)[0])) / self.approach
-        flats = _OF_FLATS * self._of_flats("pressure", "approach", power=0.0)
-        return panels + begun + flats
+    def load_error(self) -> float:
+        """Estimate of the relative error of load and approach today, with coupling."""
+        panels = sum(one.shear_error * self._contribution(one) for one in self.panels)
+        beginning = math.exp(float(self.panels[0].approaches.at(-_TOP)[0])) / self.approach
+        flats = _FLAT_ERROR_FACTOR * self._flat_error("pressure", "approach", power=0.0)
+        return panels + beginning + flats
 
     @cached_property
     def shear_error(self) -> float:
-        """Estimate of the relative error of the shear."""
-        panels = sum(one.shear_error * self._share(one) for one in self.panels)
-        return panels + 2.0 * self._of_flats("total_shear", "approach", power=0.0) + _SUMMED
+        """Estimate of the relative error of the total shear today."""
+        panels = sum(one.shear_error * self._contribution(one) for one in self.panels)
+        flats = self._flat_error("total_shear", "approach", power=0.0)
+        return panels + 2.0 * flats + _SHEAR_ROUNDING
 
     @cached_property
     def stick_rate(self) -> float:
-        """``dln c*/dln b`` today."""
+        """``dln c*/dln b`` today, without its sign."""
         last = self.panels[-1]
         sticks = PowerCurve(last.stretch, np.exp(last.stick), 0.0)
         return abs(last.rate_today(sticks)) if last.slips else 0.0
@@ -163,13 +188,21 @@ class Growth:
         """``dln delta/dln b`` today."""
         return self.panels[-1].rate_today(self.panels[-1].approaches)
 
-    def moved(self, name: str, value: float) -> float:
-        """Return the relative error of today's radius, where load or approach has a value."""
+    def radius_error(self, name: str, value: float) -> float:
+        """Return the relative error of today's radius if load or approach is given (G.14).
+
+        Parameters
+        ----------
+        name : str
+            What is given, "loads" or "approaches".
+        value : float
+            Its value.
+        """
         by_load = name == "loads"
         found, rate = (
             (self.load, self.load_rate) if by_load else (self.approach, self.approach_rate)
         )
-        return (self.weight_error + abs(found / value - 1.0)) / rate
+        return (self.load_error + abs(found / value - 1.0)) / rate
 
     @cached_property
     def shear_rate(self) -> float:
@@ -179,77 +212,92 @@ class Growth:
 
     @cached_property
     def error(self) -> float:
-        """Estimate of the error of the traction, relative to its largest value."""
-        panels = sum((one.error + one.lost) * self._share(one) for one in self.panels)
-        flats = self._of_flats("traction", "pressure", power=-2.0)
-        return panels + 2.0 * flats + self.begun
+        """Estimate of the error of the traction today, relative to its largest value."""
+        panels = sum(
+            (one.error + one.series_error) * self._contribution(one) for one in self.panels
+        )
+        flats = self._flat_error("traction", "pressure", power=-2.0)
+        return panels + 2.0 * flats + self.beginning_error
 
     @cached_property
     def slip_error(self) -> float:
-        """Estimate of the error of the slip, in its own unit."""
+        """Estimate of the error of the slip today, a length."""
         return sum(one.slip_error for one in self.panels)
 
     @cached_property
     def log_beginning(self) -> bool:
-        """Whether all decades of the beginning count alike at the centre: under a cone, P ~ b^2."""
-        return abs(self._rise - 2.0) < _LIKE_A_TIP and not self._corner
+        """Whether the pressure is logarithmic at the centre: under a cone, where ``P ~ b**2``.
+
+        Then every decade of ``b`` adds the same to ``int dP/b**2``, the pressure at the centre.
+        """
+        return abs(self._load_power - 2.0) < _POWER_TOLERANCE and not self._starts_at_flat_part
 
     @property
-    def _rise(self) -> float:
-        """``dln P/dln b`` at the beginning."""
+    def _load_power(self) -> float:
+        """``dln P/dln b`` where the history begins."""
         first = self.panels[0]
-        return float(first.loads.rate(-_END)[0] * first.stretch.bend)
+        return float(first.loads.rate(-_TOP)[0] * first.stretch.low_dv_du)
 
     @property
-    def _corner(self) -> bool:
+    def _starts_at_flat_part(self) -> bool:
         """Whether the history begins at the end of a flat part."""
         low = self.panels[0].low
-        return bool(self.breaks) and abs(math.log(self.breaks[0]) - low) < _NEXT
+        return bool(self.breaks) and abs(math.log(self.breaks[0]) - low) < _SAME_RADIUS
 
     @cached_property
-    def begun(self) -> float:
-        """Error of fields at the centre by what was before `all_panels`, over the mean pressure."""
+    def beginning_error(self) -> float:
+        """Error of the fields at the centre by what is before `all_panels`, over the mean pressure.
+
+        A logarithm has none, as the fields continue it to the centre.
+        """
         if self.log_beginning:
             return 0.0
         first = self.all_panels[0]
-        share = float(first.load(-_END)[0]) / self.load
-        return _RINGS * share * math.exp(2.0 * (self.log_radius - first.low))
+        fraction = float(first.load(-_TOP)[0]) / self.load
+        return _CENTRE_FACTOR * fraction * math.exp(2.0 * (self.log_radius - first.low))
 
     @cached_property
     def all_panels(self) -> tuple[Panel, ...]:
-        """The panels, after one that goes on to the centre as they begin, where that counts."""
-        first, corner = self.panels[0], self._corner
-        if self._rise > _STEEP and not corner:
+        """The panels, and before them one more if the first load counts in the fields.
+
+        On this panel load and approach are powers of the radius, with the slopes of the first panel
+        at its lower end or, next to a flat part, a steep one. All flat punches are like the first.
+        """
+        first, has_flat_part = self.panels[0], self._starts_at_flat_part
+        if self._load_power > _BOUNDED_POWER and not has_flat_part:
             return self.panels
-        # what is missing falls with the power of the radius that is above 2
-        farther = _FARTHER / max(1.0, 2.0 * (self._rise - 2.0))
-        # a flat part has its first load before it grows at all
-        rise, farther = (_CORNER / _FARTHER_BACK, _FARTHER_BACK) if corner else (0.0, farther)
-        back = RadiusStretch(first.low - farther, first.low, count=_BEFORE)
-        weights = [
+        # at the centre the pressure of smaller radii is in proportion to b**(power - 2)
+        length = _LENGTH_BEFORE / max(1.0, 2.0 * (self._load_power - 2.0))
+        slope = 0.0
+        if has_flat_part:
+            length = _FLAT_PART_LENGTH
+            slope = _FLAT_PART_LOG_LOAD / length
+        stretch = RadiusStretch(first.low - length, first.low, count=_COUNT_BEFORE)
+        values = [
             np.exp(
-                float(curve.at(-_END)[0])
-                + (rise or float(curve.rate(-_END)[0] * first.stretch.bend))
-                * (back.logs - first.low)
+                float(curve.at(-_TOP)[0])
+                + (slope or float(curve.rate(-_TOP)[0] * first.stretch.low_dv_du))
+                * (stretch.u_nodes - first.low)
             )
             for curve in (first.loads, first.approaches)
         ]
-        flats = (first.flats[0],) * _BEFORE
-        begun = Panel(back, Weights(weights[0], weights[1]), flats, first.fields, first.powers)
-        return (begun, *self.panels)
+        flats = (first.flats[0],) * _COUNT_BEFORE
+        before = Panel(stretch, PanelLoads(values[0], values[1]), flats, first.fields, first.powers)
+        return (before, *self.panels)
 
-    def _share(self, panel: Panel) -> float:
-        return _share(panel, self.log_radius, self.load)
+    def _contribution(self, panel: Panel) -> float:
+        return _contribution(panel, self.log_radius, self.load)
 
-    def _of_flats(self, *names: str, power: float) -> float:
-        """Return the mean error of the flat punches over the history, weighed with ``b**power dP``.
+    def _flat_error(self, *names: str, power: float) -> float:
+        """Return the mean error of the flat punches over the history, with weight ``b**power dP``.
 
-        An estimate that is None is that of what is exact.
+        Of each panel the largest error of the quantities `names` counts. None is the error of a
+        quantity that is exact.
         """
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
             radii = panel.stretch
-            return lambda t: panel.increment(t) * np.exp(power * radii.log_radius_at(t))
+            return lambda t: panel.increment(t) * np.exp(power * radii.u_at(t))
 
         sizes = [one.integral(weights(one)) for one in self.panels]
         worst = [
@@ -259,44 +307,50 @@ class Growth:
         return float(np.dot(sizes, worst)) / math.fsum(sizes)
 
     @cached_property
-    def stages(self) -> list[tuple[float, float]]:
-        """Contact radii ``b`` with the stick radii ``c(b)``."""
+    def stick_radii(self) -> list[tuple[float, float]]:
+        """Pairs of contact radius ``b`` and stick radius ``c(b)`` at all nodes, in this order."""
         return [
             (b := math.exp(u), b * math.exp(stick))
             for one in self.panels
-            for u, stick in zip(one.stretch.logs.tolist(), one.stick.tolist(), strict=True)
+            for u, stick in zip(one.stretch.u_nodes.tolist(), one.stick.tolist(), strict=True)
         ]
 
     def log_stick(self, log_radius: float) -> list[float]:
-        """Return ``ln c*`` at the logarithm ``u`` of a radius; nothing where there was no slip."""
+        """Return ``ln c*`` at the logarithm of a contact radius; nothing if there was no slip."""
         panels = [one for one in self.panels if one.slips and one.high >= log_radius]
-        if not panels or panels[0].low > log_radius + _NEXT:
+        if not panels or panels[0].low > log_radius + _SAME_RADIUS:
             return []
         place = panels[0].stretch.place_of(np.array([log_radius]))
         return [float(panels[0].log_stick(place)[0])]
 
     def radius_of(self, name: str, value: float) -> float | None:
-        """Return ``u`` at which the "loads" or the "approaches" had a value above zero.
+        """Return ``u`` where the "loads" or the "approaches" had a positive value.
 
-        None if it has not been reached; where the history begins if it was less all the time.
+        None if they have not reached it; the beginning of the history if they were above it there.
         """
-        asked = math.log(value)
+        log_value = math.log(value)
         for panel in self.panels:
             curve: PowerCurve = getattr(panel, name)
 
-            def off(t: float, curve: PowerCurve = curve) -> float:
-                return float(curve.at(np.array([t]))[0]) - asked
+            def log_excess(t: float, curve: PowerCurve = curve) -> float:
+                return float(curve.at(np.array([t]))[0]) - log_value
 
-            if off(1.0) >= 0.0:
-                t = float(brentq(off, -1.0, 1.0, xtol=_ROUNDING)) if off(-1.0) < 0.0 else -1.0
-                return float(panel.stretch.log_radius_at(np.array([t]))[0])
+            if log_excess(1.0) >= 0.0:
+                t = -1.0
+                if log_excess(t) < 0.0:
+                    t = float(brentq(log_excess, t, 1.0, xtol=_PLACE_ROUNDING))
+                return float(panel.stretch.u_at(np.array([t]))[0])
         return None
 
 
-def _share(panel: Panel, log_radius: float, load: float) -> float:
-    """Return what a panel contributes to load or traction at most, relative to all of it."""
-    share = float(panel.weights.loads[-1]) / load
-    return share * max(1.0, math.exp(2.0 * (log_radius - panel.high)))
+def _contribution(panel: Panel, log_radius: float, load: float) -> float:
+    """Return the factor in (G.13) of the error of a panel.
+
+    It is what the load at the end of the panel is at most in the load or the traction of today,
+    relative to all of it.
+    """
+    fraction = float(panel.node_loads.loads[-1]) / load
+    return fraction * max(1.0, math.exp(2.0 * (log_radius - panel.high)))
 
 
 @dataclass(frozen=True)
@@ -305,114 +359,132 @@ class Grower:
 
     Attributes
     ----------
-    stage : callable
-        Returns the solution of a flat punch, of its radius.
-    weight : Weight
-        Where the loads come from.
+    flat : callable
+        Takes a contact radius, and returns the solution of the flat punch of this radius.
+    load_source : LoadSource
+        Returns load and approach at the nodes of a panel.
     onset : float or None
         As of `Growth`.
     fields : tuple of str
-        Those that are superposed.
+        Names of the fields that are superposed.
     tolerance : float
-        Panels are halved until what they leave out is less, relative to all.
+        Of the fields, relative to their largest values.
     breaks : tuple of float
-        Of the profile.
-    at_break : float
-        How far past one that is no end of a flat part points are dense, relative.
-    layer : float
-        The least compliance, unless there is none: poles are beyond it.
+        As of `Growth`.
+    break_distance : float
+        Distance of the origin ``b_0`` of ``v`` (G.10) below a break, relative to the break. At the
+        end of a flat part ``b_0`` is this end.
+    min_compliance : float
+        The least of the compliances that are not 0, or 0. It says where the poles are.
     powers : tuple of float
         As of `Panel`.
-    end : float
-        Logarithm of the radius at which the profile ends in a pole of its load, or infinite.
+    log_pole : float
+        Logarithm of the radius at which the profile is vertical and the load has a pole; infinity
+        if there is none.
     """
 
-    stage: Stage
-    weight: Weight
+    flat: FlatSolver
+    load_source: LoadSource
     onset: float | None
     fields: tuple[str, ...]
     tolerance: float
     breaks: tuple[float, ...]
-    at_break: float
-    layer: float
+    break_distance: float
+    min_compliance: float
     powers: tuple[float, float]
-    end: float
+    log_pole: float
 
     def grown(self, least: float, radius: float, load: float) -> Growth:
-        """Return the history, if slip reaches the edge and the stick radius does not fall.
+        """Return the history.
 
         Parameters
         ----------
         least : float
-            Where the load is negligible.
-        radius, load : float
-            Today's; the load is a measure only.
+            Contact radius at which it begins, with a negligible load.
+        radius : float
+            Contact radius today.
+        load : float
+            Load today. Errors are compared with it, so that an approximate value is enough.
+
+        Raises
+        ------
+        NotComputedError
+            If slip does not reach the edge, or if the stick radius falls.
         """
         today = math.log(radius)
         todo, panels = self._stretches(math.log(least), today)[::-1], []
         while todo:
             stretch = self._counted(todo.pop(), today)
             panel = self._panel(stretch)
-            off = panel.error * _share(panel, today, load)
-            can_improve = stretch.extent > _SHORTEST and panel.error > self.weight.rounding
-            if off > _MARGIN * self.tolerance and can_improve:
+            error = panel.error * _contribution(panel, today, load)
+            can_improve = stretch.extent > _LEAST_EXTENT and panel.error > self.load_source.rounding
+            if error > _PANEL_FRACTION * self.tolerance and can_improve:
                 todo += stretch.cut(2)[::-1]
             else:
-                self.weight.keep()
+                self.load_source.keep()
                 panels.append(panel)
-        found = Growth(tuple(panels), self.onset, self.breaks)
-        check_stick_radii(found)
-        return found
+        growth = Growth(tuple(panels), self.onset, self.breaks)
+        check_stick_radii(growth)
+        return growth
 
     def until(self, growth: Growth, log_radius: float) -> Growth:
-        """Return a history that ends earlier, in the panel that contains a radius."""
-        kept = [one for one in growth.panels if one.high < log_radius - _SAME]
-        cut = growth.panels[len(kept)].stretch
-        self.weight.back(len(kept))
-        last = self._panel(replace(cut, high=log_radius))
-        self.weight.keep()
+        """Return a history that ends earlier, at the logarithm of a contact radius."""
+        kept = [one for one in growth.panels if one.high < log_radius - _SAME_END]
+        stretch = growth.panels[len(kept)].stretch
+        self.load_source.back(len(kept))
+        last = self._panel(replace(stretch, high=log_radius))
+        self.load_source.keep()
         return Growth((*kept, last), self.onset, self.breaks)
 
     def _stretches(self, low: float, high: float) -> list[RadiusStretch]:
-        """Return the first panels: where something begins the origin of ``x`` is next to it."""
-        bends = {math.log(b): 1.0 / self.at_break for b in self.breaks}
-        if self.onset:
-            wider = max(self.tolerance / _TIGHTEST, 1.0) ** _POWER
-            bends[math.log(self.onset)] = 1.0 / (_AT_ONSET * wider)
-        bends = {u: bend for u, bend in bends.items() if low < u < high}
-        bends[low] = 1.0 / (1.0 + _POLES * self.layer * math.exp(-low))
-        if self.breaks and abs(low - math.log(self.breaks[0])) < _NEXT:
-            bends[low] = -1.0 / math.expm1(math.log(self.breaks[0]) - low)
-        stretches: list[RadiusStretch] = []
-        for start, stop in pairwise(sorted([*bends, high])):
-            whole = RadiusStretch(start, stop, bends[start])
-            stretches += whole.cut(math.ceil(whole.extent / _WIDEST))
-        return [piece for whole in stretches for piece in self._toward_the_end(whole)]
+        """Return the stretches between two ``u`` before any is halved, without their nodes.
 
-    def _toward_the_end(self, stretch: RadiusStretch) -> list[RadiusStretch]:
-        """Return the pieces of a stretch, the shorter the closer to a pole of the load they are."""
-        tops = [stretch.high]
-        while (cut := tops[-1] - _BESIDE * (self.end - tops[-1])) > stretch.low:
-            tops.append(cut)
-        return stretch.cut_at(stretch.depth_of(np.array([stretch.low, *tops[:0:-1]])))
+        A new one begins at every break and at the onset of slip.
+        """
+        # dv/du at the lower ends of stretches, by their u
+        dv_du = {math.log(b): 1.0 / self.break_distance for b in self.breaks}
+        if self.onset:
+            wider = max(self.tolerance / _ONSET_TOLERANCE, 1.0) ** _ONSET_POWER
+            dv_du[math.log(self.onset)] = 1.0 / (_ONSET_DISTANCE * wider)
+        dv_du = {u: value for u, value in dv_du.items() if low < u < high}
+        dv_du[low] = 1.0 / (1.0 + _ORIGIN * self.min_compliance * math.exp(-low))
+        if self.breaks and abs(low - math.log(self.breaks[0])) < _SAME_RADIUS:
+            dv_du[low] = -1.0 / math.expm1(math.log(self.breaks[0]) - low)
+        stretches: list[RadiusStretch] = []
+        for start, stop in pairwise(sorted([*dv_du, high])):
+            whole = RadiusStretch(start, stop, dv_du[start])
+            stretches += whole.cut(math.ceil(whole.extent / _LARGEST_EXTENT))
+        return [piece for whole in stretches for piece in self._shorter_near_pole(whole)]
+
+    def _shorter_near_pole(self, stretch: RadiusStretch) -> list[RadiusStretch]:
+        """Return the pieces of a stretch, the shorter the closer they are to a pole of the load."""
+        # upper ends of the pieces, in u, from the last one on
+        highs = [stretch.high]
+        while (cut := highs[-1] - _LENGTH_NEAR_POLE * (self.log_pole - highs[-1])) > stretch.low:
+            highs.append(cut)
+        return stretch.cut_at(stretch.depth_of(np.array([stretch.low, *highs[:0:-1]])))
 
     def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
-        """Return a stretch with as many points as leave out little enough."""
-        # by how much less than today's an early load counts at the centre, where it counts most
+        """Return a stretch with as many nodes as the tolerance asks for, by (G.11)."""
+        # towards the first touch the factor in (G.13) falls like b**(m - 2) if P is like b**m; at
+        # most one power of b is made use of
         power = min(max(self.powers[0] - 2.0, 0.0), 1.0) if self.powers[0] else 1.0
-        allowed = _MARGIN * self.tolerance * math.exp(power * (today - stretch.high))
-        room = 2.0 * (self.end - stretch.high) / stretch.extent
-        gained = min(math.asinh(2.0 * math.pi / stretch.extent), math.acosh(1.0 + room))
-        past = any(math.log(b) < stretch.low + _NEXT for b in (self.onset, *self.breaks[1:]) if b)
-        digits = math.log((_LEAVES_PAST if past else _LEAVES) / allowed)
-        return replace(stretch, count=max(math.ceil(digits / gained), _FEWEST))
+        allowed = _PANEL_FRACTION * self.tolerance * math.exp(power * (today - stretch.high))
+        to_pole = 2.0 * (self.log_pole - stretch.high) / stretch.extent
+        gamma = min(math.asinh(2.0 * math.pi / stretch.extent), math.acosh(1.0 + to_pole))
+        events = (self.onset, *self.breaks[1:])
+        past = any(math.log(b) < stretch.low + _SAME_RADIUS for b in events if b)
+        log_factor = math.log((_ERROR_FACTOR_PAST if past else _ERROR_FACTOR) / allowed)
+        return replace(stretch, count=max(math.ceil(log_factor / gamma), _LEAST_COUNT))
 
     def _panel(self, stretch: RadiusStretch) -> Panel:
-        radii, found = np.exp(stretch.logs).tolist(), {}
-        # first few radii far apart, then those between: stick radii are known on both sides then
+        """Return the panel of a stretch, after checking that (G.2) holds at its nodes."""
+        radii, found = np.exp(stretch.u_nodes).tolist(), {}
+        # first some radii far apart, then those between them, so that the search for a stick radius
+        # starts from known ones on both sides
         for k in sorted(range(len(radii)), key=lambda k: -(k & -k) if k else -len(radii)):
             b = radii[k]
-            found[k] = self.stage(b)
+            found[k] = self.flat(b)
             kinds = [zone.kind for zone in found[k].zones]
             if kinds not in (["stick"], ["stick", "slip"]):
                 reason = "slip does not reach the edge in one zone, and the load would have to be "
@@ -421,14 +493,14 @@ class Grower:
                     reason = "the stick disk is too small to be followed"
                 raise NotComputedError("traction", f"at the contact radius {b:.6g} {reason}")
         flats = tuple(found[k] for k in range(len(radii)))
-        return Panel(stretch, self.weight.on(stretch, flats), flats, self.fields, self.powers)
+        return Panel(stretch, self.load_source.on(stretch, flats), flats, self.fields, self.powers)
 
 
 def check_stick_radii(growth: Growth) -> None:
-    """Raise if the stick radius falls by more than its errors: what stuck would slip again."""
+    """Raise if the stick radius falls by more than its errors: points that stuck would slip."""
     errors = [one.error.stick_radius or 0.0 for panel in growth.panels for one in panel.flats]
-    stages = zip(growth.stages, errors, strict=True)
-    for ((_, before), error_before), ((b, after), error_after) in pairwise(stages):
-        if after < before * (1.0 - max(_FALL, error_before + error_after)):
+    stick_radii = zip(growth.stick_radii, errors, strict=True)
+    for ((_, before), error_before), ((b, after), error_after) in pairwise(stick_radii):
+        if after < before * (1.0 - max(_ALLOWED_FALL, error_before + error_after)):
             told = f"the stick radius falls at the contact radius {b:.6g}"
             raise NotComputedError("traction", f"{told}: points that stuck would slip again")

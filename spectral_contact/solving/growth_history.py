@@ -22,7 +22,7 @@ from spectral_contact.spectral.jacobi import gauss_rule
 _ENDS: Array = np.array([-1.0, 1.0])
 #: Points of a piece, and of a rule up to one.
 _COUNT, _POINTS = 16, 20
-#: How wide pieces are at most, in ``x`` and in the logarithm of the radius.
+#: How wide pieces are at most, in ``v`` and in the logarithm of the radius.
 _WIDE, _WIDE_IN_LOG = 1.1, 1.6
 #: What is known of flat punches, and by how much more their errors count in what adds up.
 _OF_FLATS, _FLATS_COUNT = ("pressure", "approach", "total_shear", "stick_radius"), 3.0
@@ -42,8 +42,8 @@ class _HistoryPiece:
     def rates(self, u: Array) -> Array:
         """Return ``dQ/du``."""
         t = self.places(u)
-        bends = self.panel.stretch.bends_at(t)
-        return chebyshev_value(self.panel.shears, t) * self.panel.increment(t) * bends
+        dv_du = self.panel.stretch.dv_du_at(t)
+        return chebyshev_value(self.panel.shears, t) * self.panel.increment(t) * dv_du
 
 
 def history_of(growth: Growth, known: float | None) -> ContactHistory:
@@ -62,7 +62,7 @@ def history_of(growth: Growth, known: float | None) -> ContactHistory:
         for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _WIDE))
         for radii in _in_logs(part)
     ]
-    nodes = [(one.panel, one.places(one.radii.logs)) for one in pieces]
+    nodes = [(one.panel, one.places(one.radii.u_nodes)) for one in pieces]
     rows = {
         "loads": [panel.loads.at(t) for panel, t in nodes],
         "approaches": [panel.approaches.at(t) for panel, t in nodes],
@@ -86,7 +86,7 @@ def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
     first, (g, w) = growth.panels[0], gauss_rule(_POINTS)
     shear, ratios = first.flats[0].total_shear * float(first.load(_ENDS[:1])[0]), []
     for one in pieces:
-        low, logs = one.radii.low, one.radii.logs
+        low, logs = one.radii.low, one.radii.u_nodes
         extent = np.append(logs, one.radii.high) - low
         rates = one.rates((low + extent[:, None] * (1.0 + g) / 2.0).ravel())
         shears = shear + extent / 2.0 * (rates.reshape(len(extent), -1) @ w)
@@ -101,7 +101,7 @@ def _errors(
     """Return estimates of relative errors on the pieces, in the order of `ContactHistory`."""
     panels, own = [one.panel for one in pieces], _left_out(pieces, rows)
     if known is not None:
-        known += max(one.weights.at_nodes for one in panels)
+        known += max(one.node_loads.node_error for one in panels)
     flats = {name: np.array([_worst(one, name) for one in panels]) for name in _OF_FLATS}
     grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # on a smooth surface shear is in proportion to the load from the first touch on
@@ -120,8 +120,8 @@ def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict
     """Return what the series of the pieces and of their panels leave out."""
     panels = [one.panel for one in pieces]
     own = {name: np.array([left_out(values) for values in of]) for name, of in rows.items()}
-    own["loads"] += [one.loads.left_out for one in panels]
-    own["approaches"] += [one.approaches.left_out for one in panels]
+    own["loads"] += [one.loads.interpolation_error for one in panels]
+    own["approaches"] += [one.approaches.interpolation_error for one in panels]
     own["sticks"] += [left_out(one.stick) if one.slips else 0.0 for one in panels]
     own["shears"] += [one.shear_error * float(np.abs(one.shears).max()) for one in panels]
     own["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])

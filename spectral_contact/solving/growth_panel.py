@@ -1,10 +1,14 @@
 """A panel of the history of a growing contact: flat punches, interpolated over their radius.
 
-A panel covers an interval of the contact radius ``b``, its `RadiusStretch`: ``u = ln b``, ``x`` is
-the coordinate in which the panel interpolates, and ``t`` in [-1, 1] is the place in the panel. A
-stage is the solution for the flat punch at a node of the panel, for unit load and in units of its
-radius. ``s`` is the distance from the centre in these units; ``c*`` and ``Q*`` are the stick radius
-and the total shear of a stage.
+Pressure and traction of a growing contact are sums of those of flat punches of all radii ``b`` up
+to the contact radius (docs/theory, G.4). A panel is an interval of ``b``, its `RadiusStretch`. Flat
+punches are solved at the nodes, which are its Chebyshev points, and interpolated between them.
+
+Radii are given by ``u = ln b``, by the coordinate ``v = ln(b - b_0)`` of the interpolation (G.10),
+or by the place ``t``, a linear function of ``v``, from -1 to 1 on the panel. The solution of a flat
+punch is for unit load and in units of its radius: ``s`` is the distance from the centre, ``c*`` the
+stick radius, ``Q*`` the total shear. ``x`` is the logarithm of a distance from the stick radius or
+from the edge (G.12).
 """
 
 from __future__ import annotations
@@ -37,39 +41,39 @@ from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
-    from spectral_contact.solving.weights import Weights
+    from spectral_contact.solving.weights import PanelLoads
 
-#: Places ``s/c*`` in the stick disk at which the error of interpolation over ``b`` is estimated.
+#: Radii ``s/c*`` in the stick disk at which the error of the interpolation over ``b`` is estimated.
 _STICK_SAMPLES: Array = np.array([0.1, 0.5, 0.8, 0.95, 0.999])
-#: The same in the slip zone: places as fractions of its width in ``s**2``, from the edge.
+#: The same in the slip zone: distances from the edge in ``s**2``, as fractions of its width.
 _SLIP_SAMPLES: Array = np.array([0.01, 0.2, 0.5, 0.8])
-#: Number of panels of a `FieldTable` towards the edge or the stick radius. Each is 2 wide in the
-#: logarithm of the distance, so that they end at the distance ``exp(-60)``. An inverse square root
-#: that is constant from there on has an integral that is right to 1e-13. In the slip zone half as
-#: many are enough towards the stick radius, where fields are bounded.
+#: Number of panels of a `FieldTable` in ``x``, towards the edge or the stick radius. Each is 2
+#: long, so that the last one ends at the distance ``exp(-60)``. If an inverse square root is
+#: replaced by a constant at smaller distances, its integral is right to 1e-13. In the slip zone
+#: half as many are enough towards the stick radius, where fields are bounded.
 _TABLE_PANELS = 30
 #: Least divisor, in place of 0.
 TINY = 1e-300
-#: Factor from the error of ``ln P`` to that of ``dP/dx``, to which fields are proportional. It was
-#: 2.4 or less in 50 random scenes.
+#: Error of ``dP/dv``, to which the fields are proportional, over that of ``ln P``. It was 2.4 or
+#: less in 50 random scenes.
 _RATE_FACTOR = 4.0
 
 
 @dataclass(frozen=True)
 class PowerCurve:
-    """The load or the approach as a function of the radius, interpolated between the stages.
+    """A positive function of the contact radius, such as the load, interpolated on a stretch.
 
-    Next to the first touch it is a power of the radius. What is interpolated is its logarithm less
-    that of the power.
+    What is interpolated is ``ln(values/b**power)``, because next to the first touch load and
+    approach are powers of the radius (docs/theory, G.8 and G.9).
 
     Attributes
     ----------
     stretch : RadiusStretch
     values : ndarray
-        Values at the points of the stretch.
+        Values at the nodes.
     power : float
-        The exponent at the tip of the profile. Any other exponent gives the same function; it only
-        takes more points.
+        The exponent next to the first touch. It does not change the function beyond the error of
+        interpolation; with another exponent more nodes are needed.
     """
 
     stretch: RadiusStretch
@@ -78,113 +82,113 @@ class PowerCurve:
 
     @cached_property
     def _reduced_log(self) -> Array:
-        """Return the logarithm of the values over the power, at the points."""
-        return np.log(self.values / np.exp(self.stretch.logs) ** self.power)
+        """``ln(values/b**power)`` at the nodes."""
+        return np.log(self.values / np.exp(self.stretch.u_nodes) ** self.power)
 
     @property
-    def left_out(self) -> float:
-        """Relative error of the interpolant."""
+    def interpolation_error(self) -> float:
+        """Estimate of the relative error of the interpolant."""
         return left_out(self._reduced_log)
 
     def at(self, t: Array) -> Array:
-        """Return the logarithm of the load or approach, at places in [-1, 1]."""
-        u = self.stretch.log_radius_at(t)
+        """Return the logarithm of the function at places."""
+        u = self.stretch.u_at(t)
         return chebyshev_value(self._reduced_log, t) + self.power * u
 
     def rate(self, t: Array) -> Array:
-        """Return the derivative of that logarithm in ``x``, at places in [-1, 1]."""
-        bends = self.stretch.bends_at(t)
-        return slope(self._reduced_log, t) * 2.0 / self.stretch.extent + self.power / bends
+        """Return the derivative of that logarithm by ``v``, at places."""
+        reduced_rate = slope(self._reduced_log, t) * 2.0 / self.stretch.extent
+        return reduced_rate + self.power / self.stretch.dv_du_at(t)
 
 
 @dataclass(frozen=True)
 class Panel:
-    """Stages at the Chebyshev points of an interval of radii, and the interpolants through them.
+    """Flat punches at the nodes of a stretch, and the interpolants through them.
 
     Attributes
     ----------
     stretch : RadiusStretch
         The interval of radii.
-    weights : Weights
-        Loads and approaches at the nodes. Increments of the load weigh the stages.
+    node_loads : PanelLoads
+        Load and approach of the growing contact when its radius was that of each node.
     flats : tuple of Solution
-        The stages, in ascending order of their radii.
+        The flat punches at the nodes, in ascending order of their radii.
     fields : tuple of str
         Names of the fields whose interpolation counts in `error`.
     powers : tuple of float
-        Powers of the radius to which load and approach are proportional at the tip of the profile.
+        The exponents of load and approach next to the first touch, as of `PowerCurve`.
     """
 
     stretch: RadiusStretch
-    weights: Weights
+    node_loads: PanelLoads
     flats: tuple[Solution, ...]
     fields: tuple[str, ...]
     powers: tuple[float, float]
 
     @property
     def low(self) -> float:
-        """Logarithm of the radius at which the panel begins."""
+        """``u`` at the lower end of the panel."""
         return self.stretch.low
 
     @property
     def high(self) -> float:
-        """Logarithm of the radius at which the panel ends."""
+        """``u`` at the upper end of the panel."""
         return self.stretch.high
 
     @cached_property
     def loads(self) -> PowerCurve:
-        """The load ``P`` over the panel."""
-        return PowerCurve(self.stretch, self.weights.loads, self.powers[0])
+        """The load ``P`` of the growing contact over the panel."""
+        return PowerCurve(self.stretch, self.node_loads.loads, self.powers[0])
 
     @cached_property
     def approaches(self) -> PowerCurve:
-        """The approach ``delta`` over the panel."""
-        return PowerCurve(self.stretch, self.weights.approaches, self.powers[1])
+        """The approach ``delta`` of the growing contact over the panel."""
+        return PowerCurve(self.stretch, self.node_loads.approaches, self.powers[1])
 
     @cached_property
     def slips(self) -> bool:
-        """Whether a stage has a slip zone.
+        """Whether a flat punch of the panel has a slip zone.
 
-        Next to the onset of slip the zone may be too narrow for the solver to find.
+        Just past the onset of slip the zone may be too narrow for the solver to find.
         """
         return any(len(flat.zones) > 1 for flat in self.flats)
 
     @cached_property
     def alike(self) -> bool:
-        """Whether all stages are the same, as on a smooth surface."""
+        """Whether all flat punches are the same, as on a smooth surface."""
         return all(flat is self.flats[0] for flat in self.flats)
 
     @cached_property
     def stick(self) -> Array:
-        """``ln c*`` of the stages."""
+        """``ln c*`` of the flat punches."""
         return np.array([stick_radius(flat).log for flat in self.flats])
 
     @cached_property
     def shears(self) -> Array:
-        """``Q*`` of the stages."""
+        """``Q*`` of the flat punches."""
         return np.array([flat.total_shear for flat in self.flats])
 
     def load(self, t: Array) -> Array:
-        """Return the load ``P`` at places in [-1, 1]."""
+        """Return the load ``P`` at places."""
         return np.asarray(np.exp(self.loads.at(t)))
 
     def increment(self, t: Array) -> Array:
-        """Return the derivative ``dP/dx`` at places in [-1, 1]."""
+        """Return the derivative ``dP/dv`` at places."""
         return self.load(t) * self.loads.rate(t)
 
     def rate_today(self, curve: PowerCurve) -> float:
-        """Return the derivative in ``u`` of the logarithm of a curve at the end of the panel."""
+        """Return the derivative of the logarithm of a curve by ``u`` at the upper end."""
         end = np.ones(1)
-        return float((curve.rate(end) * self.stretch.bends_at(end))[0])
+        return float((curve.rate(end) * self.stretch.dv_du_at(end))[0])
 
     def log_stick(self, t: Array) -> Array:
-        """Return ``ln c*`` at places in [-1, 1]."""
+        """Return ``ln c*`` at places."""
         if self.alike:
             return np.full_like(t, self.stick[0])
         return chebyshev_value(self.stick, t)
 
     def integral(self, integrand: Callable[[Array], Array]) -> float:
-        """Return the integral over ``x`` of a function that takes places in [-1, 1]."""
+        """Return the integral over ``v``, along the panel, of a function of the place."""
         nodes, weights = gauss_rule(2 * self.stretch.count)
         return self.stretch.extent / 2.0 * float(weights @ integrand(nodes))
 
@@ -196,7 +200,7 @@ class Panel:
         names : sequence of str
             Of "pressure" and "traction".
         t : ndarray, shape (n,)
-            Places of the punches on the panel, in [-1, 1].
+            Places of the punches on the panel.
         log_ratio : ndarray, shape (n,)
             ``ln(c*/s)``.
 
@@ -209,14 +213,14 @@ class Panel:
         fields = FieldTable.several([self._stick_table(name) for name in names], t, x)
         for name, values in zip(names, fields, strict=True):
             if name == "traction":
-                values *= np.exp(-log_ratio)  # the table has the traction over s/c*
+                values *= np.exp(-log_ratio)  # the table is of the traction over s/c*
         return fields
 
     def where_slipping(self, names: Sequence[str], t: Array, log_ratio: Array) -> Array:
         """Return fields of flat punches in their slip zones.
 
-        It takes what `where_stuck` does, but the ratio is ``ln(1/s)``, and the names are of
-        "pressure" and "slip".
+        The parameters are those of `where_stuck`, except that the ratio is ``ln(1/s)``, and the
+        names are of "pressure" and "slip".
         """
         rest = -np.expm1(-2.0 * log_ratio)  # 1 - s**2
         width = -np.expm1(2.0 * self.log_stick(t))
@@ -225,9 +229,9 @@ class Panel:
         return self._in_slip_zones(names, t, fraction)
 
     def _stick_table(self, name: str) -> FieldTable:
-        """Return the table of a field in the stick disk, over ``-ln d``, ``d = 1 - (s/c*)**2``.
+        """Return the table of a field in the stick disk; ``x`` is ``-ln(1 - (s/c*)**2)``.
 
-        That of the traction is over ``s/c*``, since the traction is odd in ``s``.
+        For the traction, which is odd in ``s``, the table is of the traction over ``s/c*``.
         """
 
         def values(flat: Solution, x: Array) -> Array:
@@ -236,18 +240,17 @@ class Panel:
         return self._table(name, values, 0.0, _TABLE_PANELS)
 
     def _in_slip_zones(self, names: Sequence[str], t: Array, fraction: Array) -> Array:
-        """Return fields in slip zones, at fractions of their widths in ``s**2``.
+        """Return fields in slip zones, at distances from the edge as fractions of their widths.
 
-        The fraction, of ``1 - s**2`` over what that is at the stick radius, is 0 at the edge and 1
-        at the stick radius. So the same fraction is in the slip zone of every stage, and fields are
-        smooth in it but at its ends.
+        Distances and widths are in ``s**2``, so that the fraction is ``(1 - s**2)/(1 - (c*)**2)``:
+        0 at the edge and 1 at the stick radius of every flat punch.
         """
         with np.errstate(divide="ignore"):
             x = np.log1p(-fraction) - np.log(fraction)
         return FieldTable.several([self._slip_table(name) for name in names], t, x)
 
     def _slip_table(self, name: str) -> FieldTable:
-        """Return the table of a field in the slip zone, over ``ln(ratio)`` of `_in_slip_zone`."""
+        """Return the table of a field in the slip zone; ``x = ln(ratio)`` of `_in_slip_zone`."""
 
         def values(flat: Solution, x: Array) -> Array:
             return _in_slip_zone(flat, name, np.exp(x))
@@ -257,7 +260,7 @@ class Panel:
     def _table(
         self, name: str, values: Callable[[Solution, Array], Array], low: float, panels: int
     ) -> FieldTable:
-        """Return the table of a field, with panels from the logarithm `low` on; it is made once."""
+        """Return the table of a field, with panels from ``x = low`` on; it is made once."""
         key = name, low
         if key not in self._tables:
             flats = self.flats[:1] if self.alike else self.flats
@@ -268,82 +271,81 @@ class Panel:
 
     @cached_property
     def _tables(self) -> dict[tuple[str, float], FieldTable]:
-        """The tables made so far, by the name of the field and the `low` of `_table`."""
+        """The tables made so far, by the name of the field and by `low` of `_table`."""
         return {}
 
     @cached_property
     def shear_error(self) -> float:
-        """Error of the interpolants of load and shear, each relative to its largest value."""
+        """Estimate of the error of the interpolants of load and ``Q*``, relative to the largest."""
         largest = max(float(np.abs(self.shears).max()), TINY)
-        load_error = max(self.weights.error, self.loads.left_out)
+        load_error = max(self.node_loads.error, self.loads.interpolation_error)
         return float(max(load_error, left_out(self.shears) / largest))
 
     @cached_property
     def error(self) -> float:
-        """Largest error of the interpolants over the radius.
+        """Estimate of the largest error of the interpolants over ``b``.
 
-        They are those of load, shear, stick radius and fields; each error is relative to the
-        largest value of what is interpolated. `lost` is not in it.
+        These are those of ``dP/dv``, ``Q*``, ``c*`` and the fields, each relative to its largest
+        value. The error of the series in ``x``, `series_error`, is not in it.
         """
         stick_error = left_out(self.stick) if self.slips else 0.0
-        rate_error = _RATE_FACTOR * max(self.loads.left_out, self.weights.error)
+        rate_error = _RATE_FACTOR * max(self.loads.interpolation_error, self.node_loads.error)
         field_errors = map(self._field_error, self.fields)
         return max(rate_error, self.shear_error, stick_error, *field_errors)
 
     @property
-    def lost(self) -> float:
-        """Largest relative error of the series in the distance, over the tables made so far.
+    def series_error(self) -> float:
+        """Largest relative error of the series in ``x``, of all tables made so far but the slip's.
 
-        Tables of the slip are not counted. Shorter panels do not reduce this error, as it is of the
-        fields of the single flat punches.
+        Shorter panels do not reduce it, as each flat punch has this error.
         """
         tables = [table for (name, _), table in self._tables.items() if name != "slip"]
-        return max((table.lost for table in tables), default=0.0)
+        return max((table.series_error for table in tables), default=0.0)
 
     @cached_property
-    def slips_by(self) -> Array:
-        """The slip of the stages at `_SLIP_SAMPLES`, (stages, places)."""
+    def slip_samples(self) -> Array:
+        """The slip of the flat punches at `_SLIP_SAMPLES`, (punches, samples)."""
         return self._at_nodes(
             lambda t, fraction: self._in_slip_zones(["slip"], t, fraction)[0], _SLIP_SAMPLES
         )
 
     @cached_property
     def slip_error(self) -> float:
-        """Estimate of the error of what the panel adds to the slip, in its own unit."""
+        """Estimate of the error of what the panel adds to the slip, as a length."""
         if not self.slips:
             return 0.0
-        largest = np.abs(self.slips_by).max(axis=1)
+        largest = np.abs(self.slip_samples).max(axis=1)
         relative = np.array([flat.error.slip or 0.0 for flat in self.flats])
-        # Just past the onset the slip of a stage may have no correct digit. It is small, so that
-        # the largest slip of the panel bounds its error.
+        # Just past the onset the slip of a flat punch may have no correct digit. It is small, so
+        # that the largest slip of the panel bounds its error.
         flat_errors = np.where(relative <= 1.0, largest * relative, largest.max())
-        # an error of the stick radius moves the places in the slip zone, by this fraction of it
+        # an error of c* moves points in the slip zone, by this fraction of its width
         shift = left_out(self.stick) * 2.0 / np.maximum(np.expm1(-2.0 * self.stick), TINY)
-        interpolation_error = max(left_out(values) for values in self.slips_by.T)
-        # the integral of dP/b, times b at the lower end
+        interpolation_error = max(left_out(values) for values in self.slip_samples.T)
+        # what slip of 1 everywhere would add, by (docs/theory, G.4), times b at the lower end
         weight = self.integral(
-            lambda t: self.increment(t) * np.exp(self.low - self.stretch.log_radius_at(t))
+            lambda t: self.increment(t) * np.exp(self.low - self.stretch.u_at(t))
         )
-        # by parts: an error of dP counts as that of the load itself, against the largest slip
-        load_error = 2.0 * self.loads.left_out * float(self.load(np.ones(1))[0])
+        # the error of dP, integrated by parts: that of P at the ends, and with the changes of slip
+        load_error = 2.0 * self.loads.interpolation_error * float(self.load(np.ones(1))[0])
         field_error = weight * (interpolation_error + (flat_errors + largest * shift).max())
         return float(field_error + load_error * largest.max()) * math.exp(-self.low)
 
     def _field_error(self, name: str) -> float:
-        """Return the error of a field in the stick disk that interpolation over ``b`` makes.
+        """Return the error of a field in the stick disk by the interpolation over ``b``.
 
-        It is relative to the largest value at `_STICK_SAMPLES`.
+        It is the largest one at `_STICK_SAMPLES`, relative to the largest value there.
         """
         table = self._stick_table(name)
         samples = self._at_nodes(table, -np.log1p(-(_STICK_SAMPLES**2)))
         largest = max(float(np.abs(samples).max()), TINY)
         return max(left_out(values) / largest for values in samples.T)
 
-    def _at_nodes(self, field: Callable[[Array, Array], Array], places: Array) -> Array:
-        """Return a field, a function of ``t`` and of places, at the nodes, (stages, places)."""
+    def _at_nodes(self, field: Callable[[Array, Array], Array], positions: Array) -> Array:
+        """Return a field of ``t`` and a position at all nodes and positions, (nodes, positions)."""
         nodes = chebyshev_nodes(self.stretch.count)
-        t = np.repeat(nodes, len(places))
-        return field(t, np.tile(places, len(nodes))).reshape(-1, len(places))
+        t = np.repeat(nodes, len(positions))
+        return field(t, np.tile(positions, len(nodes))).reshape(-1, len(positions))
 
 
 def stick_radius(flat: Solution) -> Radius:
@@ -353,10 +355,10 @@ def stick_radius(flat: Solution) -> Radius:
 
 
 def _in_stick_disk(flat: Solution, name: str, d: Array) -> Array:
-    """Return a field of a flat punch at ``d = 1 - (s/c*)**2``; the traction over ``s/c*``.
+    """Return a field of a flat punch at ``d = 1 - (s/c*)**2``; of the traction, that over ``s/c*``.
 
-    If the field has a series in d, the series is evaluated at d itself. With d from the difference
-    of ``s`` and ``c*``, square roots of d would lose half of their digits.
+    If the field has a series in `d`, the series is evaluated at this number. If `d` were computed
+    from ``s`` and ``c*``, square roots of it would lose half of their digits.
     """
     piece = _zone_piece(flat, name, 0)
     if piece is not None and isinstance(piece.field, DiskSeries):
@@ -373,10 +375,10 @@ def _in_slip_zone(flat: Solution, name: str, ratio: Array) -> Array:
 
     `ratio` is the distance in ``s**2`` from the stick radius over the distance from the edge.
     """
-    # The distances in units of half the width of the zone, as the series take them: they add up to
-    # 2. The one from the stick radius is `ratio * edge_distance`.
+    # Series take the distances from both ends in units of half the width of the zone, so that they
+    # add up to 2. The distance from the stick radius is `ratio * edge_distance`.
     edge_distance = 2.0 / (1.0 + ratio)
-    y = stick_radius(flat).rest * edge_distance / 2.0
+    y = stick_radius(flat).rest * edge_distance / 2.0  # 1 - s**2
     s = np.sqrt(1.0 - y)
     piece = _zone_piece(flat, name, 1)
     if piece is not None and isinstance(piece.field, AnnulusSeries):
@@ -389,7 +391,7 @@ def _in_slip_zone(flat: Solution, name: str, ratio: Array) -> Array:
 
 
 def _zone_piece(flat: Solution, name: str, zone: int) -> ZonePiece | None:
-    """Return a field of a flat punch in one of its zones; None if it has not one series a zone."""
+    """Return the series of a field in one zone; None if it has not one series for each zone."""
     field = getattr(flat, f"{name}_field")
     if not isinstance(field, ZonalField) or not zone < len(field.pieces) == len(flat.zones):
         return None
@@ -397,6 +399,6 @@ def _zone_piece(flat: Solution, name: str, zone: int) -> ZonePiece | None:
 
 
 def _field(flat: Solution, name: str, s: Array, from_edge: Array) -> Array:
-    """Return a field of a flat punch at radii; zero if the solution does not have it."""
+    """Return a field of a flat punch at radii; zero if the solution has no such field."""
     field = getattr(flat, f"{name}_field")
     return np.zeros(len(s)) if field is None else np.asarray(field(s, from_edge))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from spectral_contact.quantities import RADIAL
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 
@@ -33,9 +34,10 @@ def mirrored(solution: Solution, scene: Scene) -> Solution:
         return solution
     if scene.mismatch is None or scene.mismatch >= 0.0:
         return replace(solution, scene=scene)
-    values = dict(solution.values)
-    if "total_shear" in values:
-        values["total_shear"] = 0.0 - values["total_shear"]  # 0 does not become -0
+    values = {
+        name: 0.0 - value if name in RADIAL else value  # 0 does not become -0
+        for name, value in solution.values.items()
+    }
     grown = solution.grown
     return replace(
         solution,

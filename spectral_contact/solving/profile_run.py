@@ -35,8 +35,8 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.view.progress import ProgressLine
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.normal import NormalContact
     from spectral_contact.contact.ratio import FullStick
-    from spectral_contact.contact.resolution import NormalContact
     from spectral_contact.layers import Layer
     from spectral_contact.scene import Scene
     from spectral_contact.solving.grown_fields import GrownFields
@@ -67,7 +67,7 @@ class ProfileRun(Run):
     Normal contact is solved at once. With friction the contact has a history: as it grows by a
     ring, the surface inside is displaced as by a flat punch of its radius, and pressure and
     traction grow by those of that punch. So fields today are integrals over flat punches of all
-    radii before (docs/internals), and the zones are those of the latest punch.
+    radii before (docs/theory, Contacts that grow), and the zones are those of the latest punch.
 
     Parameters are those of `Run`, and `flat`, the function that solves a flat punch of the history
     (see `Stages`).
@@ -356,7 +356,7 @@ class ProfileRun(Run):
             assert self.pressure is not None
             found = fields.traction(scene.friction, self.pressure)
             self.traction = found.field
-            self.errors["traction"] = growth.error + found.share_lost + self.errors["pressure"]
+            self.errors["traction"] = growth.error + found.relative_error + self.errors["pressure"]
         self._take_slip(fields, self.errors["load"])
         known = self.errors["load"] + self.errors["approach"]
         self._take_history(growth, begin, known)
@@ -380,9 +380,9 @@ class ProfileRun(Run):
         radius = scene.contact_radius or math.exp(growth.log_radius)
         assert scene.profile is not None
         profile_error = scene.profile._relative_error(radius)
-        error = growth.weight_error + profile_error
+        error = growth.load_error + profile_error
         if value is not None:
-            radius_error = growth.moved(given, value) + profile_error
+            radius_error = growth.radius_error(given, value) + profile_error
         self.values.update(
             contact_radius=radius,
             load=scene.load or growth.load,
@@ -427,10 +427,10 @@ class ProfileRun(Run):
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
         # `left` is taken to be relative to the pressure; 2 is for its ratio to the mean
-        self.errors["pressure"] = pressed.lost / mean + 2.0 * left
+        self.errors["pressure"] = pressed.error / mean + 2.0 * left
         found = fields.traction(friction, pressed.field)
         self.traction = found.field
-        self.errors["traction"] = left + found.share_lost
+        self.errors["traction"] = left + found.relative_error
 
     def _take_slip(self, fields: GrownFields, load_error: float) -> None:
         """Add up the slip, if it is asked for and there was any."""
@@ -441,7 +441,7 @@ class ProfileRun(Run):
         if any(one.slips for one in growth.panels):
             found = fields.slip()
             self.slip = found.field
-            left = growth.slip_error / found.largest + found.share_lost
+            left = growth.slip_error / found.largest + found.relative_error
             by_radius = growth.load_rate * self.errors["contact_radius"]
             self.errors["slip"] = left + load_error + by_radius
 

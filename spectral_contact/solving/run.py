@@ -12,14 +12,13 @@ import math
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from spectral_contact.contact.normal import solve_normal
+from spectral_contact.contact.normal import NormalContact, solve_normal
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.tuning import FIELD_ROUNDING, NEGLIGIBLE_FRACTION
 from spectral_contact.fields.history import ContactHistory
 from spectral_contact.fields.series import CENTRE, EDGE, PressureField, ZonalField
 from spectral_contact.fields.shakedown import shakedown
-from spectral_contact.quantities import FULL_STICK_RATIOS
+from spectral_contact.quantities import FIELDS, FOLLOWING_LOAD, FULL_STICK_RATIOS
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
     FULL_STICK,
@@ -159,15 +158,11 @@ class Run:
 
     def _scale_to_load(self, load: float) -> None:
         """Multiply what was found for unit load by a load ratio; the contact radius is fixed."""
-        for name in ("approach", "total_shear"):
+        for name in FOLLOWING_LOAD:
             if name in self.values:
                 self.values[name] *= load
-        if self.pressure is not None:
-            self.pressure = self.pressure.times(load)
-        if self.traction is not None:
-            self.traction = self.traction.times(load)
-        if self.slip is not None:
-            self.slip = self.slip.times(load)
+            elif name in FIELDS and (found := getattr(self, name)) is not None:
+                setattr(self, name, found.times(load))
 
     def _ending(self) -> Ending:
         """Return the worst ending of a step, unless all is within the tolerance."""

@@ -14,9 +14,8 @@ from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.little_friction import full_slip_problem
-from spectral_contact.contact.normal import compliance_derivative, solve_normal
+from spectral_contact.contact.normal import NormalContact, compliance_derivative, solve_normal
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_derivatives import (
     LOG_DISPLACEMENT,
     ZoneDerivatives,

@@ -1,4 +1,10 @@
-"""The stages of a growing contact: flat punches, and what normal contact is, at every radius."""
+"""The flat punches of the history of a growing contact, its beginning, and the onset of slip.
+
+The history of a contact is a sum over flat punches of all radii ``b`` up to the contact radius
+(docs/theory, Contacts that grow). `Stages` solves the flat punch of any radius. It also chooses the
+radius at which the history begins, finds the onset, which is the radius at which slip begins, and
+makes the `Grower`, which builds the history.
+"""
 
 from __future__ import annotations
 
@@ -19,58 +25,69 @@ from spectral_contact.scene import Scene
 from spectral_contact.solution import COUPLING, PARTIAL_SLIP, Solution
 from spectral_contact.solving.growth import Grower
 from spectral_contact.solving.sharing import StepCache, StickPath
-from spectral_contact.solving.weights import CoupledWeight, NormalWeight, SmoothWeight, Weight
+from spectral_contact.solving.weights import LoadSource, NormalLoads, SmoothLoads, VolterraLoads
 
+#: Takes the scene of a flat punch, names of quantities, a tolerance, and the cache with the flat
+#: punches solved before, from which the search for the stick radius starts. Returns its solution.
 FlatPunches = Callable[[Scene, tuple[str, ...], float, StepCache], Solution]
 
 #: Quantities of every flat punch of a history.
 _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
-#: Tolerance of the flat punches over that asked for, and the tightest one.
-_TIGHTER, _TIGHTEST = 0.1, 1e-12
-#: A history may begin where load and traction are this share of the tolerance.
+#: Tolerance of the flat punches over that of the fields.
+_FLAT_RTOL_FACTOR = 0.1
+#: Their least tolerance.
+_LEAST_FLAT_RTOL = 1e-12
+#: Load and traction at the first radius of the history may be this fraction of the tolerance.
 _NEGLIGIBLE = 0.01
-#: A step to smaller radii over the last one: the least ratio and the largest.
-_LEAST_STRIDE, _STRIDE = 0.1, 4.0
-#: How far past a flat part the history begins, relative. The load of that radius is its first one.
-_PAST = 1e-10
-#: Width of the first panel past a break, relative: on a smooth surface without coupling, where the
-#: load goes on like the power 3/2 of the distance, and elsewhere.
-_AT_SMOOTH_BREAK, _AT_BREAK = 1e-7, 3e-4
+#: In the search for that radius, the length of a step in ``u`` over that of the step before is
+#: between these.
+_LEAST_STEP_RATIO = 0.1
+_LARGEST_STEP_RATIO = 4.0
+#: First radius of a history beyond a flat part: distance from the end of this part, relative to it.
+_BEYOND_FLAT_PART = 1e-10
+#: `Grower.break_distance` on a smooth surface without coupling, where the load beyond a break has a
+#: term like the power 3/2 of the distance.
+_SMOOTH_BREAK_DISTANCE = 1e-7
+#: The same with a layer or with coupling.
+_BREAK_DISTANCE = 3e-4
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
-#: How close to where a profile is vertical, over the distance from the edge at which the flat punch
-#: pulls: loads have no digits at 75 times that, and all at 220 times.
-_PULLED = 200.0
-#: Tolerances of the critical friction and of the radius at which slip begins.
-_CRITICAL, _ONSET = 1e-10, 1e-12
-#: Largest logarithm of the critical over the given friction that the search for the onset sees: the
-#: critical friction may be infinite.
-_LACKING = 5.0
+#: With coupling the pressure of a flat punch may change sign at some distance from its edge. The
+#: contact radius has to be so many times this distance below the radius at which a profile is
+#: vertical. Loads had no digits at 75 times the distance, and all digits at 220 times.
+_POLE_DISTANCE = 200.0
+#: Tolerance of the critical friction.
+_CRITICAL_RTOL = 1e-10
+#: Tolerance of ``u`` at the onset of slip.
+_ONSET_XTOL = 1e-12
+#: In the search for the onset, ``ln`` of the critical friction over the given one is limited to
+#: this, because the critical friction may be infinite.
+_LARGEST_LOG_EXCESS = 5.0
 
 
 class NoFlatPunchError(ArithmeticError):
     """No zones of a flat punch of the history obey the friction law; the text says why.
 
-    The run of the scene answers with a history of full stick whose errors are infinite.
+    It is raised by the function that solves the flat punch. The run of the scene returns a history
+    of full stick instead, with infinite errors.
     """
 
 
 class Stages:
-    """The flat punches of a history, and the loads of normal contact.
+    """The flat punches of a history, its beginning, and the onset of slip.
 
     Parameters
     ----------
     scene : Scene
         With a profile and friction.
     rtol, max_unknowns
-        As of `spectral_contact.solve`; the number of unknowns limits normal contact.
+        As of `spectral_contact.solve`; the number of unknowns is that of normal contact.
     tell : callable
-        Takes what is worked on.
+        Takes a message about the progress.
     fields : tuple of str
-        Fields of the contact that are superpositions of those of flat punches.
-    solve : callable
-        Returns the solution of a flat punch: of its scene, quantities, a tolerance, and the cache
-        with the solutions of flat punches before it, from which it starts.
+        Names of the fields that are superposed, "slip" among them if it is asked for.
+    solve : FlatPunches
+        Solves a flat punch.
     """
 
     def __init__(
@@ -85,22 +102,24 @@ class Stages:
         assert scene.profile is not None
         self.scene, self.rtol, self.max_unknowns = scene, rtol, max_unknowns
         self.profile, self._tell, self._fields = scene.profile, tell, fields
-        self._tight = max(_TIGHTER * rtol, _TIGHTEST)
+        self._flat_rtol = max(_FLAT_RTOL_FACTOR * rtol, _LEAST_FLAT_RTOL)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
         self._flat = replace(scene, **without)
-        self._shared = StepCache()
-        # stick radii so far, from which the search for the next one begins
+        self._cache = StepCache()
+        # the stick radii known so far, in the cache from which the flat punches take their start
         self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
-        self._shared.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
+        self._cache.get(COUPLING if scene.couples else PARTIAL_SLIP, (), lambda: self._path)
         self._solve = solve
+        #: the scene and the solution of the latest flat punch
         self._last: tuple[Scene, Solution] | None = None
 
     def contact(self, radius: float) -> Indentation:
-        """Return normal contact of a radius."""
+        """Return normal contact, without friction, of a contact radius."""
         solve = indenter(self.profile, self.scene.normal_compliance, self.max_unknowns)
-        return value_of(solve(radius, self._tight, False))
+        return value_of(solve(radius, self._flat_rtol, False))
 
     def _scene(self, radius: float) -> Scene:
+        """Return the scene of the flat punch of a radius, in units of the radius."""
         flat = self._flat
         return replace(
             flat,
@@ -109,106 +128,130 @@ class Stages:
         )
 
     def flat(self, radius: float) -> Solution:
-        """Return the solution of a flat punch."""
+        """Return the solution of the flat punch of a radius, in units of the radius."""
         scene = self._scene(radius)
-        if self._last is None or self._last[0] != scene:  # on a smooth surface all are the same
+        if self._last is None or self._last[0] != scene:  # on a smooth surface all scenes are equal
             self._tell(f"as the contact grew: radius {radius:.4g}")
             asked = (*_FLAT, *self._fields)
-            self._last = scene, self._solve(scene, asked, self._tight, self._shared)
+            self._last = scene, self._solve(scene, asked, self._flat_rtol, self._cache)
         return self._last[1]
 
-    def critical(self, radius: float) -> float:
-        """Return the least friction with which a flat punch sticks everywhere."""
+    def critical_friction(self, radius: float) -> float:
+        """Return the least friction with which the flat punch of a radius sticks everywhere."""
         asked = ("critical_friction",)
-        return self._solve(self._scene(radius), asked, _CRITICAL, self._shared).critical_friction
+        flat = self._solve(self._scene(radius), asked, _CRITICAL_RTOL, self._cache)
+        return flat.critical_friction
 
-    def weight(self, least: float) -> Weight:
-        """Return the weight of a history that begins at a radius."""
+    def load_source(self, least: float) -> LoadSource:
+        """Return what gives load and approach along a history that begins at a radius."""
         if self.scene.couples:
-            return CoupledWeight(self.profile, math.log(least), self.flat(least))
+            return VolterraLoads(self.profile, math.log(least), self.flat(least))
         if self.scene.normal_compliance == 0.0:
-            return SmoothWeight(self.profile, self.contact(least).load)
-        return NormalWeight(self.contact)
+            return SmoothLoads(self.profile, self.contact(least).load)
+        return NormalLoads(self.contact)
 
     def grower(self, least: float, radius: float) -> Grower:
-        """Return what builds the history between two radii."""
+        """Return what builds the history between two contact radii."""
         self._check_digits(radius)
         onset = self._path.onset = self._onset(least, radius)
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
-        # with coupling what a short panel adds is a difference of nearly equal numbers
+        # with coupling panels as short as on a smooth surface would add differences of nearly equal
+        # numbers
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
-        at_break = _AT_SMOOTH_BREAK if smooth else _AT_BREAK
         self._check_pole(radius)
         return Grower(
-            stage=self.flat,
-            weight=self.weight(least),
+            flat=self.flat,
+            load_source=self.load_source(least),
             onset=onset,
             fields=self._fields,
             tolerance=self.rtol,
             breaks=self.profile.breaks,
-            at_break=at_break,
-            layer=min((one for one in compliances if one > 0.0), default=0.0),
+            break_distance=_SMOOTH_BREAK_DISTANCE if smooth else _BREAK_DISTANCE,
+            min_compliance=min((one for one in compliances if one > 0.0), default=0.0),
             powers=self._powers(least),
-            end=math.log(self.profile._pole),
+            log_pole=math.log(self.profile._pole),
         )
 
     def _check_digits(self, radius: float) -> None:
-        """Raise if a radius is so close to a flat part or a pole that it has too few digits.
+        """Raise if a radius is so close to a flat part or a pole that the load has too few digits.
 
-        The load is a power of the distance from the one, and a logarithm of that from the other.
+        The load is a power of the distance from the end of the flat part. The pole is where the
+        profile is vertical; next to it the load contains the logarithm of the distance from it.
         """
         flat, pole = self.profile.flat_part, self.profile._pole
         distance = min(radius - flat, pole - radius) / radius
-        if distance < max(_RADIUS_ROUNDING / self.rtol, 10.0 * _PAST):
+        if distance < max(_RADIUS_ROUNDING / self.rtol, 10.0 * _BEYOND_FLAT_PART):
             told = f"the contact radius is within {distance:.1e}, relative, of the end of the flat "
             told += f"part or of a vertical surface, too close for rtol = {self.rtol:g}"
             raise NotComputedError("traction", told)
 
     def _check_pole(self, radius: float) -> None:
-        """Raise if a contact with coupling is so close to where its profile is vertical."""
+        """Raise if a radius is so close to a pole that a contact with coupling would not grow."""
         room = 1.0 - radius / self.profile._pole
-        # without a pole no flat punch has to be solved
-        pulls = room < 1.0 and self.scene.couples and self.flat(radius).values.get("opening")
-        if pulls and room < _PULLED * pulls:
+        # the distance from the edge at which the pressure changes sign, or nothing; without a pole
+        # no flat punch has to be solved
+        opening = room < 1.0 and self.scene.couples and self.flat(radius).values.get("opening")
+        if opening and room < _POLE_DISTANCE * opening:
             told = f"at the contact radius {radius:.6g} the surface next to the edge"
             raise NotComputedError("load", f"{told} would sink more than the punch")
 
     def _powers(self, least: float) -> tuple[float, float]:
-        """Return the powers of the radius that load and approach begin with at a tip."""
+        """Return the powers of the radius that load and approach begin with; 0 at a flat part.
+
+        They are those of (docs/theory, G.8 and G.9), with ``n = dln H/dln b`` at the first radius.
+        """
         if self.profile.flat_part > 0.0:
             return 0.0, 0.0
-        b, past = np.array([least]), np.zeros(1)
-        power = least * float((self.profile._rate(b, past) / self.profile._transform(b))[0])
+        b = np.array([least])
+        # below the first break; `_rate` is the derivative of H, `_transform` is H
+        rate = self.profile._rate(b, np.zeros(1))
+        power = least * float((rate / self.profile._transform(b))[0])
         return power + (2.0 if self.scene.normal_compliance > 0.0 else 1.0), power
 
     def least(self, radius: float, load: float) -> float:
-        """Return a radius at which load and traction are negligible; just past a flat part.
+        """Return the first radius of the history.
 
-        It is a larger one where flat punches would have compliances that are out of range, or where
-        mean pressures do not fall towards the tip: from there on the contact is similar to itself.
+        Up to there load and traction are negligible: the mean pressure is `_NEGLIGIBLE` times the
+        tolerance, relative to today's. Beyond a flat part the history begins next to its end.
+
+        The radius is larger than this in two cases: where smaller flat punches would have
+        compliances that no scene may have, and where the mean pressure falls more slowly than the
+        radius. At smaller radii the contact is similar to itself then, so fields are continued.
+
+        Parameters
+        ----------
+        radius, load : float
+            Today's.
         """
         if self.profile.flat_part > 0.0:
-            return self.profile.flat_part * (1.0 + _PAST)
+            return self.profile.flat_part * (1.0 + _BEYOND_FLAT_PART)
         wanted = math.log(_NEGLIGIBLE * self.rtol)
-        share, step, at = 0.0, -math.log(2.0), math.log(radius)
-        softest = max(self.scene.normal_compliance, self.scene.tangential_compliance)
+        # logarithm of the mean pressure over today's
+        log_ratio = 0.0
+        step = -math.log(2.0)
+        u = math.log(radius)
+        compliance = max(self.scene.normal_compliance, self.scene.tangential_compliance)
         # flat punches of smaller radii have compliances that no scene may have
-        deepest = math.log(2.0 * softest / LARGEST_COMPLIANCE) if softest else -math.inf
-        while share > wanted and at > deepest:
-            at = max(at + step, deepest)
-            b = math.exp(at)
-            before, share = share, math.log(self.contact(b).load / load * (radius / b) ** 2)
-            if share + math.log(radius / b) > 0.0 and b < 1e-9 * radius:
+        lowest = math.log(2.0 * compliance / LARGEST_COMPLIANCE) if compliance else -math.inf
+        while log_ratio > wanted and u > lowest:
+            u = max(u + step, lowest)
+            b = math.exp(u)
+            before = log_ratio
+            log_ratio = math.log(self.contact(b).load / load * (radius / b) ** 2)
+            # it falls more slowly than b, and would be negligible at far too small radii only
+            if log_ratio + math.log(radius / b) > 0.0 and b < 1e-9 * radius:
                 break
-            # shares fall like powers of the radius, the faster the smaller it is
-            if share < before:
-                step *= min(max((share - wanted) / (before - share), _LEAST_STRIDE), _STRIDE)
-        return math.exp(at)
+            # the next step is the secant's, as the ratio is like a power of the radius
+            if log_ratio < before:
+                ratio = (log_ratio - wanted) / (before - log_ratio)
+                step *= min(max(ratio, _LEAST_STEP_RATIO), _LARGEST_STEP_RATIO)
+        return math.exp(u)
 
     def _onset(self, least: float, radius: float) -> float | None:
-        """Return the radius at which slip begins; 0 if it is always there, None if never.
+        """Return the radius at which slip begins; 0 if at the first touch, None if there is none.
 
-        The critical friction rises while a contact grows: there is slip at all larger radii.
+        There is slip where the critical friction of the flat punch is above the given one. It is
+        taken to rise with the radius, so that there is slip at all larger radii, too.
         """
         friction = self.scene.friction
         assert friction is not None
@@ -217,13 +260,14 @@ class Stages:
         if self.scene.tangential_compliance == 0.0:
             return 0.0
 
-        def excess(log_radius: float) -> float:
+        def log_excess(u: float) -> float:
             # infinite where the pressure of full stick changes sign
-            return min(math.log(self.critical(math.exp(log_radius)) / friction), _LACKING)
+            critical = self.critical_friction(math.exp(u))
+            return min(math.log(critical / friction), _LARGEST_LOG_EXCESS)
 
         low, high = math.log(least), math.log(radius)
-        if excess(high) <= 0.0:
+        if log_excess(high) <= 0.0:
             return None
-        if excess(low) >= 0.0:
+        if log_excess(low) >= 0.0:
             return 0.0
-        return math.exp(float(brentq(excess, low, high, xtol=_ONSET)))
+        return math.exp(float(brentq(log_excess, low, high, xtol=_ONSET_XTOL)))

@@ -1,11 +1,17 @@
-r"""Stretches of the history of a contact: intervals of its radius, and interpolation on them.
+r"""Interpolation over the contact radius: the intervals and their Chebyshev points.
 
-The solution under a flat punch depends smoothly on the radius ``b`` of the punch. Its singularities
-are poles at negative radii, at ``-c`` or below where ``c`` is of the order of the compliance of the
-layer, and the radii at which slip begins or the profile has a break. On a stretch functions are
-interpolated in ``x = ln(b - origin)``. The origin is ``-c``, or just below the radius at which slip
-begins or the break is, which is then the lower end of the stretch. In ``x`` all other singularities
-are at least ``pi`` away, so that few Chebyshev points serve many decades of ``b``.
+The solution under a flat punch is a smooth function of its radius ``b``. It is singular at negative
+radii, at distances of the order of the compliance of the layer, and at the radii where slip begins
+or the profile has a break. A stretch is an interval of ``b`` on which functions are interpolated in
+
+    v = ln(b - b_0)                                                      (docs/theory, G.10)
+
+From the first touch on the origin ``b_0`` is negative, and nearer to 0 than all poles. At the onset
+of slip and at breaks a stretch begins, with ``b_0`` just below its lower end. In ``v`` all other
+singularities are at least ``pi`` away, so that few points are enough for many decades of ``b``.
+
+The module also has the Chebyshev interpolation itself, the estimate of its error, and a table of
+fields, which interpolates over the place in the contact as well.
 """
 
 from __future__ import annotations
@@ -22,117 +28,118 @@ from spectral_contact.fields import Array
 from spectral_contact.spectral.jacobi import chebyshev_interpolation
 from spectral_contact.threads import cached_property
 
-#: Safety factor of the estimate `left_out`. Without it, errors of loads under spheres were up to
-#: 1.5 times the estimate in 19 random contacts.
+#: Safety factor of the error estimate `left_out`. Without it, errors of loads under spheres were up
+#: to 1.5 times the estimate in 19 random contacts.
 _SAFETY = 3.0
-#: Width of the panels of a `FieldTable` in the logarithm of the distance, and the number of
-#: Chebyshev terms on each. Singularities are ``pi`` away from a panel, so that every term divides
-#: the error by 6.
-_WIDTH, _TERMS = 2.0, 16
+#: Width of the panels of a `FieldTable` in the logarithm of the distance.
+_WIDTH = 2.0
+#: Number of Chebyshev terms in that logarithm on each panel. Singularities are ``pi`` away from a
+#: panel, so that every term divides the error by 6.
+_TERMS = 16
 
 
 @dataclass(frozen=True)
 class RadiusStretch:
-    """An interval of contact radii ``b``, with Chebyshev points in ``x = ln(b - origin)``.
+    """An interval of contact radii ``b``, with Chebyshev points in ``v = ln(b - b_0)``.
 
-    A radius is given in one of three ways: by its logarithm ``u = ln b``, by its place ``t`` in
-    [-1, 1], or by its depth, which is the distance in ``x`` from the lower end. Place and depth are
-    proportional to each other.
+    A radius in it is given in one of three ways: by its logarithm ``u = ln b``; by its depth, which
+    is the distance in ``v`` from the lower end; or by its place ``t``, a linear function of the
+    depth, -1 at the lower end and 1 at the upper one.
 
     Attributes
     ----------
     low, high : float
         ``u`` at the two ends.
-    bend : float
-        The derivative ``dx/du = b/(b - origin)`` at the lower end. It says where the origin is, and
-        is 1 for the origin 0, where ``x`` is ``u``.
+    low_dv_du : float
+        The derivative ``dv/du = b/(b - b_0)`` at the lower end. It stands for the origin ``b_0``:
+        it is 1 if ``b_0 = 0``, less if ``b_0 < 0``, and large if ``b_0`` is just below the end.
     count : int
-        Number of Chebyshev points; 0 for a piece of another stretch, until the number is chosen.
+        Number of Chebyshev points; 0 until it is chosen.
     """
 
     low: float
     high: float
-    bend: float = 1.0
+    low_dv_du: float = 1.0
     count: int = 0
 
     @cached_property
     def extent(self) -> float:
-        """Length of the stretch in ``x``."""
-        return math.log1p(self.bend * math.expm1(self.high - self.low))
+        """Length of the stretch in ``v``."""
+        return math.log1p(self.low_dv_du * math.expm1(self.high - self.low))
 
     @cached_property
-    def logs(self) -> Array:
-        """The Chebyshev points as ``u``, ascending."""
-        return self.log_radius_at(chebyshev_nodes(self.count))
+    def u_nodes(self) -> Array:
+        """``u`` at the Chebyshev points, ascending."""
+        return self.u_at(chebyshev_nodes(self.count))
 
     def depth(self, t: Array) -> Array:
-        """Return the depths of places in [-1, 1]."""
+        """Return the depths of places."""
         return np.asarray(self.extent * (1.0 + t) / 2.0)
 
     def place(self, depth: Array) -> Array:
-        """Return the places in [-1, 1] of depths; those off the stretch move to its nearer end."""
+        """Return the places of depths; a depth off the stretch gets the nearer end."""
         return np.asarray(np.clip(2.0 * depth / self.extent - 1.0, -1.0, 1.0))
 
     def depth_of(self, u: Array) -> Array:
-        """Return the depths of radii ``u``; 0 for radii below the stretch."""
-        return np.asarray(np.log1p(self.bend * np.expm1(np.maximum(u - self.low, 0.0))))
+        """Return the depths of radii given by ``u``; 0 for radii below the stretch."""
+        return np.asarray(np.log1p(self.low_dv_du * np.expm1(np.maximum(u - self.low, 0.0))))
 
     def place_of(self, u: Array) -> Array:
-        """Return the places in [-1, 1] of radii ``u``."""
+        """Return the places of radii given by ``u``."""
         return self.place(self.depth_of(u))
 
-    def before(self, u: Array) -> Array:
-        """Return how far below the stretch radii are, in ``x``.
+    def distance_below(self, u: Array) -> Array:
+        """Return the distances in ``v`` of radii, given by ``u``, from the lower end.
 
-        It is 0 for radii that are not below, and infinite for those at or below the origin.
-        Distances above 30 are rounding errors: they are the logarithm of a difference near 0.
+        They are 0 for radii on or above the stretch, and infinite at or below ``b_0``. Distances
+        above 30 have no correct digits: there ``b - b_0`` is a difference of nearly equal numbers.
         """
-        # (b - origin) over what that is at the lower end
-        ratio = 1.0 + self.bend * np.expm1(np.minimum(u - self.low, 0.0))
+        # (b - b_0) over its value at the lower end
+        ratio = 1.0 + self.low_dv_du * np.expm1(np.minimum(u - self.low, 0.0))
         with np.errstate(divide="ignore"):
             return np.asarray(-np.log(np.maximum(ratio, 0.0)))
 
-    def log_radius(self, depth: Array) -> Array:
+    def u_at_depth(self, depth: Array) -> Array:
         """Return ``u`` at depths."""
-        return np.asarray(self.low + self.ahead(np.zeros(1), depth))
+        return np.asarray(self.low + self.u_increment(np.zeros(1), depth))
 
-    def log_radius_at(self, t: Array) -> Array:
-        """Return ``u`` at places in [-1, 1]."""
-        return self.log_radius(self.depth(t))
+    def u_at(self, t: Array) -> Array:
+        """Return ``u`` at places."""
+        return self.u_at_depth(self.depth(t))
 
-    def bends(self, depth: Array) -> Array:
-        """Return the derivative ``dx/du`` at depths."""
-        return np.asarray(self.bend * np.exp(-depth) - np.expm1(-depth))
+    def dv_du_at_depth(self, depth: Array) -> Array:
+        """Return the derivative ``dv/du`` at depths."""
+        return np.asarray(self.low_dv_du * np.exp(-depth) - np.expm1(-depth))
 
-    def bends_at(self, t: Array) -> Array:
-        """Return the derivative ``dx/du`` at places in [-1, 1]."""
-        return self.bends(self.depth(t))
+    def dv_du_at(self, t: Array) -> Array:
+        """Return the derivative ``dv/du`` at places."""
+        return self.dv_du_at_depth(self.depth(t))
 
-    def ahead(self, depth: Array, step: Array) -> Array:
-        """Return by how much ``u`` grows in a step of ``x`` that starts at a depth.
+    def u_increment(self, depth: Array, step: Array) -> Array:
+        """Return by how much ``u`` grows if ``v`` grows by `step` from a depth on.
 
-        It is accurate relative to itself, for short steps too.
+        Its relative error is a rounding error for short steps, too.
         """
-        return np.asarray(np.log1p(np.expm1(step) / self.bends(depth)))
+        return np.asarray(np.log1p(np.expm1(step) / self.dv_du_at_depth(depth)))
 
-    def step(self, depth: Array, ahead: Array) -> Array:
-        """Return the step of ``x`` from a depth in which ``u`` grows by `ahead`."""
-        return np.asarray(np.log1p(np.expm1(ahead) * self.bends(depth)))
+    def v_increment(self, depth: Array, step: Array) -> Array:
+        """Return by how much ``v`` grows from a depth on if ``u`` grows by `step`."""
+        return np.asarray(np.log1p(np.expm1(step) * self.dv_du_at_depth(depth)))
 
     def cut(self, pieces: int) -> list[RadiusStretch]:
-        """Return pieces of equal length in ``x``; their numbers of points are not chosen yet."""
+        """Return pieces of equal length in ``v``, with the same ``b_0`` and no points yet."""
         return self.cut_at(self.extent * np.arange(pieces) / pieces)
 
     def cut_at(self, depths: Array) -> list[RadiusStretch]:
-        """Return the pieces that begin at these ascending depths, the first of which is 0."""
-        ends = [*self.log_radius(depths).tolist(), self.high]
-        bends = self.bends(depths).tolist()
-        return [RadiusStretch(*piece) for piece in zip(ends[:-1], ends[1:], bends, strict=True)]
+        """Return the pieces that begin at ascending depths, of which the first is 0."""
+        ends = [*self.u_at_depth(depths).tolist(), self.high]
+        dv_du = self.dv_du_at_depth(depths).tolist()
+        return [RadiusStretch(*piece) for piece in zip(ends[:-1], ends[1:], dv_du, strict=True)]
 
 
 @cache
 def _nodes_and_matrix(count: int) -> tuple[Array, Array]:
-    """Return the nodes, ascending, and the matrix from values there to Chebyshev coefficients."""
+    """Return the Chebyshev points, ascending, and the matrix from values there to coefficients."""
     descending, fit = chebyshev_interpolation(count)
     nodes = np.ascontiguousarray(descending[::-1])
     matrix = np.ascontiguousarray(fit[:, ::-1])
@@ -142,27 +149,27 @@ def _nodes_and_matrix(count: int) -> tuple[Array, Array]:
 
 
 def chebyshev_nodes(count: int) -> Array:
-    """Return the Chebyshev points of the first kind, ascending; -1 and 1 are not among them."""
+    """Return the Chebyshev points of the first kind, ascending; the ends are not among them."""
     return _nodes_and_matrix(count)[0]
 
 
 def chebyshev_series(values: Array) -> Array:
-    """Return the Chebyshev coefficients of the interpolant of values at the nodes."""
+    """Return the Chebyshev coefficients of the interpolant, from values at the points."""
     return np.asarray(_nodes_and_matrix(len(values))[1] @ values)
 
 
 def chebyshev_value(values: Array, t: Array) -> Array:
-    """Evaluate the interpolant of values at the nodes, at places in [-1, 1]."""
+    """Return the interpolant at places, from values at the points."""
     return np.asarray(chebyshev.chebval(t, chebyshev_series(values)))
 
 
 def slope(values: Array, t: Array) -> Array:
-    """Evaluate the derivative in t of the interpolant of values at the nodes."""
+    """Return the derivative of the interpolant by the place, from values at the points."""
     return np.asarray(chebyshev.chebval(t, chebyshev.chebder(chebyshev_series(values))))
 
 
 def interpolation_weights(t: Array, count: int) -> Array:
-    """Return the factors of the values at the nodes in the interpolant, (places, nodes)."""
+    """Return the factors of the values at the points in the interpolant, (places, points)."""
     differences = t[:, None] - chebyshev_nodes(count)
     differences[differences == 0.0] = 1e-300
     terms = _barycentric_weights(count) / differences
@@ -171,17 +178,17 @@ def interpolation_weights(t: Array, count: int) -> Array:
 
 @cache
 def _barycentric_weights(count: int) -> Array:
-    """Return the weights of the nodes in the barycentric formula (Berrut and Trefethen 2004)."""
+    """Return the weights of the points in the barycentric formula (Berrut and Trefethen 2004)."""
     odd = np.arange(1, 2 * count, 2)
     return np.asarray(np.sin(math.pi * odd / (2 * count)) * (-1.0) ** np.arange(count))
 
 
 def left_out(values: Array) -> float:
-    """Estimate the error of the interpolant of four values or more at the nodes.
+    """Return an estimate of the error of the interpolant, from four or more values at the points.
 
-    The first coefficient that is left out is extrapolated from the decay between the last two pairs
-    of coefficients. It is multiplied by how many such coefficients add up: 1 if they decay fast,
-    and half the number of values if they hardly decay, as they do next to a singularity.
+    The first coefficient that the series leaves out is extrapolated from the last two pairs of
+    coefficients. The estimate is a multiple of it, as further coefficients are left out, too: the
+    factor is 1 if coefficients decay fast, and half their number if they hardly decay.
     """
     sizes = np.abs(chebyshev_series(values))
     last = float(sizes[-2:].max())
@@ -191,15 +198,17 @@ def left_out(values: Array) -> float:
 
 
 class FieldTable:
-    """A field interpolated over the contact radius and over the place in the contact.
+    """A field of flat punches, interpolated over their radius and over the place under them.
 
-    It is a double Chebyshev series on each panel: in the place ``t`` of the contact radius on its
-    stretch, and in a logarithm ``x`` of the distance from the edge or from the stick radius.
+    One coordinate is the place ``t`` of the radius on its stretch. The other one is ``x``, a
+    logarithm of the distance from the edge or from the stick radius (docs/theory, G.12), which is
+    divided into panels. The field is a double Chebyshev series on each panel.
 
     Parameters
     ----------
     values : callable
-        Takes logarithms ``x``, (n,), and returns the field of every stage there, (stages, n).
+        Takes values of ``x``, (n,), and returns the field there under the flat punches at all
+        Chebyshev points of the stretch, (punches, n).
     low : float
         The ``x`` at which the panels begin. Below the first panel and above the last one the field
         is constant in ``x``.
@@ -208,14 +217,14 @@ class FieldTable:
 
     Attributes
     ----------
-    lost : float
-        What the series in ``x`` leave out, relative to the largest value of the field.
+    series_error : float
+        Error of the series in ``x``, relative to the largest value of the field.
     """
 
     def __init__(self, values: Callable[[Array], Array], low: float, panels: int) -> None:
         self._low = low
         self._panel_count = panels
-        # in widths of a panel from the lower end
+        # distances of the samples from `low`, in widths of a panel
         scaled = np.arange(panels)[:, None] + (1.0 + chebyshev_nodes(_TERMS)) / 2.0
         samples = values(low + _WIDTH * scaled.ravel())
         _, over_radius = _nodes_and_matrix(len(samples))
@@ -224,15 +233,15 @@ class FieldTable:
         #: Coefficients: (panels, degrees in t, degrees in x).
         self._coefficients = np.swapaxes(series @ over_logarithm.T, 0, 1)
         last = np.abs(self._coefficients[..., -2:]).max()
-        self.lost = float(last / max(np.abs(samples).max(), 1e-300))
+        self.series_error = float(last / max(np.abs(samples).max(), 1e-300))
 
     def __call__(self, t: Array, x: Array) -> Array:
-        """Return the field at places t of contact radii and at logarithms x, both (n,)."""
+        """Return the field at places ``t`` of radii and at ``x``, both (n,)."""
         return np.asarray(self.several([self], t, x)[0])
 
     @staticmethod
     def several(tables: Sequence[FieldTable], t: Array, x: Array) -> Array:
-        """Return the fields of tables with equal panels at the same ``t`` and ``x``, (tables, n).
+        """Return fields of tables with the same panels, at the same ``t`` and ``x``, (tables, n).
 
         The points are sorted by panel, so that each panel is evaluated once, for all its points.
         """
@@ -256,7 +265,7 @@ class FieldTable:
 
 
 def _chebyshev_rows(t: Array, count: int) -> Array:
-    """Return the first `count` Chebyshev polynomials at t as rows, by their recurrence."""
+    """Return the first `count` Chebyshev polynomials at ``t``, by recurrence, (count, points)."""
     rows = np.empty((count, len(t)))
     rows[0] = 1.0
     rows[1:2] = t  # if there is a second row

@@ -20,8 +20,8 @@ from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import ZonePath, log_parameters
 
 if TYPE_CHECKING:
+    from spectral_contact.contact.normal import NormalContact
     from spectral_contact.contact.ratio import FullStick
-    from spectral_contact.contact.resolution import NormalContact
     from spectral_contact.contact.unloading import Unloading
     from spectral_contact.contact.zone_search import UncoupledSearch
 

@@ -1,22 +1,23 @@
-r"""Load and approach as functions of the contact radius ``b``, over the history of a contact.
+r"""Load and approach of a growing contact, as functions of its contact radius ``b``.
 
-The fields of a growing contact are a sum of those of flat punches of the radii ``b``; the
-increments ``dP`` of the load are the weights of this sum. Without coupling the load at every radius
-is that of normal contact. With coupling it follows from the condition that a point at radius ``r``
-comes into contact when ``b = r``: by then the approach less what the surface there has sunk is the
-height ``h(r)`` of the profile. With ``omega(b, r)``, the displacement of the surface at ``r > b``
-for unit approach of a flat punch of radius ``b``, and ``delta*(b)``, the approach of that punch for
-unit load and in units of its radius,
+The fields of the contact are sums of those of flat punches of all radii ``b``, and the increments
+``dP`` of the load are the weights of these sums (docs/theory, G.4). There are three sources of the
+load. Without coupling it is that of normal contact at each radius (`NormalLoads`), on a smooth
+surface in closed form but for one integral (`SmoothLoads`). With coupling it depends on the history
+(`VolterraLoads`), and follows from the condition that the gap at ``r`` is closed when ``b = r``:
 
-    h(r) = int_0^r [1 - omega(b, r)] d delta(b),        dP = b d delta / delta*(b),
+    h(r) = int_0^r [1 - omega(b, r)] d delta(b),        dP = b d delta / delta*(b)         (G.6)
 
-This is a Volterra equation of the first kind for ``d delta``. Its kernel on the diagonal,
-``1 - omega(r, r)``, is the compression ``alpha p`` of the layer at the edge, for unit approach. The
-equation is collocated on the panels of the history, from the first touch on, at more Radau points
-than there are unknowns, which makes it stable. The unknowns are the ratios of ``d delta/du``,
-``u = ln b``, to ``dH/du``, at the nodes of a panel; ``H(b)`` is the half-integral of the profile.
-The ratio is almost constant, even next to breaks of the profile. Under a flat part the load is 0
-until the contact grows beyond it.
+with the height ``h`` of the profile, the approach ``delta``, the displacement ``omega(b, r)`` of
+the surface at ``r > b`` for unit approach of the flat punch of radius ``b``, and the approach
+``delta*`` of this punch for unit load, in units of ``b``. This is a Volterra equation of the first
+kind for ``d delta``. It is solved panel by panel, from the first touch on. The unknowns are
+
+    D = d delta/dH,       H(b) = 2 b int_0^b h'(r) dr/sqrt(b**2 - r**2)                    (G.7)
+
+at the nodes of the panel, because this ratio is almost constant, even next to breaks of the
+profile. The equation is required at more points than there are unknowns, in the sense of least
+squares, which makes it stable. A flat part bears no load until the contact grows beyond it.
 """
 
 from __future__ import annotations
@@ -42,49 +43,51 @@ if TYPE_CHECKING:
     from spectral_contact.contact.on_parts import Indentation
     from spectral_contact.solution import Solution
 
-#: Arguments of `graded_rule` (points, panels, ratio) for integrals up to the radius at which the
-#: equation is collocated. There the kernel has a square root on a smooth surface, so that the rule
-#: is in the square root of the distance: loads under a sphere and a cone are off by 1e-13 or less.
-#: In the distance itself, with (12, 24, 0.2), they were off by 7e-12, which no estimate covered.
+#: Arguments of `graded_rule` (points, panels, ratio) for integrals over ``b`` up to ``r``. On a
+#: smooth surface the kernel is like a square root there, so the variable of the rule is the root of
+#: the distance from ``r``: loads under a sphere and a cone are off by 1e-13 or less. With the
+#: distance itself and (12, 24, 0.2) they were off by 7e-12, which no estimate covered.
 _GRADED = (14, 16, 0.2)
 #: Number of Gauss points for a smooth integrand.
 _SMOOTH_POINTS = 20
-#: Distance in ``u`` from a panel beyond which its kernel is smooth, and Gauss points suffice.
+#: Distance in ``u`` of ``r`` from a panel, beyond which the integrand on the panel is smooth and
+#: Gauss points are enough.
 _FAR = 1.0
 #: A panel begins at a break if their distance in ``u`` is less than this.
 _SAME = 1e-14
-#: Number of collocation points for each unknown; the overdetermined system is solved by least
-#: squares. The end of the panel is one of the points. With one point for each unknown, errors grow
-#: from panel to panel where the pressure oscillates.
+#: Number of points at which the equation is required over that of unknowns. With as many points as
+#: unknowns errors grow from panel to panel where the pressure oscillates.
 _POINTS_PER_UNKNOWN = 1.6
-#: Estimated errors of panels below this are rounding errors of the Volterra equation, which shorter
-#: panels do not reduce. On a smooth surface, where all flat punches are alike, panels under a
-#: sphere and a cone have 3e-12 to 2.5e-11, and halves of them 5e-11 to 1e-10.
+#: Rounding error of a panel by the Volterra equation. Shorter panels do not reduce it. On a smooth
+#: surface, where all flat punches are alike, the estimates of panels under a sphere and a cone are
+#: 3e-12 to 2.5e-11, and those of halves of these panels 5e-11 to 1e-10.
 _VOLTERRA_ROUNDING = 5e-11
 
 
 @dataclass(frozen=True, slots=True)
-class Weights:
+class PanelLoads:
     """Loads and approaches at the nodes of a panel, with their errors.
 
     Attributes
     ----------
     loads, approaches : ndarray
-        Load and approach at each node, counted from the first touch.
+        Load and approach of the contact when its radius was that of each node.
     error : float
-        Error of the interpolation over the panel, relative to the whole load.
-    at_nodes : float
-        Relative error of the values at the nodes, where they are those of normal contact.
+        Error that the interpolation of ``D`` on the panel makes, relative to the load at its end;
+        0 without coupling.
+    node_error : float
+        Relative error of the values at the nodes by the solution of normal contact; 0 with coupling
+        and on a smooth surface.
     """
 
     loads: Array
     approaches: Array
     error: float = 0.0
-    at_nodes: float = 0.0
+    node_error: float = 0.0
 
 
-class NormalWeight:
-    """Loads and approaches of normal contact.
+class NormalLoads:
+    """Loads and approaches of normal contact, solved at each radius.
 
     Parameters
     ----------
@@ -94,7 +97,7 @@ class NormalWeight:
     Attributes
     ----------
     rounding : float
-        Rounding error of a panel, relative: shorter panels do not reduce the error below it.
+        Relative error of a panel below which shorter panels do not reduce it.
     """
 
     rounding = 0.0
@@ -102,13 +105,13 @@ class NormalWeight:
     def __init__(self, contact: Callable[[float], Indentation]) -> None:
         self._contact = contact
 
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept."""
-        contacts = [self._contact(b) for b in np.exp(stretch.logs).tolist()]
+        contacts = [self._contact(b) for b in np.exp(stretch.u_nodes).tolist()]
         loads = np.array([contact.load for contact in contacts])
         approaches = np.array([contact.approach for contact in contacts])
         error = max(max(contact.load_error, contact.approach_error) for contact in contacts)
-        return Weights(loads, approaches, at_nodes=error)
+        return PanelLoads(loads, approaches, node_error=error)
 
     def keep(self) -> None:
         """Do nothing: normal contact does not depend on the history."""
@@ -117,21 +120,19 @@ class NormalWeight:
         """Do nothing: normal contact does not depend on the history."""
 
 
-class SmoothWeight:
-    """Loads on a smooth surface: the integral of ``dP = 8 b d delta`` with ``delta = H/2``.
-
-    It is integrated by parts: ``8 b delta`` less the integral of ``8 delta db``.
+class SmoothLoads:
+    """Loads and approaches on a smooth surface without coupling: (docs/theory, G.5).
 
     Parameters
     ----------
     profile : Profile
     first : float
-        The load where the history begins.
+        The load at the radius at which the history begins.
 
     Attributes
     ----------
     rounding : float
-        As in `NormalWeight`.
+        As in `NormalLoads`.
     """
 
     rounding = 0.0
@@ -139,22 +140,22 @@ class SmoothWeight:
     def __init__(self, profile: Profile, first: float) -> None:
         self.profile = profile
         self._rule = graded_rule(_SMOOTH_POINTS, 1, 0.0)
-        #: loads where the history begins and at the ends of the panels kept
+        #: loads at the beginning of the history and at the upper ends of the panels kept
         self._loads = [first]
-        #: load at the end of the panel that was computed last
+        #: load at the upper end of the panel that was computed last
         self._new_load = first
 
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept."""
         points, weights = self._rule
-        ends = np.append(stretch.logs, stretch.high)
+        ends = np.append(stretch.u_nodes, stretch.high)
         depths = stretch.depth_of(ends)[:, None] * points
-        integrand = self._product(stretch.log_radius(depths)) / stretch.bends(depths)
+        integrand = self._product(stretch.u_at_depth(depths)) / stretch.dv_du_at_depth(depths)
         boundary = self._product(ends) - self._product(np.array(stretch.low))
         loads = self._loads[-1] + boundary - stretch.depth_of(ends) * (integrand @ weights)
         self._new_load = float(loads[-1])
-        approaches = self.profile._transform(np.exp(stretch.logs)) / 2.0
-        return Weights(loads[:-1], approaches)
+        approaches = self.profile._transform(np.exp(stretch.u_nodes)) / 2.0
+        return PanelLoads(loads[:-1], approaches)
 
     def keep(self) -> None:
         """Add the panel that was computed last to the history."""
@@ -174,15 +175,15 @@ class _PanelQuadrature(NamedTuple):
 
     Attributes
     ----------
-    behind : ndarray, shape (points,)
-        How far the points are below the upper end of the panel, in ``u``.
+    below_end : ndarray, shape (points,)
+        Distances in ``u`` of the points from the upper end of the panel.
     factors : ndarray, shape (points, punches)
         Factors of the flat punches at the nodes in the interpolant at the points.
     increments : ndarray, shape (points,)
-        ``d delta`` at the points, with the weights of the quadrature.
+        ``d delta`` at the points, times the weights of the quadrature.
     """
 
-    behind: Array
+    below_end: Array
     factors: Array
     increments: Array
 
@@ -195,13 +196,13 @@ class _VolterraPanel:
     ----------
     stretch : RadiusStretch
     ratios : ndarray
-        The unknowns: ``d delta/du`` over ``dH/du`` at the nodes.
+        The unknowns, ``D`` at the nodes.
     outside : list of LogSeries
-        Displacement of the surface outside each flat punch.
+        ``omega`` of each flat punch, as of `outside_displacement`.
     at_break : bool
-        Whether it begins at a break, where ``dH/du`` may behave like a square root.
+        Whether the panel begins at a break, where ``dH/du`` may be like a square root.
     quadratures : dict
-        The quadratures for radii far beyond the panel (True) and near it (False), once made.
+        The quadratures made so far, for radii near the panel (False) and far beyond it (True).
     """
 
     stretch: RadiusStretch
@@ -211,12 +212,12 @@ class _VolterraPanel:
     quadratures: dict[bool, _PanelQuadrature] = field(default_factory=dict)
 
     def factors(self, depth: Array) -> Array:
-        """Return the factors of the punches in the interpolant at depths, (..., punches)."""
+        """Return the factors of the punches in the interpolant, at depths, (..., punches)."""
         t = self.stretch.place(depth)
         return interpolation_weights(t.ravel(), self.stretch.count).reshape(*t.shape, -1)
 
     def kernel(self, factors: Array, distance: Array) -> Array:
-        """Return ``1 - omega(b, r)`` for points ``b`` of the panel and radii ``r`` beyond them.
+        """Return ``1 - omega(b, r)`` for contact radii ``b`` on the panel, and larger radii ``r``.
 
         Parameters
         ----------
@@ -233,22 +234,22 @@ class _VolterraPanel:
         return np.asarray(1.0 - np.einsum("...nk,k...n->...n", factors, omega))
 
 
-class CoupledWeight:
-    """Loads and approaches with coupling, from the Volterra equation of this module.
+class VolterraLoads:
+    """Loads and approaches with coupling, from the Volterra equation (docs/theory, G.6 and G.7).
 
     Parameters
     ----------
     profile : Profile
     low : float
-        Logarithm of the radius where the history begins. Flat punches of smaller radii are taken to
-        displace the surface as this one does, in units of their radii.
+        Logarithm of the radius at which the history begins. For flat punches of smaller radii
+        ``omega`` is taken to be the same function of ``r/b``, and ``D`` to be constant.
     first : Solution
         The flat punch of that radius.
 
     Attributes
     ----------
     rounding : float
-        As in `NormalWeight`.
+        As in `NormalLoads`.
     """
 
     rounding = _VOLTERRA_ROUNDING
@@ -258,7 +259,7 @@ class CoupledWeight:
         roots, weights = graded_rule(*_GRADED)
         half_points = roots**2 / 2.0
         half_weights = roots * weights
-        #: rules on (0, 1): graded to 0, smooth, and graded to both ends
+        #: rules on (0, 1): graded to 0, for smooth integrands, and graded to both ends
         self._graded = 2.0 * half_points, 2.0 * half_weights
         self._smooth = graded_rule(_SMOOTH_POINTS, 1, 0.0)
         self._two_sided = (
@@ -267,29 +268,30 @@ class CoupledWeight:
         )
         self._breaks = np.log(profile.breaks)
         self._flat_part = profile.flat_part > 0.0
-        #: the flat punch whose outside displacement was computed last, and that displacement
+        #: the latest flat punch, and its `outside_displacement`
         self._latest = first, outside_displacement(first)
         self._low = low
         self._first_outside = [self._latest[1]]
-        #: quadrature below `low`: distances in u, and d delta with the weights
-        self._behind, self._first_increments = self._first_quadrature()
-        # d delta is proportional to dH there; the equation at `low` gives the factor
+        #: quadrature over radii below `low`: distances from it in u, and d delta times the weights
+        self._below_low, self._first_increments = self._first_quadrature()
+        # they are dH times the weights so far; the equation at `low` gives the factor D
         at_low = np.array([low])
-        self._first_increments *= self._height(at_low) / self._from_first(at_low)
+        self._first_increments *= self._height(at_low) / self._integral_below_low(at_low)
         approach = float(self._first_increments.sum())
-        # the approach of smaller punches, for unit load, is that of the layer and that of the body
-        radii = np.exp(-self._behind)
+        # b/exp(low), and b delta*/exp(low): in delta* the part of the body is that at `low`, and
+        # the part of the layer is in proportion to 1/b
+        radii = np.exp(-self._below_low)
         layer = first.scene.normal_compliance / math.pi
-        softness = (first.approach - layer) * radii + layer
-        load = math.exp(low) * float((radii**2 / softness * self._first_increments).sum())
+        scaled_approaches = (first.approach - layer) * radii + layer
+        load = math.exp(low) * float((radii**2 / scaled_approaches * self._first_increments).sum())
         self._panels: list[_VolterraPanel] = []
-        #: load and approach at `low` and at the ends of the panels kept
+        #: load and approach at `low` and at the upper ends of the panels kept
         self._ends = [(load, approach)]
-        #: the panel that was computed last, and load and approach at its end
+        #: the panel that was computed last, and load and approach at its upper end
         self._new_panel: _VolterraPanel | None = None
         self._new_end = load, approach
 
-    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> Weights:
+    def on(self, stretch: RadiusStretch, flats: tuple[Solution, ...]) -> PanelLoads:
         """Return loads and approaches of the panel that follows the last one kept.
 
         Raises
@@ -300,27 +302,28 @@ class CoupledWeight:
         at_break = bool(np.abs(self._breaks - stretch.low).min(initial=1.0) < _SAME)
         outside = [self._outside(flat) for flat in flats]
         panel = _VolterraPanel(stretch, np.zeros(stretch.count), outside, at_break)
-        # collocation points are rows; the quadrature goes from the lower end up to each of them
+        # a row for each of the points r at which (G.7) is required, with a quadrature from the
+        # lower end of the panel up to r
         points, weights = self._two_sided if panel.at_break else self._graded
         depth = stretch.depth(_radau(math.ceil(_POINTS_PER_UNKNOWN * stretch.count)))[:, None]
-        log_radii = stretch.log_radius(depth)
+        log_radii = stretch.u_at_depth(depth)
         quadrature_depth = depth * (1.0 - points)
-        distance = -stretch.ahead(depth, -depth * points)
+        distance = -stretch.u_increment(depth, -depth * points)
         factors = panel.factors(quadrature_depth)
         rate = self._transform_rate(log_radii - distance)
         integrand = weights * panel.kernel(factors, distance) * rate
-        integrand /= stretch.bends(quadrature_depth)
+        integrand /= stretch.dv_du_at_depth(quadrature_depth)
         matrix = depth * np.einsum("rn,rnk->rk", integrand, factors)
         radii = log_radii[:, 0]
-        right_side = self._height(radii) - self._from_first(radii)
+        right_side = self._height(radii) - self._integral_below_low(radii)
         for earlier in self._panels:
-            right_side -= self._from_panel(earlier, radii)
+            right_side -= self._integral_over(earlier, radii)
         ratios = np.linalg.lstsq(matrix, right_side, rcond=None)[0]
         self._new_panel = replace(panel, ratios=ratios, quadratures={})
-        return self._weights(self._new_panel, flats)
+        return self._panel_loads(self._new_panel, flats)
 
     def _outside(self, flat: Solution) -> LogSeries:
-        """Return the displacement outside a flat punch; the last one is kept.
+        """Return `outside_displacement` of a flat punch; the latest one is kept.
 
         On a smooth surface all flat punches are the same object.
         """
@@ -328,33 +331,37 @@ class CoupledWeight:
             self._latest = flat, outside_displacement(flat)
         return self._latest[1]
 
-    def _weights(self, panel: _VolterraPanel, flats: tuple[Solution, ...]) -> Weights:
-        """Return load and approach at the nodes, by integrals from the beginning of the panel."""
+    def _panel_loads(self, panel: _VolterraPanel, flats: tuple[Solution, ...]) -> PanelLoads:
+        """Return load and approach at the nodes, by integrals from the lower end of the panel."""
         stretch = panel.stretch
-        extent = stretch.depth_of(np.append(stretch.logs, stretch.high))[:, None]
+        # a row for each node, and one for the upper end
+        extents = stretch.depth_of(np.append(stretch.u_nodes, stretch.high))[:, None]
         points, weights = self._graded if panel.at_break else self._smooth
-        depth = (extent * points).ravel()
-        u = stretch.log_radius(depth)
+        depth = (extents * points).ravel()
+        u = stretch.u_at_depth(depth)
         factors = panel.factors(depth)
-        rate = (factors @ panel.ratios) * self._transform_rate(u) / stretch.bends(depth)
-        # where a layer is thick for small radii, b delta* is smooth, and delta* is not
-        softness = np.exp(stretch.logs) * np.array([flat.approach for flat in flats])
-        stiffness = np.exp(2.0 * u) / (factors @ softness)
-        scaled_weights = extent * weights
+        # d delta/dv
+        rate = (factors @ panel.ratios) * self._transform_rate(u) / stretch.dv_du_at_depth(depth)
+        # b delta* is interpolated, as delta* has a pole at b = 0
+        scaled_approaches = np.exp(stretch.u_nodes) * np.array([flat.approach for flat in flats])
+        # dP/d delta = b/delta*
+        stiffness = np.exp(2.0 * u) / (factors @ scaled_approaches)
+        scaled_weights = extents * weights
         load, approach = self._ends[-1]
-        approaches = approach + (rate.reshape(len(extent), -1) * scaled_weights).sum(axis=1)
-        load_rate = (rate * stiffness).reshape(len(extent), -1)
+        approaches = approach + (rate.reshape(len(extents), -1) * scaled_weights).sum(axis=1)
+        load_rate = (rate * stiffness).reshape(len(extents), -1)
         loads = load + (load_rate * scaled_weights).sum(axis=1)
         self._new_end = float(loads[-1]), float(approaches[-1])
         increments = np.diff(loads, prepend=load), np.diff(approaches, prepend=approach)
         if not np.min(increments) > 0.0:
             text = f"at the contact radius {math.exp(stretch.high):.6g} the load would not grow"
             raise NotComputedError("load", text)
-        # next to the edge what a panel adds to the fields goes like the root of what it adds here
+        # Next to the edge a panel may add more to the fields than to load and approach: about the
+        # square root of the fraction of these that it adds.
         added = 1.0 - min(load / self._new_end[0], approach / self._new_end[1])
         error = left_out(panel.ratios) / float(np.abs(panel.ratios).max())
         error *= math.sqrt(max(added, 0.0))
-        return Weights(loads[:-1], approaches[:-1], error)
+        return PanelLoads(loads[:-1], approaches[:-1], error)
 
     def keep(self) -> None:
         """Add the panel that was computed last to the history."""
@@ -366,26 +373,27 @@ class CoupledWeight:
         """Keep only the first `count` panels of the history."""
         del self._panels[count:], self._ends[count + 1 :]
 
-    def _from_first(self, log_radii: Array) -> Array:
-        """Return the integral of the equation over radii below `low`, at radii (n,)."""
-        distance = log_radii[:, None] - self._low + self._behind
+    def _integral_below_low(self, log_radii: Array) -> Array:
+        """Return ``int [1 - omega(b, r)] d delta`` over ``b`` below `low`, at radii ``r``, (n,)."""
+        distance = log_radii[:, None] - self._low + self._below_low
         omega = reached(self._first_outside, distance.ravel())[0].reshape(distance.shape)
         return np.asarray((1.0 - omega) @ self._first_increments)
 
-    def _from_panel(self, panel: _VolterraPanel, log_radii: Array) -> Array:
-        """Return the integral of the equation over an earlier panel, at radii (n,)."""
-        beyond = log_radii - panel.stretch.high
-        far = (beyond > _FAR) & (not panel.at_break)
-        added = np.empty(len(beyond))
+    def _integral_over(self, panel: _VolterraPanel, log_radii: Array) -> Array:
+        """Return ``int [1 - omega(b, r)] d delta`` over an earlier panel, at radii ``r``, (n,)."""
+        above_end = log_radii - panel.stretch.high
+        far = (above_end > _FAR) & (not panel.at_break)
+        integrals = np.empty(len(above_end))
         for is_far in (False, True):
             rows = far == is_far
             if rows.any():
-                behind, factors, increments = self._quadrature_of(panel, is_far)
-                added[rows] = panel.kernel(factors, beyond[rows, None] + behind) @ increments
-        return added
+                below_end, factors, increments = self._quadrature_of(panel, is_far)
+                distance = above_end[rows, None] + below_end
+                integrals[rows] = panel.kernel(factors, distance) @ increments
+        return integrals
 
     def _quadrature_of(self, panel: _VolterraPanel, far: bool) -> _PanelQuadrature:
-        """Return the quadrature over a panel for radii near it or far beyond it, made once."""
+        """Return the quadrature over a panel, for radii near it or far beyond it, made once."""
         if far not in panel.quadratures:
             stretch = panel.stretch
             points, weights = self._smooth if far else self._graded
@@ -393,38 +401,38 @@ class CoupledWeight:
                 points, weights = self._two_sided
             extent = stretch.extent
             depth = extent * (1.0 - points)
-            behind = -stretch.ahead(np.array(extent), -extent * points)
+            below_end = -stretch.u_increment(np.array(extent), -extent * points)
             factors = panel.factors(depth)
-            increments = (factors @ panel.ratios) * self._transform_rate(stretch.high - behind)
-            increments *= extent * weights / stretch.bends(depth)
-            panel.quadratures[far] = _PanelQuadrature(behind, factors, increments)
+            increments = (factors @ panel.ratios) * self._transform_rate(stretch.high - below_end)
+            increments *= extent * weights / stretch.dv_du_at_depth(depth)
+            panel.quadratures[far] = _PanelQuadrature(below_end, factors, increments)
         return panel.quadratures[far]
 
     def _height(self, log_radii: Array) -> Array:
-        """Return ``h``, the left-hand side of the equation, at logarithms of radii."""
+        """Return the height ``h`` of the profile at logarithms of radii."""
         return self.profile._height(np.exp(log_radii))
 
     def _first_quadrature(self) -> tuple[Array, Array]:
-        """Return points below `low`, as distances in ``u``, and ``dH`` there with the weights.
+        """Return points below `low`, as distances from it in ``u``, and ``dH`` times the weights.
 
-        The points reach down to the end of a flat part, or to the centre if there is none.
+        They reach down to the end of a flat part, or to the centre if there is none.
         """
         if self._flat_part:
             points, weights = self._two_sided
             extent = self._low - self._breaks[0]
-            behind = extent * points
+            below_low = extent * points
             scaled_weights = extent * weights
         else:
             points, weights = self._graded
-            behind = -np.log1p(-points)
+            below_low = -np.log1p(-points)
             scaled_weights = weights / (1.0 - points)
-        return behind, scaled_weights * self._transform_rate(self._low - behind)
+        return below_low, scaled_weights * self._transform_rate(self._low - below_low)
 
     def _transform_rate(self, log_radii: Array) -> Array:
         """Return ``dH/du`` at logarithms of radii, of any shape."""
         u = log_radii.ravel()
         b = np.exp(u)
-        past = np.zeros(len(u))  # as `Profile._rate` takes it
+        past = np.zeros(len(u))  # b**2 less the square of the last break below b
         if len(self._breaks):
             last = np.searchsorted(self._breaks, u, side="right") - 1
             log_break = self._breaks[np.maximum(last, 0)]
@@ -433,11 +441,12 @@ class CoupledWeight:
         return np.asarray(b * self.profile._rate(b, past)).reshape(log_radii.shape)
 
 
-#: A source of loads and approaches, panel by panel from the first touch on.
-Weight = NormalWeight | SmoothWeight | CoupledWeight
+#: A source of loads and approaches, panel by panel from the first touch on. `on` returns those of a
+#: panel, and `keep` makes this panel a part of the history; `back` removes the latest panels.
+LoadSource = NormalLoads | SmoothLoads | VolterraLoads
 
 
 @cache
 def _radau(count: int) -> Array:
-    """Return the Radau points on (-1, 1], of which the last is 1."""
+    """Return the Radau points on (-1, 1], of which the last one is 1."""
     return np.append(roots_jacobi(count - 1, 1.0, 0.0)[0], 1.0)

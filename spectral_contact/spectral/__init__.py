@@ -1,7 +1,8 @@
 """The discretised operators of axisymmetric contact: a public subpackage, usable on its own.
 
-It knows panels, half-order integrals and the two kernels; it knows no scene, friction or Poisson's
-ratio. The modules have more than what is exported here.
+It knows panels, half-order integrals and the two kernels. It knows no scene, and decides nothing
+about friction: the states of zones, the friction and the coupling are given to its contact system.
+The modules have more than what is exported here.
 """
 
 from spectral_contact.spectral.annulus import Annulus

@@ -57,7 +57,7 @@ class MeshPart(NamedTuple):
         Number of the zone, from the centre outward: the disk is one part, other zones are two.
     state : int
         0 for stick, +1 or -1 for slip with this sign of the traction.
-    boundary : int
+    boundary_number : int
         Number of the boundary that the mesh is graded to; -1 for the edge of the contact.
     mesh, shear_mesh : GradedMesh
         Panels graded to the boundary, with the functions of p, and with those of u. They differ in
@@ -70,7 +70,7 @@ class MeshPart(NamedTuple):
 
     zone: int
     state: int
-    boundary: int
+    boundary_number: int
     mesh: GradedMesh
     shear_mesh: GradedMesh
     degrees: Degrees
@@ -169,7 +169,8 @@ class ContactFields:
         Whether the top degrees of the known pressure on the parts of this mesh, which the coarser
         spaces do not represent, are added to these contributions.
     displacement : KnownDisplacement, optional
-        That of what sticks around the central disk, under a known pressure.
+        That of what sticks, under a known pressure: on those zones around the central disk where it
+        is not zero everywhere. The disk itself has never slipped.
 
     Attributes
     ----------
@@ -203,7 +204,7 @@ class ContactFields:
         self.stick_parts = [k for k, part in enumerate(self.parts) if part.sticks]
         self._place_fields(pressures, truncated=truncated)
         #: coefficients of ``u_r / (kappa s)`` on the parts that stick and are displaced
-        self.known_displacement: dict[int, Array] = {}
+        self.displacement_coefficients: dict[int, Array] = {}
         self.displacement = displacement
         if displacement is not None:
             self._expand_displacement(displacement, len(pressures))
@@ -309,7 +310,7 @@ class ContactFields:
             if panels.power != 0.0:
                 values = values / panels.sampling_distances**panels.power
             self.known_pressure.append(_expansion(part, values, truncated=truncated))
-            if part.boundary >= 0:
+            if part.boundary_number >= 0:
                 self.known_variation.append(_expansion(part, variation, truncated=truncated))
             if not part.sticks:
                 slip = part.state * self.parameters.friction * values / np.sqrt(points.z)
@@ -329,7 +330,7 @@ class ContactFields:
                 errors = np.full((pressures - 1, len(values)), displacement.error)
                 functions = part.shear_mesh.panels.functions(part.degrees)
                 columns = np.vstack([values, errors]) / np.sqrt(points.z)
-                self.known_displacement[k] = part.shear_mesh.expand(columns)[:, functions].T
+                self.displacement_coefficients[k] = part.shear_mesh.expand(columns)[:, functions].T
 
     def pressure_on(self, k: int, values: Array) -> Array:
         """Return the coefficients of p on a part, for vectors as columns."""
@@ -470,7 +471,7 @@ class ContactFields:
         rows = np.zeros((len(self.radii), self.unknowns))
         for k in self.stick_parts:
             part = self.parts[k]
-            j = part.boundary
+            j = part.boundary_number
             if j < 0:
                 continue
             row = rows[j : j + 1]

@@ -5,6 +5,10 @@ matrices of half-integrals, summed over the nodes of each part (docs/theory, Abe
 Where an equation is tested without boundary weights (`ContactOperators`), the Gram matrix of the
 central disk is a power of its radius times that of the unit disk, which is cached, and the coupling
 of the two equations is a sum of products of loads, in which no kernel is left.
+
+Two cases have their matrices elsewhere: normal contact alone, and a known pressure on one stick
+disk or in full stick (`factored.CholeskyFactoredSystem`). They take the Gram matrix of the unit
+disk from `spaces.Space.gram` and add the compliance in `regularised.RegularisedProblem`.
 """
 
 from __future__ import annotations

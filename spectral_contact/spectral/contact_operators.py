@@ -103,9 +103,9 @@ class ContactOperators:
         these weights the error far from the boundary would exceed the small values next to it. At
         the edge there are none.
         """
-        if part.boundary < 0:
+        if part.boundary_number < 0:
             return 1.0
-        beside = [p.mesh.extent for p in self._parts if p.boundary == part.boundary]
+        beside = [p.mesh.extent for p in self._parts if p.boundary_number == part.boundary_number]
         return np.maximum(min(beside) / np.abs(offset), 1.0)
 
     def _assemble(self) -> None:

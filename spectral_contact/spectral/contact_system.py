@@ -17,7 +17,7 @@ the same parts, so that the same operators act on it. The equations are (docs/th
     alpha p + N p - kappa int_s^1 q = delta     where p is unknown,
     beta q + T q - kappa g[p] = u_r             in stick,
 
-where the displacement u_r is zero unless slip that is over has left some (`known_displacement`).
+where the displacement u_r is zero unless slip that is over has left some (`KnownDisplacement`).
 
 **What Galerkin's method tests.** F and G are the half-integrals of p and q over radii outside of t,
 and ``kappa R`` is the value that stick prescribes for G, the *stick target*:
@@ -129,9 +129,9 @@ class ContactSystem(ContactFields):
         stick_target = np.zeros((len(self.radii), self.unknowns))
         residual = np.zeros_like(stick_target)
         for i, part in enumerate(self.parts[: len(self.operators.nodes)]):
-            if part.boundary < 0 or part.mesh.sign > 0:
+            if part.boundary_number < 0 or part.mesh.sign > 0:
                 continue
-            j = slice(part.boundary, part.boundary + 1)
+            j = slice(part.boundary_number, part.boundary_number + 1)
             factor = 2.0 * self.parameters.kappa / part.mesh.boundary.value
             for k, inner in self.operators.inner_pressure[i].blocks.items():
                 self.add_pressure(
@@ -183,7 +183,7 @@ class ContactSystem(ContactFields):
             at_boundary += 2.0 * kappa * (shear_load - part.mesh.boundary.value * inner_at_boundary)
             # The parts on both sides of a boundary get the same value to the last digit. A step by
             # rounding would add to p a multiple of one over the square root of the distance.
-            at_boundary = at_boundaries.setdefault(part.boundary, at_boundary)
+            at_boundary = at_boundaries.setdefault(part.boundary_number, at_boundary)
             inner_increment = t * inner.increments(u) + from_boundary * inner_at_boundary
             residual.append(at_boundary - 2.0 * kappa * inner_increment - outer.increments(p))
         return residual
@@ -196,8 +196,8 @@ class ContactSystem(ContactFields):
         residual = []
         for i, part in enumerate(self.parts[: self.stick_parts[-1] + 1]):
             increment = self._shear_increment(i, values)
-            if part.boundary >= 0:
-                increment = increment + at_boundaries[part.boundary]
+            if part.boundary_number >= 0:
+                increment = increment + at_boundaries[part.boundary_number]
             residual.append(increment)
         return residual
 
@@ -222,7 +222,7 @@ class ContactSystem(ContactFields):
         """``E(t) - E(b)`` at the nodes of the parts by each known pressure, with q = 0 in stick."""
         increments = []
         for i, outer in enumerate(self.operators.outer_shear):
-            graded_to_boundary = self.parts[i].boundary >= 0
+            graded_to_boundary = self.parts[i].boundary_number >= 0
             pressure = self.known_variation if graded_to_boundary else self.known_pressure
             increment = self._target_increment(i, pressure)
             slips = {k: b for k, b in outer.blocks.items() if not self.parts[k].sticks}
@@ -244,7 +244,7 @@ class ContactSystem(ContactFields):
         factor = 2.0 * self.parameters.kappa / t
         increment = np.asarray(factor * (inner.increments(pressure) - falls))
         part = self.parts[i]
-        if self.pressure_known and part.zone == 0 and part.boundary >= 0:
+        if self.pressure_known and part.zone == 0 and part.boundary_number >= 0:
             # Near the centre the increment and the boundary term cancel, and their difference is
             # divided by t. R(t) itself has its digits there.
             at_boundary = 2.0 * self.parameters.kappa / boundary * inner.boundary_values(pressure)
@@ -258,7 +258,7 @@ class ContactSystem(ContactFields):
         for place, product in self.masses(values):
             projected[place] -= product
         factors = values[: self.pressure_terms]
-        for k, displacement in self.known_displacement.items():
+        for k, displacement in self.displacement_coefficients.items():
             part = self.parts[k]
             projected[self.shear_places[k]] += part.shear_mesh.mass(
                 part.degrees, displacement @ factors, shear=True

@@ -22,6 +22,7 @@ from spectral_contact.io.choices import instance, names
 from spectral_contact.layers.scene_layer import refuse_layer
 from spectral_contact.profiles import Flat
 from spectral_contact.profiles.control import refuse_profile
+from spectral_contact.quantities import RADIAL
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
 from spectral_contact.solving.mirror import with_positive_kappa
@@ -39,9 +40,8 @@ from spectral_contact.view.report import table
 
 __all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensitivity"]
 
-#: What can be differentiated, and what of it and of fields is radial.
+#: What can be differentiated.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
-_RADIAL: Final = frozenset({"total_shear", "traction"})
 #: Tolerances of the spaces: of what is returned, and of what it is compared with. That one is less
 #: accurate by far, so that hardly any accident makes the difference less than the error.
 _TIGHT: Final = (1e-12, 1e-11)
@@ -265,7 +265,7 @@ def _by_kappa(found: Sensitivity) -> Sensitivity:
 
     def turned(quantity: str, name: str, one: _D) -> _D:
         # what is radial changes its sign with kappa
-        factor = sense if (quantity in _RADIAL) != (name == PARAMETERS[-1]) else 1.0
+        factor = sense if (quantity in RADIAL) != (name == PARAMETERS[-1]) else 1.0
         return replace(one, value=one.value * factor + 0.0)
 
     def named(pairs: dict[tuple[str, str], _D]) -> dict[tuple[str, str], _D]:

@@ -105,9 +105,9 @@ def test_a_stick_radius_that_falls_by_more_than_its_errors_is_refused(fall, erro
     flat = SimpleNamespace(error=SimpleNamespace(stick_radius=error))
     panels = [SimpleNamespace(flats=(flat, flat))]
     rises, falls = [(0.5, 0.3), (0.6, 0.31)], [(0.5, 0.3), (0.6, 0.3 * (1.0 - fall))]
-    check_stick_radii(SimpleNamespace(stages=rises, panels=panels))
+    check_stick_radii(SimpleNamespace(stick_radii=rises, panels=panels))
     with pytest.raises(NotComputedError, match=r"falls at the contact radius 0\.6"):
-        check_stick_radii(SimpleNamespace(stages=falls, panels=panels))
+        check_stick_radii(SimpleNamespace(stick_radii=falls, panels=panels))
 
 
 def test_slip_opposes_the_traction_and_is_zero_where_nothing_has_slipped():

@@ -390,12 +390,13 @@ def test_work_is_stored_dissipated_or_the_defect_of_the_model(scene):
 
 
 def test_dissipation_is_not_known_better_than_the_slip():
-    solution = solve(Scene(0.1, 0.5, 0.5, 0.1), rtol=1e-10)
+    solution = solve(Scene(0.1, 0.5, 0.5, 0.1), rtol=1e-6)
+    assert solution.error.slip < 1e-5
     unsure = replace(solution, error=replace(solution.error, slip=1e-3))
-    known, found = solution.inside.energies(), unsure.inside.energies()
-    friction = known.friction / known.external
+    found = unsure.inside.energies()
+    friction = found.friction / found.external
     assert friction > 1e-4
-    assert known.error < 1e-3 * friction <= found.error
+    assert 1e-3 * friction <= found.error < 1.1e-3 * friction
 
 
 def test_energies_of_sneddons_punch_and_their_units():

@@ -15,8 +15,8 @@ from scipy.integrate import quad
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.full_stick import full_stick
+from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement
-from spectral_contact.contact.resolution import NormalContact
 from spectral_contact.contact.zone_problem import solve_stick
 from spectral_contact.contact.zone_search import UncoupledSearch
 from spectral_contact.equations.residuals import tangential_displacement

@@ -18,7 +18,7 @@ from reporting import table, write
 from spectral_contact import Scene, solve
 from spectral_contact.contact.edge_stick import with_edge_stick
 from spectral_contact.contact.layout import Layout
-from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_zones
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_coupled_zones
 from spectral_contact.spectral.parameters import Parameters
 
 NU, RTOL = 0.1, 1e-12
@@ -49,8 +49,8 @@ def matched(nu: float, beta: float, friction: float) -> dict[str, float]:
     scene = Scene(nu, 0.0, beta, friction, coupling=True)
     panels = solve(scene, 1e-11, strict=False)
     parameters = Parameters(0.0, beta, scene.kappa, friction)
-    layout = FreeBoundaryProblem(parameters, Layout((2.0,), (0, 1)), 1e-11).initial_layout()
-    found = solve_zones(parameters, layout, 1e-11, 20_000)
+    layout = FreeBoundaryProblem(parameters, Layout((2.0,), (0, 1)), 1e-11).current_layout()
+    found = solve_coupled_zones(parameters, layout, 1e-11, 20_000)
     edge = with_edge_stick(found.best.value, parameters)
     widths = [2.0 * one.zones[-1].inner_from_edge for one in (edge, panels)]
     theta = math.atan(2.0 * scene.kappa * friction) / math.pi

@@ -71,7 +71,7 @@ def test_a_known_pressure_lacks_its_top_degrees_in_the_coarser_space(logits, sta
     coarse_problem = FreeBoundaryProblem(parameters, layout, tolerance, known=coarse_known)
     spaces = problem.spaces(tolerance, np.array(logits))
     lower_spaces = [space._replace(degrees=tuple(n - 2 for n in space.degrees)) for space in spaces]
-    fine = problem.system(spaces, np.array(logits), changes=True)
+    fine = problem.system(spaces, np.array(logits), with_contributions=True)
     coarse = coarse_problem.system(lower_spaces, np.array(logits))
     factors = factored(fine)
     values = factors.unit_solutions[:, 0]

@@ -9,7 +9,7 @@ from spectral_contact.contact.free_boundary import (
     FieldSolution,
     FreeBoundary,
     _broyden,
-    corrected,
+    correct_to,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import solve_normal
@@ -60,7 +60,7 @@ def residual_at(problem, logits):
 
     def residual(at):
         fields = FieldSolution.first(factored(problem.system(spaces, at)))
-        return corrected(fields, 1e-12).fields.boundary_residual
+        return correct_to(fields, 1e-12).fields.boundary_residual
 
     return residual
 
@@ -68,7 +68,7 @@ def residual_at(problem, logits):
 @pytest.mark.parametrize(("make", "known"), CASES)
 def test_boundaries_are_found_from_a_guess_that_is_off_by_a_third(make, known):
     problem = make(known=known)
-    located = problem.initial_layout()
+    located = problem.current_layout()
     logits = np.array(located.logits)
     newton = newton_of(problem, logits)
     found = []
@@ -88,7 +88,7 @@ def test_boundaries_are_found_from_a_guess_that_is_off_by_a_third(make, known):
 @pytest.mark.parametrize(("make", "known"), CASES)
 def test_what_it_begins_with_stays_as_it_is(make, known):
     problem = make(known=known)
-    located = problem.initial_layout()
+    located = problem.current_layout()
     logits = np.array(located.logits) + 0.1
     jacobian = np.array(located.jacobian)
     newton = newton_of(problem, logits)
@@ -111,7 +111,7 @@ def test_what_it_begins_with_stays_as_it_is(make, known):
 
 def test_a_jacobian_is_learnt_from_the_steps():
     problem = slip_inside(known=False)
-    located = problem.initial_layout()
+    located = problem.current_layout()
     logits = np.array(located.logits)
     spread = np.array([[1.0, 0.3], [-0.2, 1.0]])
     newton = newton_of(problem, logits)
@@ -156,7 +156,7 @@ def test_boundaries_stay_in_order():
 @pytest.mark.parametrize("known", [True, False], ids=["known", "unknown"])
 def test_boundaries_that_are_not_near_by_are_given_up(known):
     problem = slip_inside(known=known)
-    located = problem.initial_layout()
+    located = problem.current_layout()
     # with so much friction nothing slips, and no zones have such boundaries
     more = problem.parameters._replace(friction=100.0 * problem.parameters.friction)
     problem.parameters = more
@@ -166,7 +166,7 @@ def test_boundaries_that_are_not_near_by_are_given_up(known):
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
         newton.solve(start, 1e-8, 1e-8, warm_start=True)
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
-        problem.initial_layout()
+        problem.current_layout()
 
 
 def test_a_zone_that_vanishes_at_the_edge_is_none():
@@ -179,13 +179,13 @@ def test_a_zone_that_vanishes_at_the_edge_is_none():
 @pytest.mark.parametrize(("make", "known"), CASES)
 def test_fields_are_corrected_with_the_factors_of_other_boundaries(make, known):
     problem = make(known=known)
-    logits = np.array(problem.initial_layout().logits)
+    logits = np.array(problem.current_layout().logits)
     spaces = problem.spaces(TOLERANCE, logits)
     system = problem.system(spaces, logits)
     own = FieldSolution.first(factored(system))
     other = FieldSolution.first(factored(problem.system(spaces, logits + 0.02)))
-    exact = corrected(own, 1e-12)
-    found = corrected(replace(other, system=system), 1e-9)
+    exact = correct_to(own, 1e-12)
+    found = correct_to(replace(other, system=system), 1e-9)
     assert found.remaining < 1e-9
     change = found.fields.values - exact.fields.values
     assert exact.fields.relative_size(change) < 1e-9

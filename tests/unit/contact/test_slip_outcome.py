@@ -11,7 +11,11 @@ from spectral_contact.contact import zone_fields, zone_search
 from spectral_contact.contact.full_stick import full_stick
 from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.slip_outcome import zones_outcome
-from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_stick, solve_zones
+from spectral_contact.contact.zone_problem import (
+    FreeBoundaryProblem,
+    solve_coupled_zones,
+    solve_stick,
+)
 from spectral_contact.spectral.parameters import Parameters
 
 PARAMETERS = Parameters(0.3, 0.2, 0.25, 0.15)
@@ -100,8 +104,8 @@ def stick(most):
 
 @functools.cache
 def zones(most, tolerance=1e-10):
-    layout = FreeBoundaryProblem(PARAMETERS, Layout((0.5,), (0, 1)), 1e-3).initial_layout()
-    return solve_zones(PARAMETERS, layout, tolerance, most)
+    layout = FreeBoundaryProblem(PARAMETERS, Layout((0.5,), (0, 1)), 1e-3).current_layout()
+    return solve_coupled_zones(PARAMETERS, layout, tolerance, most)
 
 
 @pytest.mark.parametrize(("solved", "most"), [(stick, 300), (zones, 400)])

@@ -161,8 +161,15 @@ def test_forward_slip_narrower_than_a_ring_is_found_at_lower_loads():
     assert [zone.kind for zone in found.zones] == ["stick", "slip", "stick"]
     closer = solve(scene, 1e-8, ["total_shear", "zones"])
     assert abs(found.total_shear / closer.total_shear - 1.0) <= found.error.total_shear
+
+
+def test_forward_slip_narrower_than_a_ring_is_followed_to_larger_loads():
+    """Next to the critical friction and to the largest load the zone is too narrow to be solved."""
+    scene = Scene(0.1, 0.5, 0.5, 0.99 * 0.157139600873)  # 1 % below the critical friction
+    found, larger = (
+        solve(scene.replace(unloaded_to=one), 1e-6, ["total_shear", "zones"]) for one in (0.6, 0.9)
+    )
     # at a larger load rings lead to no zones, and those at a lower load do
-    larger = solve(scene.replace(unloaded_to=0.9), 1e-6, ["total_shear", "zones"])
     assert found.zones[0].outer < larger.zones[0].outer < larger.zones[1].outer
     # next to 1 the zone is too narrow; 1 - 1e-9 was said to be below the turning ratio 0.005
     with pytest.raises(NotComputedError, match="too narrow to say whether it grows"):

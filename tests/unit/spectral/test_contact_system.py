@@ -95,7 +95,7 @@ def solved(system):
     """Return the fields of a system, corrected until only rounding is left."""
     fields = FieldSolution.first(factored(system))
     for _ in range(4):
-        fields, _ = fields.corrected()
+        fields, _ = fields.correct_once()
     return fields
 
 
@@ -201,10 +201,10 @@ def test_no_jump_of_a_continuous_traction(states, known):
             values[place] = coefficients[part.mesh.panels.functions(part.pressure_degrees)]
     for k, place in system.shear_places.items():
         part = system.parts[k]
-        if part.boundary < 0:
+        if part.boundary_number < 0:
             continue
         points = part.shear_mesh.sampling()
-        sign = system.states[part.boundary] + system.states[part.boundary + 1]
+        sign = system.states[part.boundary_number] + system.states[part.boundary_number + 1]
         traction = sign * PARAMETERS.friction * pressure.evaluate(points.y)
         coefficients = part.shear_mesh.expand((traction / np.sqrt(points.z))[None])[0]
         values[place] = coefficients[part.shear_mesh.panels.functions(part.shear_degrees)]
@@ -292,7 +292,7 @@ def test_parts_fill_the_contact():
     system = contact_system((0, 1, 0, -1), known=False)
     assert sum(part.mesh.extent for part in system.parts) == pytest.approx(1.0, rel=1e-14)
     assert [part.zone for part in system.parts] == [0, 1, 1, 2, 2, 3, 3]
-    assert [part.boundary for part in system.parts] == [0, 0, 1, 1, 2, 2, -1]
+    assert [part.boundary_number for part in system.parts] == [0, 0, 1, 1, 2, 2, -1]
     assert system.stick_parts == [0, 3, 4]
     assert system.parts[-1].mesh.boundary == EDGE
 
