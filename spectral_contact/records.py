@@ -207,6 +207,9 @@ class ErrorEstimates:
     Below the largest load the traction changes sign where the surface sticks with memory; its error
     there is relative to ``f p``.
 
+    Through a nonlinear layer the approach may be 0 or negative: its error is relative to the larger
+    of its modulus and the displacement of the surface at the centre (`Solution.error_scales`).
+
     With adhesion, load and approach are differences of what they are without it and of what it
     takes away, and may be 0: errors are relative to the sum of both, the work of indentation to the
     sum of elastic and surface energy (`Solution.error_scales`), `stiffness_on_branch` to the larger

@@ -176,10 +176,12 @@ class Solution(Output):
 
     @property
     def error_scales(self) -> dict[str, float]:
-        """With adhesion what errors of load, approach, work and stiffness are relative to.
+        """What errors are relative to of quantities that may be 0 or negative.
 
-        Of load and approach it is the sum of what they are without adhesion and of what adhesion
-        takes away. Empty without adhesion.
+        With adhesion load, approach, work and stiffness: of load and approach it is the sum of what
+        they are without adhesion and of what adhesion takes away. Through a nonlinear layer the
+        approach: it is the larger of its modulus and the displacement of the surface at the centre.
+        Else empty.
         """
         names = ("load", "approach", "indentation_work", "stiffness_on_branch")
         return {k: self.values[f"{k}_scale"] for k in names if f"{k}_scale" in self.values}

@@ -8,7 +8,6 @@ solves at 1e-12; it takes some five minutes. With ``--pages`` only pages and fig
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import math
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from mpmath import mp
+from reporting import options
 
 import spectral_contact
 from spectral_contact import Scene, Solution, benchmarks, solve
@@ -36,15 +36,12 @@ SYMBOLS = {
     **{"slip_from": "s₁", "slip_to": "s₂", "stiffness_ratio": "k/k₀"},
 }
 RTOL = 1e-12
-BEHAVIOUR = "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
 PENALTY = 1e5  # stiffness of a contact that is meant to be rigid, in E/a
 
 
 def main() -> None:
     """Write everything, or the pages alone."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--pages", action="store_true", help="write the pages and figures only")
-    if not parser.parse_args().pages:
+    if not options(__doc__, pages=False).pages:
         write_data(tomllib.loads((HERE / "benchmarks.toml").read_text(encoding="utf-8")))
     write_pages()
 
@@ -59,9 +56,7 @@ def write_data(written: dict[str, Any]) -> None:
         scene = Scene(**problem["scene"])
         solution = solve(scene, RTOL)
         files[f"{problem['name']}.csv"] = table(solution)
-        files[f"{problem['name']}.json"] = as_json(
-            document(problem, scene, solution, written["recipe"])
-        )
+        files[f"{problem['name']}.json"] = as_json(document(problem, scene, solution, written))
     for old in DATA.iterdir():
         old.unlink()
     for name, text in files.items():
@@ -76,7 +71,7 @@ def as_json(body: dict[str, Any]) -> str:
 
 
 def document(
-    problem: dict[str, Any], scene: Scene, solution: Solution, recipes: dict[str, Any]
+    problem: dict[str, Any], scene: Scene, solution: Solution, written: dict[str, Any]
 ) -> dict[str, Any]:
     """Return what is stored of a problem, but for the fields."""
     numbers = Numbers(scene, solution)
@@ -99,7 +94,7 @@ def document(
         **{one: problem[one] for one in ("tolerance", "tolerance_of")},
         "values": values,
         "stiffness": [stiffness(nu, f) for f in problem.get("stiffness", []) for nu in RATIOS],
-        "recipes": [recipe(one, recipes[one], scene) for one in problem["recipes"]],
+        "recipes": [recipe(one, written, scene) for one in problem["recipes"]],
     }
 
 
@@ -180,52 +175,27 @@ def stiffness(nu: float, friction: float) -> dict[str, Any]:
 
 
 def recipe(name: str, written: dict[str, Any], scene: Scene) -> dict[str, Any]:
-    """Return a recipe with the numbers of a scene in it."""
+    """Return a recipe with the numbers of a scene, and the words for its contact."""
     nu, alpha, beta = scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance
     modulus = 4 * (1 - nu**2)
-    law = f", with a stick slope λ = 1/β = {1 / beta:g}" if beta else ", with hardly any slip"
-    linear = f"`PRESSURE-OVERCLOSURE=LINEAR` with the slope 1/α = {1 / alpha:g}" if alpha else ""
-    text = written["text"].format(
-        compliance=f"{alpha:g} ",
-        tangential=f"{beta:g} ",
-        modulus=f"{modulus:.12g}",
-        shear=f"{2 * (1 - nu):.12g}",
-        nu=nu,
-        behaviour=indented(BEHAVIOUR, f"{1 / alpha if alpha else PENALTY * modulus:g}"),
-        bond="The contact is a law:" if slips(scene) else "The punch is a boundary condition:",
-        cards=contact_cards(scene, PENALTY * modulus),
-        friction=f", {held(scene)}",
-        normal_law=f"the layer being {linear}" if alpha else "the punch being rigid and smooth",
-        stick_law=f"{law}, up to {scene.friction} p" if slips(scene) else law,
+    numbers = {
+        **{"nu": nu, "alpha": alpha, "beta": beta, "friction": scene.friction},
+        **{"modulus": f"{modulus:.12g}", "shear": f"{2 * (1 - nu):.12g}"},
+        "slope": 1 / alpha if alpha else PENALTY * modulus,
+        "stick_slope": 1 / beta if beta else math.inf,
+        "penalty": PENALTY * modulus,
+    }
+    kinds = (
+        "rough" if alpha else "smooth",
+        "tangential" if beta else "not tangential",
+        {None: "without friction", math.inf: "bonded"}.get(scene.friction, "slips"),
     )
-    return {"code": written.get("code", name), "tried": written.get("tried", False), "text": text}
-
-
-def slips(scene: Scene) -> bool:
-    """Return whether there is a finite friction."""
-    return scene.friction not in (None, math.inf)
-
-
-def contact_cards(scene: Scene, penalty: float) -> str:
-    """Return the cards of a smooth contact with friction, or of a bonded one."""
-    if not slips(scene):
-        return indented("*BOUNDARY", "CONTACT, 1, 1, 0.", "CONTACT, 2, 2, -1.")
-    friction = ("*FRICTION", f"{scene.friction}, {penalty:g}")
-    name = "*SURFACE INTERACTION, NAME=PUNCH"
-    return indented(name, BEHAVIOUR, f"{penalty:g}", *friction)
-
-
-def held(scene: Scene) -> str:
-    """Return how CONTACT is told of friction."""
-    if scene.friction is None:
-        return "without friction"
-    value = "1000 for a bonded punch" if scene.friction == math.inf else f"{scene.friction}"
-    return f"no tangential shift, and f = {value}"
-
-
-def indented(*lines: str) -> str:
-    """Return lines of a Markdown code block."""
-    return "".join(f"    {one}\n" for one in lines)
+    words = {}
+    for kind in kinds:
+        words |= {key: text.format(**numbers) for key, text in written["words"][kind].items()}
+    one = written["recipe"][name]
+    text = one["text"].format(**numbers, **words)
+    return {"code": one.get("code", name), "tried": one.get("tried", False), "text": text}
 
 
 def table(solution: Solution) -> str:

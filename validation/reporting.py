@@ -1,4 +1,4 @@
-"""What studies share: one BLAS thread, options, tables, results, stores, and the unit of time.
+"""What studies share: one BLAS thread, options, tables, results, pictures, stores, unit of time.
 
 A study puts the folder of this module on `sys.path`. As soon as it is imported, BLAS has one thread
 in this process, and in those that it starts.
@@ -9,8 +9,8 @@ from __future__ import annotations
 import argparse
 import json
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -58,6 +58,19 @@ def write(name: str, text: str, record: dict[str, Any] | None = None, version: i
         known = {"schema": f"spectral_contact.validation.{name}", "version": version}
         whole = {**known, "library": spectral_contact.__version__, **record}
         (RESULTS / f"{name}.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
+
+
+@contextmanager
+def picture(
+    path: Path, size: tuple[float, float], rows: int = 1, columns: int = 1, **shared: Any
+) -> Iterator[Any]:
+    """Yield the axes of a picture in the style of the library, which is written at the end."""
+    from spectral_contact.view.figures import new_figure, save, style  # here, as in `write`
+
+    with style():
+        figure = new_figure(figsize=size, layout="constrained")
+        yield figure.subplots(rows, columns, **shared)
+        save(figure, path)
 
 
 def stored(name: str) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 Prints one table: each figure, what it was at commit c22aa78, what it is today, what it may be at
 most (the gate), and the goal. Exits with 1 where a figure is above its gate; one without a gate is
-reported. When a figure falls, lower its gate with it, in size.toml. Needs radon, which the extra
-`dev` has.
+reported. When a figure falls, lower its gate with it, in size.toml. Needs radon and grimp, which
+the extra `dev` has.
 
 What is counted, of the flat core unless a figure says more:
 
@@ -50,11 +50,12 @@ import sys
 import tokenize
 import tomllib
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+from typing import Any
 
 REPOSITORY = Path(__file__).parents[1]
 PRIVATE_WORDS = Path(__file__).parent / "private_words.toml"
@@ -204,14 +205,16 @@ def _code_lines(text: str) -> int:
     return len({token.start[0] for token in code_tokens(text)})
 
 
-def room_lines(room: str, root: Path = REPOSITORY) -> int:
-    """Count the code lines of what is around the core, in a working tree."""
-    outside = ROOMS[room].get("without", ())
+def room_lines(room: str) -> int:
+    """Count the code lines of what is around the core."""
+    outside = [REPOSITORY / one for one in ROOMS[room].get("without", ())]
     paths = {
         path
         for one in ROOMS[room]["paths"]
-        for path in ([root / one] if one.endswith(".py") else (root / one).rglob("*.py"))
-        if not any(path.is_relative_to(root / other) for other in outside)
+        for path in (
+            [REPOSITORY / one] if one.endswith(".py") else (REPOSITORY / one).rglob("*.py")
+        )
+        if not any(map(path.is_relative_to, outside))
     }
     return sum(_code_lines(path.read_text(encoding="utf-8")) for path in paths)
 
@@ -374,13 +377,11 @@ def private_uses(module: Module) -> Counter[str]:
 
 def complexities() -> list[tuple[int, str]]:
     """Return all functions with their cyclomatic complexity, the largest first."""
-    try:
-        from radon.complexity import cc_visit
-        from radon.visitors import Function
-    except ImportError:
-        sys.exit('radon is missing: pip install -e ".[dev]"')
+    from radon.complexity import cc_visit
+    from radon.visitors import Function
+
     found = [
-        (block.complexity, f"{module.name.removeprefix(NAME + '.')}.{block.fullname}")
+        (block.complexity, f"{module.short_name}.{block.fullname}")
         for module in modules().values()
         for block in cc_visit(module.text)
         if isinstance(block, Function)
@@ -394,14 +395,14 @@ def homonyms() -> dict[str, list[str]]:
     for module in modules().values():
         for node in ast.walk(module.tree):
             if isinstance(node, ast.ClassDef):
-                found[node.name.lstrip("_")].append(module.name.removeprefix(NAME + "."))
+                found[node.name.lstrip("_")].append(module.short_name)
     return {name: places for name, places in found.items() if len(places) > 1}
 
 
 def long_tuples() -> list[str]:
     """Return the functions that are annotated to return a tuple of three or more."""
     return [
-        f"{module.name.removeprefix(NAME + '.')}.{node.name}"
+        f"{module.short_name}.{node.name}"
         for module in modules().values()
         for node in ast.walk(module.tree)
         if isinstance(node, ast.FunctionDef) and node.returns and _is_long_tuple(node.returns)
@@ -419,52 +420,49 @@ def _is_long_tuple(annotation: ast.expr) -> bool:
     )
 
 
-def _statements(node: ast.AST) -> Iterator[ast.Import | ast.ImportFrom]:
-    """Yield the imports of a module, those in functions too, but not those for types alone."""
-    for child in ast.iter_child_nodes(node):
-        if isinstance(child, (ast.Import, ast.ImportFrom)):
-            yield child
-        elif isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test):
-            for other in child.orelse:
-                yield from _statements(other)
-        else:
-            yield from _statements(child)
+@cache
+def import_graph() -> Any:
+    """Return grimp's graph of what imports what, in functions too, but not for types alone."""
+    import grimp  # of the extra `dev`, as radon is: most of this module needs neither
+
+    return grimp.build_graph(NAME, exclude_type_checking_imports=True, cache_dir=None)
+
+
+def is_late(importer: str, imported: str) -> bool:
+    """Whether a module of those in `LATE` imports another one in functions alone."""
+    if modules()[importer].short_name not in LATE:
+        return False
+    top = {statement.lineno for statement in modules()[importer].tree.body}
+    details = import_graph().get_import_details(importer=importer, imported=imported)
+    return not any(one["line_number"] in top for one in details)
 
 
 @cache
-def imported(name: str) -> tuple[str, ...]:
-    """Return the modules of the library that a module imports; of those in `LATE`, at its top."""
-    tree = modules()[name].tree
-    late = modules()[name].short_name in LATE
-    return _named(name, tree.body if late else _statements(tree))
-
-
-def _named(name: str, statements: Iterable[ast.stmt]) -> tuple[str, ...]:
-    """Return the modules of the library, other than one itself, that statements import."""
-    found: set[str] = set()
-    for statement in statements:
-        if isinstance(statement, ast.Import):
-            found |= {alias.name for alias in statement.names}
-        elif isinstance(statement, ast.ImportFrom) and statement.module:
-            inner = {f"{statement.module}.{alias.name}" for alias in statement.names}
-            found |= {one if one in modules() else statement.module for one in inner}
-    return tuple(sorted((found & modules().keys()) - {name}))
+def links() -> dict[str, tuple[str, ...]]:
+    """Return the modules of the library that each module imports, without those that are late."""
+    return {
+        name: tuple(
+            other
+            for other in sorted(import_graph().find_modules_directly_imported_by(name))
+            if not is_late(name, other)
+        )
+        for name in modules()
+    }
 
 
 def late_imports() -> Counter[str]:
     """Return how many modules are imported in functions of those in `LATE`."""
     found: Counter[str] = Counter()
-    for name, module in modules().items():
-        if module.short_name in LATE:
-            all_of_them = _named(name, _statements(module.tree))
-            found[module.short_name] = len(set(all_of_them) - set(imported(name)))
+    for name in (f"{NAME}.{late}" for late in LATE):
+        every = import_graph().find_modules_directly_imported_by(name)
+        found[modules()[name].short_name] = len(every) - len(links()[name])
     return found
 
 
 def circle_of_imports() -> list[str]:
     """Return the modules of a circle of imports, if there is one."""
     try:
-        TopologicalSorter({name: imported(name) for name in modules()}).prepare()
+        TopologicalSorter(links()).prepare()
     except CycleError as error:
         return list(error.args[1])
     return []
@@ -473,8 +471,8 @@ def circle_of_imports() -> list[str]:
 def longest_chain() -> tuple[str, ...]:
     """Return the longest chain of imports; there is none if imports go in a circle."""
     chains: dict[str, tuple[str, ...]] = {}
-    for name in TopologicalSorter({name: imported(name) for name in modules()}).static_order():
-        below = (chains[other] for other in imported(name))
+    for name in TopologicalSorter(links()).static_order():
+        below = (chains[other] for other in links()[name])
         chains[name] = (name, *max(below, key=len, default=()))
     return max(chains.values(), key=len)
 
@@ -491,59 +489,52 @@ def contract_lines() -> int:
     return count
 
 
+#: What is counted of each module of the flat core.
+COUNTS = {
+    "tokens of the flat core": token_count,
+    "code lines of the flat core": code_line_count,
+    "named numeric constants": named_constants,
+    "tuned constants": tuned_constants,
+    "tuned literals in functions": tuned_literals,
+    "packed assignments": packed_assignments,
+}
+
+
 def figures() -> dict[str, tuple[int, str]]:
     """Return every figure with what there is to say about it."""
-    core = flat_core()
-    worst = complexities()
-    homonyms_of_classes = homonyms()
-    tuples = long_tuples()
-    circle = circle_of_imports()
-    chain = () if circle else longest_chain()
-    top = [name for name in modules() if name.count(".") == 1]
-    by_package: Counter[str] = Counter()
+    counts = {
+        figure: Counter({module.short_name: count(module) for module in flat_core()})
+        for figure, count in COUNTS.items()
+    }
+    counts["tokens of contact, spectral and solving"] = by_package = Counter()
     for module in modules_of(CORE_AND_SOLVING):
         by_package[module.package] += token_count(module)
-    tokens, lines, named, tuned, literals, packed = (
-        Counter({module.short_name: count(module) for module in core})
-        for count in (
-            token_count,
-            code_line_count,
-            named_constants,
-            tuned_constants,
-            tuned_literals,
-            packed_assignments,
-        )
-    )
-    uses: Counter[str] = Counter()
-    for module in core:
-        uses.update(private_uses(module))
+    counts["private words"] = sum(map(private_uses, flat_core()), Counter())
+    counts["late imports upwards"] = late_imports()
+    worst = complexities()
+    top = [name for name in modules() if name.count(".") == 1]
+    at_the_root = [name for name in top if name in packages()]
+    circle = circle_of_imports()
+    chain = () if circle else longest_chain()
     return {
-        "tokens of the flat core": (tokens.total(), _most(tokens)),
-        "tokens of contact, spectral and solving": (by_package.total(), _most(by_package)),
-        "code lines of the flat core": (lines.total(), f"in {len(core)} modules"),
-        "named numeric constants": (named.total(), _most(named)),
-        "tuned constants": (tuned.total(), _most(tuned)),
-        "tuned literals in functions": (literals.total(), _most(literals)),
-        "packed assignments": (packed.total(), _most(packed)),
-        "private words": (uses.total(), _most(uses)),
+        **{figure: (count.total(), _most(count)) for figure, count in counts.items()},
         "functions above complexity 25": (
             sum(complexity > MOST_COMPLEX for complexity, _ in worst),
             ", ".join(f"{name} {complexity}" for complexity, name in worst[:NAMED]),
         ),
         "functions above complexity 15": (sum(complexity > COMPLEX for complexity, _ in worst), ""),
-        "names that several classes bear": (
-            len(homonyms_of_classes),
-            ", ".join(sorted(homonyms_of_classes)),
+        "names that several classes bear": (len(homonyms()), ", ".join(sorted(homonyms()))),
+        "results of anonymous tuples of more than two": (
+            len(long_tuples()),
+            ", ".join(long_tuples()[:NAMED]),
         ),
-        "results of anonymous tuples of more than two": (len(tuples), ", ".join(tuples[:NAMED])),
-        "modules at the root": (sum(name not in packages() for name in top) + 1, "with `__init__`"),
-        "packages at the root": (sum(name in packages() for name in top), ""),
+        "modules at the root": (len(top) - len(at_the_root) + 1, "with `__init__`"),
+        "packages at the root": (len(at_the_root), ""),
         "circles of imports": (int(bool(circle)), " ".join(circle)),
         "longest chain of imports": (
             len(chain),
             " ".join(name.removeprefix(f"{NAME}.") for name in chain),
         ),
-        "late imports upwards": (late_imports().total(), _most(late_imports())),
         "lines of import contracts": (contract_lines(), ""),
         **{f"code lines of {room}": (room_lines(room), "") for room in ROOMS},
     }

@@ -323,6 +323,9 @@ class AdhesiveProblem(CurveProblem):
         if isinstance(self.profile, Flat):
             told = "not flat: the load of a flat punch is a straight line, whatever the adhesion"
             raise SceneError("profile", self.profile, told)
+        if scene.branch:
+            told = "0: curves are fitted on the branch of large contacts"
+            raise SceneError("branch", scene.branch, told)
         self.touching = self.depth >= self._first_depth()
         self.beyond = np.zeros(len(self.depth), dtype=bool)
 

@@ -191,24 +191,20 @@ class LocalCurve:
         place = log(radius - base)
         # the piece ends before the limit: the states are moved to smaller radii where it is near
         room = (limit - radius) / (radius - base)
-        power = max(_THIRD_POWER, growth * (radius - base))
-        half = _HALF_WIDTH * _THIRD_POWER / power
+        self._power = max(_THIRD_POWER, growth * (radius - base))
+        half = _HALF_WIDTH * _THIRD_POWER / self._power
         self._half = min(half, (profile._pole - radius) / (radius - base) / _ROOM)
         self._middle = place + min(0.0, room / 2.0 - self._half)
         nodes = chebyshev.chebpts1(_NODES)
         states = states_at((base + np.exp(self._middle + self._half * nodes)).tolist())
         self._to_terms = np.linalg.inv(chebyshev.chebvander(nodes, _NODES - 1))
-        self._values = np.array([[one.load, one.approach] for one in states])
-        self._errors = np.array(
-            [
-                [
-                    (one.load_error + ROUNDING) * one.load_size,
-                    (one.approach_error + ROUNDING) * one.approach_size,
-                ]
-                for one in states
-            ]
-        )
-        self._terms = self._to_terms @ self._values
+        values = np.array([[one.load, one.approach] for one in states])
+        known = np.array([[one.load_error, one.approach_error] for one in states])
+        sizes = np.array([[one.load_size, one.approach_size] for one in states])
+        self._errors = (known + ROUNDING) * sizes
+        #: by the error of the profile, which is smooth along the piece
+        self._profile_errors = profile._relative_error(radius) * sizes.max(axis=0)
+        self._terms = self._to_terms @ values
 
     def offset(self, radius: float) -> float:
         """Return where a radius is on the piece, from -1 to 1."""
@@ -232,7 +228,7 @@ class LocalCurve:
         left_out = last * np.sqrt(last / np.maximum(before, last))
         steepest = _NODES / max(sqrt(1.0 - min(t**2, 1.0)), 1.0 / _NODES)
         slopes = left_out * (2.0 * steepest / self._half) ** order
-        errors = np.abs(row) @ self._errors + slopes
+        errors = np.abs(row) @ self._errors + slopes + self._power**order * self._profile_errors
         return Rates(float(errors[0]), float(errors[1]))
 
     def fold(self, control: Control, radius: float) -> float | None:
@@ -531,6 +527,7 @@ class AdhesiveCurve:
         found = self.at(root.radius, pointwise=pointwise)
         one = value_of(found)
         off = control.error(one) + abs(control.value(one) - value)
+        off += self.profile._relative_error(one.radius) * control.size(one)
         rates, error = self._radius_error(control, one, off)
         # what is stored grows by P ddelta + w dA
         stored = abs(one.load * rates.approach) + 2.0 * pi * self.adhesion * one.radius**2

@@ -104,7 +104,7 @@ JACOBIAN_RANGE = 0.1
 MAX_CONTRACTION = 0.2
 #: Most steps of the boundaries, most corrections of the fields at given boundaries, and most
 #: systems of one active set on rings: random scenes took 12 of the last, or 33 where friction and
-#: coupling are strong (validation/honesty/ring_zones.py).
+#: coupling are strong.
 MAX_STEPS = 40
 #: Broyden's update drops combinations of steps whose singular value is below this fraction of the
 #: largest one: steps that are nearly parallel show one derivative only. Not measured again.
@@ -113,8 +113,8 @@ MIN_STEP_ANGLE = 0.03
 # Derivatives by parameters
 
 #: Steps of iterative refinement of the derivatives of the fields. A step divides the error by about
-#: ``1/(eps cond)`` of the matrix, with the precision eps it is factored in:
-#: validation/honesty/sensitivity.py.
+#: ``1/(eps cond)`` of the matrix, with the precision eps it is factored in. Against differences of
+#: solutions to 24 digits: tests/unit/studies/test_derivatives.py.
 DERIVATIVE_CORRECTIONS = 4
 
 # Samples: how many radii a field is evaluated at in one call, to look for a change of sign or a
@@ -162,8 +162,9 @@ ONSET_ERROR_FACTOR = 3.0
 
 # .. active set on rings (contact/active_set.py)
 #
-# `python validation/honesty/ring_zones.py` measures, for all of these together, in how many scenes
-# the zones are right, the systems solved and the time, with several numbers of rings and splits.
+# Chosen by how many of 60 random scenes had the right zones, by systems solved and time, with
+# several numbers of rings and splits; that study, ring_zones.py, is in the history at commit
+# c76b04f. tests/unit/contact/test_active_set.py compares the zones with those of `solve`.
 
 #: Rings of the first grid, without those next to the centre and the edge.
 FIRST_RINGS = 60

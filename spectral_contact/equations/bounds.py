@@ -1,16 +1,17 @@
 r"""Two-sided bounds of the approach, from any pressure and its residual.
 
-With ``A = alpha + N`` and the product ``<a, b> = int a b s ds``, the answer to unit approach is
-``m = <1, A^-1 1> = 1/(2 pi delta)``. Any pressure u leaves a residual ``r = 1 - A u``, and
+With ``A = alpha + N`` and the product ``<a, b> = int a b s ds``, the pressure under unit approach
+is ``A^-1 1``, and its load over 2 pi is ``m = <1, A^-1 1> = 1/(2 pi delta)``. Any pressure u leaves
+a residual ``r = 1 - A u``, and
 
     m - (<1, u> + <r, u>) = <r, A^-1 r>,   0 <= <r, A^-1 r> <= <r, r>/alpha,
 
 because N is positive: the energy (Ritz) bounds m from below and the complementary energy from
-above. With elastic coupling and full stick the same holds of the system of both equations, of which
-the elastic part is positive as the work on an elastic body is: A, u and r have two components, and
-the last bound is ``<r_1, r_1>/alpha + <r_2, r_2>/beta``. The residual is taken with the elliptic
-kernels (`equations`), which share no step with the solver. So the bounds are rigorous up to the
-rounding and the quadrature of these integrals.
+above. With elastic coupling and full stick the same holds for the system of both equations, whose
+elastic part is positive because it is the work on an elastic body: A, u and r have two components,
+and the last bound is ``<r_1, r_1>/alpha + <r_2, r_2>/beta``. The residual is computed with the
+elliptic kernels (`equations.residuals`), which share no step with the solver. So the bounds are
+rigorous up to the rounding and the quadrature of these integrals.
 """
 
 from __future__ import annotations
@@ -32,12 +33,13 @@ from spectral_contact.fields.series import DiskSeries, LogSeries, PressureField
 
 #: Relative rounding of the integrals, measured; the bounds are widened by it.
 _ROUNDING = 4e-15
+#: Nodes of the quadrature on every panel (chosen).
 _POINTS = 28
 
 
 @dataclass(frozen=True, slots=True)
 class CoupledTraction:
-    """What acts back on the pressure in full stick.
+    """The traction of full stick, which acts back on the pressure.
 
     Attributes
     ----------
@@ -75,37 +77,54 @@ def approach_bounds(
     """
     assert pressure.series is not None
 
-    def field(d: np.ndarray) -> np.ndarray:
-        return pressure.evaluate(d * (2.0 - d))
+    def pressure_at(from_edge: np.ndarray) -> np.ndarray:
+        return pressure.evaluate(from_edge * (2.0 - from_edge))
 
     y, weights, breaks = _points(pressure.series)
     p = pressure.evaluate(y)
-    depths = y / (1.0 + np.sqrt(1.0 - y))
-    deflection = np.array([normal_displacement(field, d, breaks) for d in depths.tolist()])
+    from_edge = y / (1.0 + np.sqrt(1.0 - y))  # 1 - s
+    places = from_edge.tolist()
+    deflection = np.array([normal_displacement(pressure_at, d, breaks) for d in places])
     residual = approach - compliance * p - deflection
-    parts = [(compliance, p, residual)]
+    # compliance, field and residual of each equation; fields and residuals are delta times u and r
+    equations = [(compliance, p, residual)]
     if coupled is not None:
-        other, kappa = coupled.field, coupled.kappa
+        traction = coupled.field
+        kappa = coupled.kappa
 
-        def traction(d: np.ndarray) -> np.ndarray:
-            return other(1.0 - d, d)
+        def traction_at(from_edge: np.ndarray) -> np.ndarray:
+            return traction(1.0 - from_edge, from_edge)
 
-        residual += [shear_lift(traction, kappa, d, breaks) for d in depths.tolist()]
-        moved = [
-            tangential_displacement(traction, field, kappa, d, breaks) for d in depths.tolist()
+        lift = np.array([shear_lift(traction_at, kappa, d, breaks) for d in places])
+        displacements = [
+            tangential_displacement(traction_at, pressure_at, kappa, d, breaks) for d in places
         ]
-        outward, inward = np.array(moved).T
-        q = traction(depths)
-        parts.append((coupled.compliance, q, inward - outward - coupled.compliance * q))
-    energy = 2.0 * pi * load(field, breaks=breaks)
-    energy += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in parts)
-    excess = sum(2.0 * pi * float(weights @ r**2) / (c * approach) for c, _, r in parts)
+        outward, inward = np.array(displacements).T
+        q = traction_at(from_edge)
+        equations = [
+            (compliance, p, residual + lift),
+            (coupled.compliance, q, inward - outward - coupled.compliance * q),
+        ]
+    # 2 pi delta (<1, u> + <r, u>), and the most that 2 pi delta m exceeds it by
+    energy = 2.0 * pi * load(pressure_at, breaks=breaks)
+    energy += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in equations)
+    excess = sum(2.0 * pi * float(weights @ r**2) / (c * approach) for c, _, r in equations)
     upper, lower = approach / energy, approach / (energy + excess)
     return lower * (1.0 - _ROUNDING), upper * (1.0 + _ROUNDING)
 
 
 class _PanelPoints(NamedTuple):
-    """Points ``y`` on every panel, weights of ``s ds``, and the panel ends ``1 - s``."""
+    """Quadrature over the contact, on the panels of a pressure and on its tail.
+
+    Attributes
+    ----------
+    y : ndarray
+        Points, as ``y = 1 - s**2``.
+    weights : ndarray
+        Of the measure ``s ds``.
+    ends : list of float
+        Distances from the edge, ``1 - s``, at which panels end.
+    """
 
     y: np.ndarray
     weights: np.ndarray
@@ -114,14 +133,17 @@ class _PanelPoints(NamedTuple):
 
 def _points(series: LogSeries) -> _PanelPoints:
     panels = len(series.coefficients)
-    # a coarse pressure jumps between panels, and the residual has logarithms there: blunt them
-    g, w = roots_legendre(_POINTS)
-    g, w = g * (3.0 - g**2) / 2.0, w * 1.5 * (1.0 - g**2)
+    nodes, node_weights = roots_legendre(_POINTS)
+    # A coarse pressure jumps between panels, so that the residual has logarithms at their ends.
+    # The substitution g (3 - g**2)/2, whose derivative is 0 at the ends, makes them integrable.
+    g = nodes * (3.0 - nodes**2) / 2.0
+    w = node_weights * 1.5 * (1.0 - nodes**2)
     x = series.width * (np.arange(panels)[:, None] + (1.0 + g) / 2.0)
     y = np.exp(-x)
-    end = exp(-panels * series.width)
-    tail = end * (1.0 + g) / 2.0
-    weights = np.concatenate([(y * w * series.width / 4.0).ravel(), w * end / 4.0])
+    tail_length = exp(-panels * series.width)
+    tail = tail_length * (1.0 + g) / 2.0
+    # s ds = -dy/2, and dy = -y dx on the panels
+    weights = np.concatenate([(y * w * series.width / 4.0).ravel(), w * tail_length / 4.0])
     ends = [exp(-k * series.width) for k in range(1, panels + 1)]
-    ends = [e / (1.0 + sqrt(1.0 - e)) for e in ends]
+    ends = [y_end / (1.0 + sqrt(1.0 - y_end)) for y_end in ends]
     return _PanelPoints(np.concatenate([y.ravel(), tail]), weights, ends)

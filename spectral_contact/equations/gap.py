@@ -19,15 +19,19 @@ from spectral_contact.io.checks import exactly_one, reals
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-#: Panels that shrink by this factor towards edge, breaks and centre; so many, with so many points:
-#: the last point next to a break is as far off as its rounding.
-_RATIO, _PANELS, _POINTS = 0.3, 24, 16
-#: Farther out profiles have no height.
+#: Panels shrink by this factor towards the edge, the breaks of the profile and the centre (chosen).
+_RATIO = 0.3
+#: Number of the panels. The first point is 5e-15 from a break, over half of the interval: closer, a
+#: radius has too few digits of its distance from the break.
+_PANELS = 24
+#: Gauss points of each panel (chosen).
+_POINTS = 16
+#: Heights of profiles are not evaluated farther out than this, where powers of radii overflow.
 _FARTHEST = 1e100
 
 
 def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | None) -> Any:
-    """Return the gap of `Solution.gap`."""
+    """Return the gap of `Solution.gap`, whose arguments these are."""
     exactly_one("s", s, "beyond", beyond)
     name, given, least = ("s", s, 1.0) if beyond is None else ("beyond", beyond, 0.0)
     allowed = f"finite and at least {least:.0f}"
@@ -37,40 +41,46 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
         raise SceneError(name, float(places[wrong][0]), allowed)
     solution._require("contact_radius")
     solution._require("pressure")
-    past = (places - least).ravel()
-    profile, a = solution.scene.profile, solution.contact_radius
+    past_edge = (places - least).ravel()
+    profile = solution.scene.profile
+    a = solution.contact_radius
     assert profile is not None
-    most = min(profile.reach, _FARTHEST) / a
-    if (1.0 + past > most).any():
-        worst = float(places.ravel()[past.argmax()])
-        raise SceneError(name, worst, f"such that the radius is in [1, {most:.6g}]")
-    moved = np.zeros(len(past))
+    farthest = min(profile.reach, _FARTHEST) / a
+    if (1.0 + past_edge > farthest).any():
+        worst = float(places.ravel()[past_edge.argmax()])
+        raise SceneError(name, worst, f"such that the radius is in [1, {farthest:.6g}]")
     field = solution.pressure_field
     assert field is not None
     weight = field.weight
-    apart = weight if weight is not None and weight.shift == 0.0 else None  # infinite at the edge
-    if apart is not None:
+    # a weight without shift is infinite at the edge, but its displacement is known in closed form
+    singular = weight if weight is not None and weight.shift == 0.0 else None
+    if singular is not None:
         field = replace(field, weight=None)
-    graded, weights = _graded()
-    outside = 1.0 + past[:, None]
+    displacement = np.zeros(len(past_edge))
+    nodes, weights = _graded_rule()
+    radius = 1.0 + past_edge[:, None]
     for inner, outer in pairwise([0.0, *(b / a for b in profile.breaks if b < a), 1.0]):
         half = (outer - inner) / 2.0
-        above, below = inner + half * graded, (1.0 - outer) + half * graded
-        for eta, inward in ((above, 1.0 - above), (1.0 - below, below)):
-            strength = eta * (half * weights) * field(eta, inward)
-            m1 = (past[:, None] + inward) / outside * ((outside + eta) / outside)
-            moved += ellipkm1(m1) @ strength
-    moved /= pi * (1.0 + past)
-    if apart is not None:
+        from_inner = inner + half * nodes  # radii
+        from_outer = (1.0 - outer) + half * nodes  # distances from the edge
+        for eta, from_edge in ((from_inner, 1.0 - from_inner), (1.0 - from_outer, from_outer)):
+            ring_loads = eta * (half * weights) * field(eta, from_edge)
+            # 1 - m of the parameter m = (eta/radius)**2, without cancellation
+            complement = (past_edge[:, None] + from_edge) / radius * ((radius + eta) / radius)
+            displacement += ellipkm1(complement) @ ring_loads
+    displacement /= pi * (1.0 + past_edge)
+    if singular is not None:
         # a pressure A/sqrt(1 - s**2) moves the surface by A arcsin(1/s)/2 of the radius
-        moved += apart.amplitude / 2.0 * np.arctan2(1.0, np.sqrt(past) * np.sqrt(2.0 + past))
-    gap = profile.height(a * (1.0 + past)) - solution.approach + a * moved
+        tangent = np.sqrt(past_edge) * np.sqrt(2.0 + past_edge)
+        displacement += singular.amplitude / 2.0 * np.arctan2(1.0, tangent)
+    gap = profile.height(a * (1.0 + past_edge)) - solution.approach + a * displacement
     return gap.reshape(places.shape)[()]
 
 
-def _graded() -> tuple[Array, Array]:
-    """Return a rule on (0, 1) that is graded to 0."""
+def _graded_rule() -> tuple[Array, Array]:
+    """Return nodes and weights of a rule on (0, 1) that is graded to 0."""
     g, w = leggauss(_POINTS)
     ends = np.append(_RATIO ** np.arange(_PANELS), 0.0)
-    low, width = ends[1:, None], -np.diff(ends)[:, None]
+    low = ends[1:, None]
+    width = -np.diff(ends)[:, None]
     return (low + width * (1.0 + g) / 2.0).ravel(), (width * w / 2.0).ravel()

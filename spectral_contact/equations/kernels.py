@@ -18,7 +18,7 @@ __all__ = ["normal_kernel", "tangential_kernel"]
 
 
 class _RadiusPair(NamedTuple):
-    """A source, the lower and the higher of both radii, and ``m1``: broadcast arrays."""
+    """The source radius, the smaller and the larger radius, and ``m1``: broadcast arrays."""
 
     eta: NDArray[np.float64]
     lo: NDArray[np.float64]
@@ -28,7 +28,8 @@ class _RadiusPair(NamedTuple):
 
 def _ordered(eta: ArrayLike, s: ArrayLike, distance: ArrayLike | None) -> _RadiusPair:
     eta, s = np.broadcast_arrays(np.asarray(eta, dtype=float), np.asarray(s, dtype=float))
-    lo, hi = np.minimum(eta, s), np.maximum(eta, s)
+    lo = np.minimum(eta, s)
+    hi = np.maximum(eta, s)
     gap = hi - lo if distance is None else np.asarray(distance, dtype=float)
     return _RadiusPair(eta, lo, hi, (gap / hi) * ((hi + lo) / hi))
 

@@ -21,13 +21,15 @@ from spectral_contact.io.choices import function, listed
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
-#: Step and reach of the tanh-sinh rule; the last points lie 1e-200 from the ends.
+#: The tanh-sinh rule on [0, 1], whose nodes are ``(1 + tanh u)/2`` with ``u = (pi/2) sinh t``: the
+#: equidistant t, of which the first and the last node lie 3e-185 and 6e-183 from the ends.
 _T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
 _U = np.pi / 2.0 * np.sinh(_T)
-_LEFT = 1.0 / (1.0 + np.exp(-2.0 * np.clip(_U, -340.0, 340.0)))
-_RIGHT = 1.0 / (1.0 + np.exp(2.0 * np.clip(_U, -340.0, 340.0)))
-_TINY = float(np.finfo(float).tiny)
+#: Distances of the nodes from 0 and from 1, and the weights.
+_LEFT = 1.0 / (1.0 + np.exp(-2.0 * _U))
+_RIGHT = 1.0 / (1.0 + np.exp(2.0 * _U))
 _WEIGHT = np.pi * np.cosh(_T) * _LEFT * _RIGHT / 32.0
+_TINY = float(np.finfo(float).tiny)
 
 
 def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) -> float:
@@ -63,13 +65,13 @@ def approach_slope(pressure: Field, breaks: Sequence[float] = ()) -> float:
 
 
 def edge_layer_breaks(compliance: float) -> list[float]:
-    """Return distances from the edge between which a pressure on a layer is smooth enough.
+    """Return breaks at the edge between which the quadrature resolves a pressure on a layer.
 
     Towards the edge it changes like ``1/sqrt(d + c)``, where c is about the compliance. The rule
     resolves this if no interval is much more than a hundred times as long as ``d + c``.
     """
-    largest = max(-np.log10(compliance), 0.0) / 2.0
-    return [float(compliance * 100.0**k) for k in range(int(np.ceil(largest)))]
+    hundredfolds = max(-np.log10(compliance), 0.0) / 2.0
+    return [float(compliance * 100.0**k) for k in range(int(np.ceil(hundredfolds)))]
 
 
 def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[float] = ()) -> float:
@@ -89,23 +91,26 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
     SceneError
         As of `load`.
     """
-    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
+    place = within("from_edge", from_edge, "in (0, 1)")
+    breaks = _cuts(breaks)
     return _potential(_field("pressure", pressure), normal_kernel, place, breaks)
 
 
 def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] = ()) -> float:
-    """Return ``N p`` so far beyond the edge, where the surface moves as (3.5) says.
+    """Return ``N p`` outside the contact, at a distance `beyond` the edge.
 
-    The pressure, its breaks, and errors are as of `load`.
+    It is the displacement of the free surface, by the integral of (3.5). The pressure, its breaks,
+    and errors are as of `load`.
     """
     field = _field("pressure", pressure)
-    past = positive("beyond", beyond)
-    outside = 1.0 + past
-
-    nodes = _NodesBetween.between({0.0, 1.0, *(b for b in (past, *_cuts(breaks)) if 0.0 < b < 1.0)})
-    complement = (past + nodes.d) / outside * ((outside + nodes.s) / outside)
+    past_edge = positive("beyond", beyond)
+    radius = 1.0 + past_edge
+    # the kernel changes over the distance of the point from the edge: a break at that distance
+    cuts = [b for b in (past_edge, *_cuts(breaks)) if 0.0 < b < 1.0]
+    nodes = _NodesBetween.between({0.0, 1.0, *cuts})
+    complement = (past_edge + nodes.d) / radius * ((radius + nodes.s) / radius)
     total = nodes.integral(lambda: field(nodes.d) * nodes.s * ellipkm1(complement))
-    return total / (np.pi * outside)
+    return total / (np.pi * radius)
 
 
 def tangential_displacement(
@@ -127,15 +132,16 @@ def tangential_displacement(
     Returns
     -------
     outward, inward : float
-        What the traction moves the surface outward by, and the pressure inward; the layer adds
-        ``beta q``.
+        By how much the traction moves the surface outward, and the pressure inward. The left side
+        of (4.2) is ``beta q + outward - inward``.
 
     Raises
     ------
     SceneError
         As of `load`.
     """
-    place, breaks = within("from_edge", from_edge, "in (0, 1)"), _cuts(breaks)
+    place = within("from_edge", from_edge, "in (0, 1)")
+    breaks = _cuts(breaks)
     coupling = real("kappa", kappa, allowed="finite")
     outward = _potential(_field("traction", traction), tangential_kernel, place, breaks)
     inward = coupling * load(pressure, inside=place, breaks=breaks) / (1.0 - place)
@@ -145,56 +151,79 @@ def tangential_displacement(
 def shear_lift(
     traction: Field, kappa: float, from_edge: float, breaks: Sequence[float] = ()
 ) -> float:
-    """Return ``kappa int_s^1 q deta``, by how much less the surface gives way under a traction.
+    """Return ``kappa int_s^1 q deta``, by which the traction lifts the surface.
 
-    The field point is in (0, 1]; else arguments are as of `tangential_displacement`.
+    With elastic coupling the normal displacement is less than `normal_displacement` by this. The
+    field point is in (0, 1]; the other arguments are as for `tangential_displacement`.
     """
-    field, coupling = _field("traction", traction), real("kappa", kappa, allowed="finite")
+    field = _field("traction", traction)
+    coupling = real("kappa", kappa, allowed="finite")
     place = within("from_edge", from_edge, "in (0, 1]")
     nodes = _NodesBetween.between({0.0, place, *(b for b in _cuts(breaks) if 0.0 < b < place)})
     return coupling * nodes.integral(lambda: field(nodes.d))
 
 
 def _field(parameter: str, field: object) -> Field:
-    """Return a field that is a real number everywhere."""
+    """Return the field with a check that its values are real numbers."""
     return partial(values_at, parameter, function(parameter, field, "distances from the edge"))
 
 
 def _cuts(breaks: object) -> list[float]:
+    """Return breaks as numbers, which they are checked to be."""
     return [real("breaks", one, allowed="finite") for one in listed("breaks", breaks, "numbers")]
 
 
 class _NodesBetween(NamedTuple):
-    """Nodes of one integral, interval after interval, so that a field is evaluated once."""
+    """Nodes of one integral over several intervals, so that a field is evaluated once for all.
 
-    d: Array  # distances from the edge
+    Attributes
+    ----------
+    d, s : ndarray, shape (intervals times nodes,)
+        Distances from the edge, interval after interval, and radii.
+    left, right : ndarray, of the same shape
+        Distances of every node from the two ends of its interval.
+    cuts : ndarray, shape (intervals + 1,)
+        Ends of the intervals, as distances from the edge.
+    """
+
+    d: Array
     s: Array
-    left: Array  # distances from the ends of the interval that a node is in
+    left: Array
     right: Array
     cuts: Array
 
     @classmethod
     def between(cls, ends: set[float]) -> _NodesBetween:
-        """Return the nodes between the least end and the largest."""
+        """Return the nodes of the rule on each interval between neighbouring ends."""
         cuts = np.array(sorted(ends))
-        near, far = cuts[:-1, None], cuts[1:, None]
-        left, right = (far - near) * _LEFT, (far - near) * _RIGHT
+        near = cuts[:-1, None]
+        far = cuts[1:, None]
+        left = (far - near) * _LEFT
+        right = (far - near) * _RIGHT
         d = np.where(left < right, near + left, far - right)
-        # at the centre the distance cannot resolve s, what is left of the interval can
+        # in the interval that ends at the centre s is `right`, which 1 - d would round
         s = np.where(far == 1.0, right, 1.0 - d)
         return cls(d.ravel(), s.ravel(), left.ravel(), right.ravel(), cuts)
 
     def from_cut(self, cut: float) -> Array:
-        """Return the distances from a cut: next to it they are known better than differences."""
-        apart, after = np.abs(self.d - cut), len(_T) * int(np.searchsorted(self.cuts, cut))
-        before, behind = slice(after - len(_T), after), slice(after, after + len(_T))
-        apart[before], apart[behind] = self.right[before], self.left[behind]
-        return np.maximum(apart, _TINY)  # a kernel is infinite at no distance
+        """Return the distances of all nodes from a cut that is none of the two ends.
+
+        In the intervals next to it these are `right` and `left`, which are not rounded as
+        differences are.
+        """
+        distance = np.abs(self.d - cut)
+        start = len(_T) * int(np.searchsorted(self.cuts, cut))  # of the interval behind the cut
+        before = slice(start - len(_T), start)
+        behind = slice(start, start + len(_T))
+        distance[before] = self.right[before]
+        distance[behind] = self.left[behind]
+        return np.maximum(distance, _TINY)  # kernels are infinite at the distance 0
 
     def integral(self, integrand: Callable[[], Array]) -> float:
-        """Integrate what is there at the nodes."""
-        with np.errstate(over="ignore", invalid="ignore"):  # a field may be anything
-            return float(np.diff(self.cuts) @ (integrand().reshape(-1, len(_T)) @ _WEIGHT))
+        """Integrate a function whose values at the nodes `integrand` returns."""
+        with np.errstate(over="ignore", invalid="ignore"):  # of fields that are not smooth or wrong
+            by_interval = integrand().reshape(-1, len(_T)) @ _WEIGHT
+            return float(np.diff(self.cuts) @ by_interval)
 
 
 def _potential(

@@ -2,9 +2,10 @@
 
 Sweeps and fits solve at the nodes alone, and interpolate all other scenes. The unknown x is the
 logarithm or the logit of a radius. The functions are logarithms of results, so that absolute errors
-of them are relative errors of the results. The interpolants are Newton's polynomials. The next node
-is where the product of distances to all nodes is largest (Leja's points). By how much the
-polynomials were off there, the *misfit*, is the error that they had without this node.
+of them are relative errors of the results. The interpolants are polynomials in Newton's form, and
+each next node is where the product of the distances from all nodes is largest (Leja's points).
+The *misfit* of a node is the error there of the polynomials through the nodes before it. The
+misfits of the last nodes give the estimate of the error.
 """
 
 from __future__ import annotations
@@ -15,22 +16,26 @@ import numpy as np
 
 from spectral_contact.fields import Array
 
-#: With fewer scenes than this, all are solved.
+#: With fewer scenes than this, all are solved (chosen).
 LEAST: Final = 24
 #: Interpolation is given up if it takes more nodes than this share of the scenes, or than this
 #: number: functions whose errors are above the tolerance never settle.
-_WORTH, _MOST = 0.8, 200
+_MOST_OF_SCENES: Final = 0.8
+_MOST_NODES: Final = 200
 #: Nodes that an interval takes at 1e-8, measured: this many, and this many for each unit of its
 #: length. At other tolerances it takes more or less in proportion to the digits.
-_FIRST, _MORE = 6.0, 2.4
+_NODES_AT_LEAST: Final = 6.0
+_NODES_PER_UNIT: Final = 2.4
 #: The error of the polynomials is taken from the misfits at this many of the last nodes ...
 _LAST: Final = 3
 #: ... and is this times the largest of them.
 _SAFETY: Final = 2.0
-#: Places that nodes are chosen from.
+#: Number of equidistant places that nodes are chosen from.
 _PLACES: Final = 400
-#: Most steps of Newton's method, and the length of a step that ends it.
-_STEPS, _STILL = 12, 1e-13
+#: Most steps of Newton's method.
+_STEPS: Final = 12
+#: Newton's method ends when no step is longer than this.
+_LAST_STEP: Final = 1e-13
 
 
 def nodes_needed(low: float, high: float, rtol: float) -> float:
@@ -39,12 +44,13 @@ def nodes_needed(low: float, high: float, rtol: float) -> float:
     The functions are smooth in the radius, of which x is the logarithm or the logit: so they are
     analytic for ``|Im x| < pi``, and nodes grow in proportion to the length and to the digits.
     """
-    return float((_FIRST + _MORE * (high - low)) * np.log(rtol) / np.log(1e-8))
+    at_eight_digits = _NODES_AT_LEAST + _NODES_PER_UNIT * (high - low)
+    return float(at_eight_digits * np.log(rtol) / np.log(1e-8))
 
 
 def nodes_allowed(scenes: int) -> int:
     """Return how many nodes interpolation may take in place of so many scenes."""
-    return int(min(_WORTH * scenes, _MOST))
+    return int(min(_MOST_OF_SCENES * scenes, _MOST_NODES))
 
 
 class Placed(NamedTuple):
@@ -85,103 +91,119 @@ class Curves:
 
     def __init__(self, low: float, high: float, functions: int) -> None:
         self._places = np.linspace(low, high, _PLACES)
-        # distances are in units of the width: products of them underflow in a narrow interval
+        # products of distances are taken in this unit, as they underflow in a narrow interval
         self._width = high - low
-        #: sums of the logarithms of the distances from the nodes; before there are any, what makes
-        #: `low` the first node
-        self._apart = -np.abs(self._places - low)
+        # logarithm of the product of the distances from all nodes; as long as there is no node,
+        # a function that is largest at `low`, which so becomes the first node
+        self._log_product = -np.abs(self._places - low)
         self.nodes = np.empty(0)
         self._next = low
-        #: coefficients of the polynomials, misfits at the nodes, and errors of the values there
-        self._terms, self._misfits, self._errors = np.empty((3, 0, functions))
+        # of Newton's polynomials, a row for each node
+        self._coefficients = np.empty((0, functions))
+        self._misfits = np.empty((0, functions))
+        # absolute errors of the values at the nodes
+        self._errors = np.empty((0, functions))
 
     def next(self, solved: Array | None = None) -> float:
         """Return the next node: where the product of distances from all nodes is largest.
 
-        Of places that are solved already, which costs nothing, the best is taken instead if its
-        product is at least half of that.
+        A place that is solved already costs nothing: the best of those is taken instead if its
+        product is at least half of the largest.
+
+        Parameters
+        ----------
+        solved : ndarray, optional
+            Places at which the functions are known.
         """
-        self._next = float(self._places[np.argmax(self._apart)])
+        self._next = float(self._places[np.argmax(self._log_product)])
         if solved is not None and len(self.nodes):
             low, high = self._places[[0, -1]]
             inside = solved[(solved >= low) & (solved <= high)]
             if len(inside):
                 with np.errstate(divide="ignore"):
-                    apart = np.log(np.abs(inside[:, None] - self.nodes)).sum(axis=1)
-                if apart.max() >= self._apart.max() - np.log(2.0):
-                    self._next = float(inside[np.argmax(apart)])
+                    log_product = np.log(np.abs(inside[:, None] - self.nodes)).sum(axis=1)
+                if log_product.max() >= self._log_product.max() - np.log(2.0):
+                    self._next = float(inside[np.argmax(log_product)])
         return self._next
 
-    def add(self, known: Array, errors: Array) -> None:
+    def add(self, values: Array, errors: Array) -> None:
         """Add the node that `next` has returned.
 
         Parameters
         ----------
-        known, errors : ndarray, shape (functions,)
-            Values there, and estimates of their absolute errors.
+        values, errors : ndarray, shape (functions,)
+            Values of the functions there, and estimates of their absolute errors.
         """
-        steps = (self._next - self.nodes) / self._width
-        misfit = known - self._polynomials(np.array([self._next]))[0][0]
+        distances = (self._next - self.nodes) / self._width
+        misfit = values - self._polynomials(np.array([self._next]))[0][0]
         self.nodes = np.append(self.nodes, self._next)
-        self._terms = np.vstack([self._terms, misfit / np.prod(steps)])
+        self._coefficients = np.vstack([self._coefficients, misfit / np.prod(distances)])
         self._misfits = np.vstack([self._misfits, np.abs(misfit)])
         self._errors = np.vstack([self._errors, errors])
         if len(self.nodes) == 1:
-            self._apart[:] = 0.0
-        with np.errstate(divide="ignore"):
-            self._apart += np.log(np.abs(self._places - self._next))
+            self._log_product[:] = 0.0
+        with np.errstate(divide="ignore"):  # a node is at no distance from itself
+            self._log_product += np.log(np.abs(self._places - self._next))
 
     def settled(self, rtol: float) -> bool:
         """Return whether the misfits at the last nodes are at most a tolerance.
 
-        Those at the first few nodes do not count: they are no estimates.
+        With too few nodes they are not settled: the misfits at the first ones are no estimates.
         """
         last = self._misfits[-_LAST:]
         return len(self._misfits) > 2 * _LAST and bool((last <= rtol).all())
 
     def where(self, wanted: Array) -> Placed:
-        """Return where the first function has these values, and the others there."""
-        places, unsettled = self._inverted(wanted)
+        """Return where the first function has the values `wanted`, and the others there."""
+        places, last_step = self._inverted(wanted)
         value, slope = self._polynomials(places)
-        missing = _SAFETY * np.max(self._misfits[-_LAST:], axis=0)
-        lost = missing + self._spread(places)[:, None] * self._errors.max(axis=0)
+        of_interpolation = _SAFETY * np.max(self._misfits[-_LAST:], axis=0)
+        of_values = self._lebesgue_function(places)[:, None] * self._errors.max(axis=0)
+        error = of_interpolation + of_values
         with np.errstate(all="ignore"):
-            moved = np.where(slope[:, 0] > 0.0, lost[:, 0] / slope[:, 0], np.inf) + unsettled
-        return Placed(places, moved, value[:, 1:], lost[:, 1:], np.abs(slope[:, 1:]))
+            moved = np.where(slope[:, 0] > 0.0, error[:, 0] / slope[:, 0], np.inf) + last_step
+        return Placed(places, moved, value[:, 1:], error[:, 1:], np.abs(slope[:, 1:]))
 
     def _inverted(self, wanted: Array) -> tuple[Array, Array]:
-        """Return where the first function has these values, and the last steps to there.
+        """Return where the first function has the values `wanted`, by Newton's method.
 
-        A step is large where the value lies outside of the interval.
+        Places are kept in the interval. The second array is the length of the last step: where
+        it is large, the function does not have that value in the interval.
         """
         ends = self._places[[0, -1]]
-        known = self._polynomials(self._places)[0][:, 0]
-        place = np.interp(wanted, known, self._places)
+        first_function = self._polynomials(self._places)[0][:, 0]
+        place = np.interp(wanted, first_function, self._places)
         step = np.full(len(place), np.inf)
         for _ in range(_STEPS):
             value, slope = self._polynomials(place)
             with np.errstate(all="ignore"):
                 step = (wanted - value[:, 0]) / slope[:, 0]
             place = np.clip(place + step, *ends)
-            if np.abs(step).max() < _STILL:
+            if np.abs(step).max() < _LAST_STEP:
                 break
         return place, np.abs(step)
 
-    def _spread(self, x: Array) -> Array:
-        """Return the Lebesgue function: the factor by which errors at the nodes may grow at x."""
-        apart = (self.nodes[:, None] - self.nodes) / self._width
-        np.fill_diagonal(apart, 1.0)
-        ahead = (x[:, None] - self.nodes) / self._width
-        # at a node the function is 1, and not 0/0
-        ahead[ahead == 0.0] = np.finfo(float).eps ** 2
-        parts = ahead.prod(axis=1)[:, None] / (ahead * apart.prod(axis=1))
-        return np.asarray(np.abs(parts).sum(axis=1))
+    def _lebesgue_function(self, x: Array) -> Array:
+        """Return the sum of the moduli of Lagrange's polynomials at x.
+
+        It is the factor by which errors of the values at the nodes may grow there.
+        """
+        between_nodes = (self.nodes[:, None] - self.nodes) / self._width
+        np.fill_diagonal(between_nodes, 1.0)
+        from_nodes = (x[:, None] - self.nodes) / self._width
+        # at a node the quotient below would be 0/0; with this distance from it the sum is 1
+        from_nodes[from_nodes == 0.0] = np.finfo(float).eps ** 2
+        lagrange = from_nodes.prod(axis=1)[:, None] / (from_nodes * between_nodes.prod(axis=1))
+        return np.asarray(np.abs(lagrange).sum(axis=1))
 
     def _polynomials(self, x: Array) -> tuple[Array, Array]:
-        """Return the polynomials and their derivatives by x, (places, functions)."""
-        value, slope = np.zeros((2, len(x), self._terms.shape[1]))
-        for node, term in zip(self.nodes[::-1], self._terms[::-1], strict=True):
-            ahead = (x - node)[:, None] / self._width
-            slope = slope * ahead + value
-            value = value * ahead + term
+        """Return the polynomials and their derivatives by x, each (places, functions).
+
+        By Horner's rule in Newton's form, from the last node to the first.
+        """
+        value, slope = np.zeros((2, len(x), self._coefficients.shape[1]))
+        for node, coefficient in zip(self.nodes[::-1], self._coefficients[::-1], strict=True):
+            distance = (x - node)[:, None] / self._width
+            slope = slope * distance + value
+            value = value * distance + coefficient
         return value, slope / self._width

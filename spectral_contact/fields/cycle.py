@@ -51,11 +51,13 @@ class AdhesionCycle:
     jump_in : tuple of two CycleState
         Before and after the jump into contact, which is at the approach 0.
     jump_out : tuple of CycleState
-        Before pull-off and after it; under control of the load the punch goes away, and there is no
-        state after it. Of states between them, to which it may jump first, there are two more each.
+        The states before and after each jump while the punch is pulled off, one pair after
+        another. Mostly there is one jump, to a punch without contact. A profile may let the contact
+        jump to a smaller radius first, which is a pair of its own. Under control of the load the
+        last jump has no state after it, as the punch goes away.
     dissipated : float or None
-        Energy that the jumps dissipate, which is the area of the loop; None under control of the
-        load, whose work is not bounded.
+        Energy that the jumps dissipate, which is the area of the loop. None under control of the
+        load: after the last jump the load goes on doing work without bound.
     dissipated_error : float or None
         Estimate of its absolute error.
     si_units : bool

@@ -1,4 +1,4 @@
-"""What the types of fields are: a number for a number, an array for an array."""
+"""Types of the methods that evaluate fields: a number for a number, an array for an array."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ class _MethodOverR(Protocol):
 
 
 def over_s(method: Callable[..., Any]) -> _MethodOverS:
-    """Return a method as it is, with the types of a field over ``s``."""
+    """Give a method, which is returned unchanged, the types of a field over ``s``."""
     return method
 
 
 def over_r(method: Callable[..., Any]) -> _MethodOverR:
-    """Return a method as it is, with the types of a field over ``r``."""
+    """Give a method, which is returned unchanged, the types of a field over ``r``."""
     return method

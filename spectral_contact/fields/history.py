@@ -18,8 +18,9 @@ from spectral_contact.io.documents import path_text, replace_file, reported
 
 __all__ = ["ContactHistory"]
 
-#: What a history knows, in the order of the columns of `errors`.
+#: The quantities of a history, in the order of the columns of `errors`.
 _NAMES: Final = ("load", "approach", "total_shear", "stick_radius")
+#: Rounding of an end, relative, per unit of its logarithm: some ulp (chosen).
 _ROUNDING: Final = 1e-15
 
 
@@ -35,8 +36,9 @@ class ContactHistory:
     ends : ndarray
         Logarithms of the contact radii at which panels begin, and of today's.
     loads, approaches, shears, sticks : ndarray
-        Chebyshev series in the logarithm of the radius, a row for each panel: of ``ln P``,
-        ``ln delta``, ``Q/P`` and ``ln(c/b)``.
+        Coefficients of Chebyshev series in the logarithm of the contact radius b, a row for each
+        panel: of ``ln P``, ``ln delta``, ``Q/P`` and ``ln(c/b)``, with the load P, the approach
+        delta, the total shear Q and the stick radius c.
     errors : ndarray
         Estimates of the relative errors on every panel: a column for each of the four.
     """
@@ -50,7 +52,7 @@ class ContactHistory:
 
     @property
     def radii(self) -> Array:
-        """Contact radii at which the series were made, ascending, and today's last."""
+        """Contact radii of the Chebyshev points of all panels, ascending, and today's last."""
         count = self.loads.shape[1]
         t = -np.cos(np.pi * (np.arange(count) + 0.5) / count)
         logs = self.ends[:-1, None] + np.diff(self.ends)[:, None] * (1.0 + t) / 2.0
@@ -123,28 +125,32 @@ class ContactHistory:
         SolutionFileError
             If the path cannot be written.
         """
-        path, columns = path_text(path), self.table()
+        path = path_text(path)
+        columns = self.table()
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
         with reported(path, "cannot be written"):
             replace_file(path, ("\n".join(lines) + "\n").encode())
 
     def _evaluated(self, series: Array, contact_radius: ArrayLike | None) -> Array:
+        """Return the values of one of the four Chebyshev series."""
         panel, t = self._places(contact_radius)
         return np.asarray(chebyshev.chebval(t, np.moveaxis(series[panel], -1, 0), tensor=False))
 
     def _places(self, contact_radius: ArrayLike | None) -> tuple[NDArray[np.intp], Array]:
-        """Return panels, and places in [-1, 1] on them."""
-        low, high = float(np.exp(self.ends[0])), float(np.exp(self.ends[-1]))
+        """Return the panel of every contact radius, and its place in [-1, 1] on the panel."""
+        low = float(np.exp(self.ends[0]))
+        high = float(np.exp(self.ends[-1]))
         given: Any = self.radii if contact_radius is None else contact_radius
-        told = f"in [{low:.17g}, {high:.17g}], the range of the history"
-        radii = reals("contact_radius", given, told)
-        # the ends are known to the rounding of their logarithms
-        begin, end = (1.0 + np.abs(self.ends[[0, -1]])) * _ROUNDING
-        outside = ~((radii >= low * (1.0 - begin)) & (radii <= high * (1.0 + end)))
-        if outside.any():
-            raise SceneError("contact_radius", radii[outside].flat[0], told)
+        allowed = f"in [{low:.17g}, {high:.17g}], the range of the history"
+        radii = reals("contact_radius", given, allowed)
+        # the ends are stored as logarithms, and known to the rounding of these
+        low_rounding, high_rounding = (1.0 + np.abs(self.ends[[0, -1]])) * _ROUNDING
+        inside = (radii >= low * (1.0 - low_rounding)) & (radii <= high * (1.0 + high_rounding))
+        if not inside.all():
+            raise SceneError("contact_radius", radii[~inside].flat[0], allowed)
         logs = np.log(np.asarray(radii, dtype=np.float64))
-        panel = np.clip(np.searchsorted(self.ends, logs, side="right") - 1, 0, len(self.loads) - 1)
-        share = (logs - self.ends[panel]) / (self.ends[panel + 1] - self.ends[panel])
-        return panel, np.clip(2.0 * share - 1.0, -1.0, 1.0)
+        last_panel = len(self.loads) - 1
+        panel = np.clip(np.searchsorted(self.ends, logs, side="right") - 1, 0, last_panel)
+        fraction = (logs - self.ends[panel]) / (self.ends[panel + 1] - self.ends[panel])
+        return panel, np.clip(2.0 * fraction - 1.0, -1.0, 1.0)

@@ -9,23 +9,39 @@ Array = NDArray[np.float64]
 
 
 def legendre_sums_between(values: Array, low: Array, high: Array, degree: int) -> Array:
-    """Return sums of values times P_0 ... P_degree at ``-1 + low = 1 - high``, in their last axis.
+    """Return sums of values times the Legendre polynomials up to a degree.
 
-    The shapes are (n, q), of what it returns (n, degree + 1). They are as accurate as the
-    distances: next to either end the polynomials vary like ``degree**2`` times the distance, and
-    rounding the argument itself would cost that many eps.
+    They are as accurate as the distances: next to either end the polynomials vary like
+    ``degree**2`` times the distance, and rounding the argument itself would cost that many eps.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, q)
+        Factors at q points, n times.
+    low, high : ndarray, shape (n, q)
+        Distances of the points from -1 and from 1: the arguments are ``-1 + low = 1 - high``.
+    degree : int
+
+    Returns
+    -------
+    ndarray, shape (n, degree + 1)
+        Sums over the points of the values times P_0 ... P_degree.
     """
     near = np.minimum(low, high)
-    rows = np.empty((degree + 1, *near.shape))
-    rows[0] = 1.0
-    twice, step, product = 2.0 * near, -near, np.empty(near.shape)
-    for n in range(degree):  # T_n, and T_(n+1) - T_n at 1 - near
-        following = np.add(rows[n], step, out=rows[n + 1])
-        step -= np.multiply(twice, following, out=product)
+    chebyshev = np.empty((degree + 1, *near.shape))  # T_n(1 - near)
+    chebyshev[0] = 1.0
+    # step is T_(n+1) - T_n; the next one is less than it by 2 near T_(n+1)
+    twice_near = 2.0 * near
+    step = -near
+    product = np.empty(near.shape)
+    for n in range(degree):
+        next_row = np.add(chebyshev[n], step, out=chebyshev[n + 1])
+        step -= np.multiply(twice_near, next_row, out=product)
     sums = np.empty((len(near), degree + 1))
-    sums[:, ::2] = (values[:, None, :] @ rows[::2].transpose(1, 2, 0))[:, 0]
+    sums[:, ::2] = (values[:, None, :] @ chebyshev[::2].transpose(1, 2, 0))[:, 0]
+    # polynomials of odd degree change sign where the nearer end is -1
     signed = np.where(low < high, -values, values)
-    sums[:, 1::2] = (signed[:, None, :] @ rows[1::2].transpose(1, 2, 0))[:, 0]
+    sums[:, 1::2] = (signed[:, None, :] @ chebyshev[1::2].transpose(1, 2, 0))[:, 0]
     return np.asarray(sums @ _to_chebyshev(degree + 1))
 
 
@@ -37,13 +53,13 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     x : ndarray, shape (n,)
     coefficients : ndarray, shape (series, terms)
     own : ndarray of int, shape (k, n), optional
-        Which series each point has, k times; by default it has all of them.
+        Which k of the series are evaluated at each point; by default all of them.
 
     Returns
     -------
     ndarray, shape (k, n) or (series, n)
     """
-    # as Chebyshev series: their recurrence has no factors that depend on the degree
+    # as Chebyshev series, whose recurrence has no factors that depend on the degree
     table = _to_chebyshev(coefficients.shape[1]) @ coefficients.T
     return chebyshev_sums(x, table[:, :, None] if own is None else table.take(own, axis=1))
 
@@ -55,24 +71,29 @@ def chebyshev_sums(x: Array, table: Array) -> Array:
     ----------
     x : ndarray, shape (n,)
     table : ndarray, shape (terms, k, n) or (terms, k, 1)
-        Coefficients of the k series that each point has, or of those that all have.
+        Coefficients of the k series at each point, or of k series that all points have.
 
     Returns
     -------
     ndarray, shape (k, n)
     """
-    rows, shape = list(table), (table.shape[1], len(x))
-    # of one shape, which is faster
+    rows = list(table)
+    shape = (table.shape[1], len(x))
+    # arrays of one shape are faster than those that broadcast
     x = np.concatenate([x] * shape[0]).reshape(shape)
-    doubled, product, later, last = 2.0 * x, np.empty(shape), np.zeros(shape), np.empty(shape)
-    last[...] = rows[-1]
+    twice_x = 2.0 * x
+    product = np.empty(shape)
+    # b_(j+1) and b_(j+2) of b_j = 2 x b_(j+1) - b_(j+2) + a_j, the older of which is overwritten
+    newer = np.empty(shape)
+    older = np.zeros(shape)
+    newer[...] = rows[-1]
     for row in rows[-2:0:-1]:
-        np.subtract(np.multiply(doubled, last, out=product), later, out=later)
-        later += row
-        later, last = last, later
+        np.subtract(np.multiply(twice_x, newer, out=product), older, out=older)
+        older += row
+        older, newer = newer, older
     if len(rows) == 1:
-        return last
-    return np.asarray(np.multiply(x, last, out=product) - later + rows[0])
+        return newer
+    return np.asarray(np.multiply(x, newer, out=product) - older + rows[0])
 
 
 def _chebyshev_from_legendre(terms: int) -> Array:
@@ -85,21 +106,23 @@ def _chebyshev_from_legendre(terms: int) -> Array:
     return matrix
 
 
-#: Of as many terms as any panel has; the matrix of fewer is its leading block.
+#: Of more terms than a panel has (at most 41, `contact.tuning.MAX_DEGREE`). The matrix of fewer
+#: terms is its leading block; one of more is made when it is needed.
 _CHEBYSHEV = _chebyshev_from_legendre(48)
 
 
 def _to_chebyshev(terms: int) -> Array:
+    """Return the matrix of so many terms; that of few terms is not made anew."""
     known = terms <= len(_CHEBYSHEV)
     return _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
 
 
 def legendre_sum(x: float, coefficients: list[float]) -> float:
     """Return one value of a Legendre series by Clenshaw's recurrence, without arrays."""
-    later = last = 0.0
+    older = newer = 0.0
     for n in range(len(coefficients) - 1, 0, -1):
-        later, last = (
-            last,
-            coefficients[n] + (2 * n + 1) / (n + 1) * x * last - ((n + 1) / (n + 2)) * later,
-        )
-    return coefficients[0] + x * last - 0.5 * later if len(coefficients) > 1 else coefficients[0]
+        by_newer = (2 * n + 1) / (n + 1) * x * newer
+        by_older = ((n + 1) / (n + 2)) * older
+        older = newer
+        newer = coefficients[n] + by_newer - by_older
+    return coefficients[0] + x * newer - 0.5 * older if len(coefficients) > 1 else coefficients[0]

@@ -1,4 +1,4 @@
-"""A radius as it is known from the centre and from the edge."""
+"""A radius in the contact, with its distance from the edge."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Radius:
-    """A dimensionless radius known to relative accuracy from the centre and from the edge.
+    """A radius over that of the contact, and its distance from the edge.
+
+    Both are accurate to rounding; the difference 1 - b of a rounded b would not be, next to the
+    edge.
 
     Attributes
     ----------
@@ -26,15 +29,20 @@ class Radius:
     @classmethod
     def from_logit(cls, logit: float) -> Radius:
         """Return the radius with ``ln(b**2 / (1 - b**2)) = logit``."""
-        inside, outside = float(np.exp(min(logit, 0.0))), float(np.exp(min(-logit, 0.0)))
+        # numbers in the ratio of b**2 to 1 - b**2, the larger of them 1
+        inside = float(np.exp(min(logit, 0.0)))
+        outside = float(np.exp(min(-logit, 0.0)))
         total = inside + outside
         value = float(np.sqrt(inside / total))
         return cls(value, outside / total / (1.0 + value))
 
     @property
     def square(self) -> float:
-        """Return ``b**2``, to the bit what differences of squares from the centre are."""
-        return self.value * self.value  # a power of 2 is one ulp off now and then
+        """Return ``b**2`` as the product b b, which is what `below` returns at the centre.
+
+        The two must be equal to the last bit, and ``self.value**2`` is one ulp off now and then.
+        """
+        return self.value * self.value
 
     @property
     def rest(self) -> float:
@@ -43,7 +51,7 @@ class Radius:
 
     @property
     def log(self) -> float:
-        """Return ``ln b`` to relative accuracy."""
+        """Return ``ln b``, accurate to rounding also where b is close to 1."""
         return float(np.log(self.value) if self.value < 0.5 else np.log1p(-self.from_edge))
 
     @property
@@ -52,9 +60,16 @@ class Radius:
         return 2.0 * float(np.log(self.value)) - float(np.log(self.rest))
 
     def below(self, s: Array, from_edge: Array) -> Array:
-        """Return ``b**2 - s**2`` without cancellation beyond the rounding of the inputs."""
+        """Return ``b**2 - s**2``, as accurate as the arguments are.
+
+        Parameters
+        ----------
+        s, from_edge : ndarray
+            Radii, and their distances from the edge.
+        """
         gap = np.where(s >= 0.5, from_edge - self.from_edge, self.value - s)
         return np.asarray(gap * (self.value + s))
 
 
-CENTRE, EDGE = Radius(0.0, 1.0), Radius(1.0, 0.0)
+CENTRE = Radius(0.0, 1.0)
+EDGE = Radius(1.0, 0.0)

@@ -33,13 +33,17 @@ __all__ = [
 ]
 
 
-#: Legendre polynomials at -1, of more terms than any panel has.
+#: Legendre polynomials at -1, of more degrees than a panel has (`contact.tuning.MAX_DEGREE`).
 _AT_START: Array = np.where(np.arange(128) % 2, -1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LogSeries:
     """``d**power`` times a Legendre series in ``x = -ln d``, with a tail polynomial in ``d``.
+
+    Here d is the distance from an end at which the function may be singular. It is divided into
+    panels of equal length in x, which shrink geometrically in d; the tail is what is left next to
+    the end.
 
     Attributes
     ----------
@@ -50,14 +54,14 @@ class LogSeries:
     width : float
         Panel width ``h``.
     power : float
-        Endpoint weight.
+        Exponent of the factor ``d**power``, on panels and tail.
     root_tail : bool
         The tail is a series in ``sqrt(d)``.
     oscillation : float
-        If not zero, the tail is ``a cos(oscillation u) + b sin(oscillation u)`` instead, in the
-        depth ``u`` in ``x`` beyond the panels: it has no limit at ``d = 0``, where it is NaN.
+        If not zero, the tail is ``a cos(oscillation u) + b sin(oscillation u)`` instead, where u
+        is ``x - panels h``, and `tail` is ``(a, b)``. It has no limit at ``d = 0``; NaN there.
     logarithm : float
-        If not zero, the tail has this times ``u`` as well, and is infinite at ``d = 0``.
+        If not zero, ``logarithm u`` is added to the tail, which is infinite at ``d = 0``.
     """
 
     coefficients: Array
@@ -79,73 +83,84 @@ class LogSeries:
         return np.asarray(self.several([self], d)[0].reshape(shape))
 
     def on_panels_of(self, other: LogSeries | None) -> bool:
-        """Return whether another series has these panels, as many terms and such a tail."""
-        one, two = (
-            s and (s.coefficients.shape, s.tail.shape, s.width, s.power, s.root_tail, s.oscillation)
-            for s in (self, other)
-        )
-        return one == two
+        """Return whether `several` can evaluate this and another series together.
+
+        They need the same panels, numbers of terms, power and kind of tail.
+        """
+        return other is not None and self._layout() == other._layout()
+
+    def _layout(self) -> tuple[object, ...]:
+        """Return what series that are evaluated together have in common."""
+        shapes = self.coefficients.shape, self.tail.shape
+        return *shapes, self.width, self.power, self.root_tail, self.oscillation
 
     @staticmethod
     def several(series: Sequence[LogSeries | None], d: Array) -> Array:
-        """Return the values of series `on_panels_of` each other at distances (n,), as rows.
+        """Return the values of several series at distances (n,), a row for each, in one pass.
 
-        One pass serves all of them. They are zero if there is none.
+        Parameters
+        ----------
+        series : sequence of LogSeries or None
+            All `on_panels_of` each other; or all None, which stands for the function 0.
+        d : ndarray, shape (n,)
         """
-        known = [one for one in series if one is not None]
-        if not known:
+        present = [one for one in series if one is not None]
+        if not present:
             return np.zeros((len(series), len(d)))
-        first = known[0]
+        first = present[0]
         panels = len(first.coefficients)
         end = math.exp(-panels * first.width)
+        # x in panel widths, then the place in [-1, 1] on the panel; what is on the tail is held
+        # off the infinite logarithm, and replaced below
         local = np.log(np.maximum(d, end * 1e-2))
         local /= -first.width
-        own = np.minimum(local.astype(int), panels - 1)
-        local -= own + 0.5
+        panel = np.minimum(local.astype(int), panels - 1)
+        local -= panel + 0.5
         local *= 2.0
         np.minimum(np.maximum(local, -1.0, out=local), 1.0, out=local)
-        table = np.concatenate([one.coefficients for one in known])
-        result = legendre_sums(local, table, own + panels * np.arange(len(known))[:, None])
-        deep = d < end
-        if deep.any():
-            result[:, deep] = LogSeries._deep(known, d[deep], end)
+        table = np.concatenate([one.coefficients for one in present])
+        row_of_point = panel + panels * np.arange(len(present))[:, None]
+        result = legendre_sums(local, table, row_of_point)
+        on_tail = d < end
+        if on_tail.any():
+            result[:, on_tail] = LogSeries._on_tails(present, d[on_tail], end)
         if first.power != 0.0:
             with np.errstate(divide="ignore"):
                 result *= d**first.power
         return result
 
     @staticmethod
-    def _deep(known: Sequence[LogSeries], d: Array, end: float) -> Array:
-        """Evaluate the tails of series, as rows."""
-        first = known[0]
-        tails = np.array([one.tail for one in known])
+    def _on_tails(series: Sequence[LogSeries], d: Array, end: float) -> Array:
+        """Return the values of tails on ``[0, end]``, a row for each, without ``d**power``."""
+        first = series[0]
+        tails = np.array([one.tail for one in series])
         if first.oscillation == 0.0:
             ratio = np.sqrt(d / end) if first.root_tail else d / end
             sums = legendre_sums(2.0 * ratio - 1.0, tails)
-            for row, one in zip(sums, known, strict=True):
+            for row, one in zip(sums, series, strict=True):
                 if one.logarithm != 0.0:
                     with np.errstate(divide="ignore"):
                         row -= one.logarithm * np.log(d / end)
             return sums
-        inside = d > 0.0
-        phase = -first.oscillation * np.log(np.where(inside, d, end) / end)
+        positive = d > 0.0
+        phase = -first.oscillation * np.log(np.where(positive, d, end) / end)
         wave = tails @ np.array([np.cos(phase), np.sin(phase)])
-        return np.where(inside, wave, np.nan)
+        return np.where(positive, wave, np.nan)
 
     def value(self, d: float) -> float:
         """Evaluate at one distance, without arrays."""
         panels = len(self.coefficients)
         end = math.exp(-panels * self.width)
         if d < end and (self.oscillation != 0.0 or self.logarithm != 0.0):
-            value = float(self._deep([self], np.array([d]), end)[0, 0])
+            value = float(self._on_tails([self], np.array([d]), end)[0, 0])
         elif d < end:
             ratio = math.sqrt(d / end) if self.root_tail else d / end
             value = legendre_sum(2.0 * ratio - 1.0, self.tail.tolist())
         else:
             x = -math.log(d) / self.width
-            own = min(max(int(x), 0), panels - 1)
-            local = min(max(2.0 * (x - own) - 1.0, -1.0), 1.0)
-            value = legendre_sum(local, self.coefficients[own].tolist())
+            panel = min(max(int(x), 0), panels - 1)
+            local = min(max(2.0 * (x - panel) - 1.0, -1.0), 1.0)
+            value = legendre_sum(local, self.coefficients[panel].tolist())
         if self.power == 0.0 or math.isnan(value):
             return value
         if self.power > 0.0:
@@ -216,9 +231,15 @@ class EdgeWeight:
         return np.asarray(value)
 
     def deficit(self, d: Array) -> Array:
-        """Return ``amplitude pi/2`` minus the half-integral at ``1 - t**2 = d``.
+        """Return by how much the half-integral at t falls short of ``amplitude pi/2``.
 
-        Without the subtraction: the half-integral is ``amplitude arctan sqrt(d / shift)``.
+        The half-integral is ``amplitude arctan sqrt(d / shift)`` (docs/theory), so that the
+        difference is ``amplitude arctan sqrt(shift / d)``, without a subtraction.
+
+        Parameters
+        ----------
+        d : ndarray
+            ``1 - t**2``, positive.
         """
         return np.asarray(self.amplitude * np.arctan(np.sqrt(self.shift / d)))
 
@@ -245,8 +266,8 @@ class PressureField:
 
     def value(self, y: float) -> float:
         """Evaluate at one ``y``."""
-        weight = 0.0 if self.weight is None else float(self.weight(np.array(y)))
-        return weight if self.series is None else weight + self.series.value(y)
+        of_weight = 0.0 if self.weight is None else float(self.weight(np.array(y)))
+        return of_weight if self.series is None else of_weight + self.series.value(y)
 
     @staticmethod
     def several(fields: Sequence[PressureField], y: Array) -> Array:
@@ -276,10 +297,12 @@ class PressureField:
 
 @dataclass(frozen=True, slots=True)
 class DiskSeries:
-    """``s (weight + series)`` on a disk of radius `outer`: traction in the central stick zone.
+    """``(s/outer)**(power + exponent) (weight + series)`` on a disk of radius `outer`.
 
-    With the `power` 0 instead of 1 it is without the factor ``s / outer``: a pressure. That where
-    slip goes to the centre has another power of it, the `exponent`.
+    Weight and series are functions of ``d = 1 - (s/outer)**2``. The `power` is 1 for a traction in
+    the central stick zone and 0 for a pressure. The `exponent` is not 0 where, with elastic
+    coupling on a smooth surface, slip goes to the centre: there the pressure is infinite like a
+    power of s.
     """
 
     outer: Radius
@@ -291,9 +314,8 @@ class DiskSeries:
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate inside the disk."""
         scaled = s / self.outer.value
-        value = self.over_power(
-            np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
-        )
+        d = np.clip(self.outer.below(s, from_edge) / self.outer.square, 0.0, 1.0)
+        value = self.over_power(d)
         if self.exponent != 0.0:
             value = value * np.maximum(scaled, np.finfo(float).tiny) ** self.exponent
         return np.asarray(scaled**self.power * value)
@@ -319,7 +341,11 @@ class DiskSeries:
 
 @dataclass(frozen=True, slots=True)
 class AnnulusSeries:
-    """``s**power`` times two series, each in the distance to one end of an annulus."""
+    """``s**power`` times two series, one on either half of an annulus.
+
+    Each is a function of the distance in ``s**2`` from its end, over half the width of the annulus
+    in ``s**2``.
+    """
 
     inner: Radius
     outer: Radius
@@ -332,7 +358,7 @@ class AnnulusSeries:
         above = np.maximum(-self.inner.below(s, from_edge), 0.0)
         below = np.maximum(self.outer.below(s, from_edge), 0.0)
         half = (above + below) / 2.0
-        half = np.where(half > 0.0, half, 1.0)
+        half = np.where(half > 0.0, half, 1.0)  # an annulus may have no width
         return np.asarray(s**self.power * self.over_power(above / half, below / half))
 
     def over_power(self, above: Array, below: Array) -> Array:
@@ -341,7 +367,7 @@ class AnnulusSeries:
         Parameters
         ----------
         above, below : ndarray
-            Distances in ``s**2`` from both ends, over half the width of the annulus.
+            Distances in ``s**2`` from the inner and the outer end, over half the width.
         """
         return np.where(
             above <= below,
@@ -363,7 +389,7 @@ class ZonePiece:
 class ZonalField:
     """A field that has its own expression in every zone, ordered from the centre to the edge.
 
-    A weight is added in all of them.
+    A `weight` is added to it on the whole contact.
     """
 
     pieces: tuple[ZonePiece, ...]
@@ -373,24 +399,37 @@ class ZonalField:
     def on_parts(
         cls, bounds: Sequence[Radius], series: Iterable[LogSeries], *, pointed: bool = False
     ) -> ZonalField:
-        """Return a pressure between bounds by its series on the parts: halves, but of a disk."""
-        each, pieces = iter(series), []
+        """Return the pressure on a contact that is divided at some radii.
+
+        Parameters
+        ----------
+        bounds : sequence of Radius
+            Ends of the intervals, from the centre to the edge.
+        series : iterable of LogSeries
+            From the centre outward: one of a disk, and two of an annulus, those of its inner and
+            of its outer half.
+        pointed : bool
+            Whether the pressure is not smooth at the centre, so that the innermost interval is an
+            annulus, too.
+        """
+        remaining = iter(series)
+        pieces = []
         for inner, outer in pairwise(bounds):
-            own: DiskSeries | AnnulusSeries
+            field: DiskSeries | AnnulusSeries
             if inner is CENTRE and not pointed:
-                own = DiskSeries(outer, next(each), power=0)
+                field = DiskSeries(outer, next(remaining), power=0)
             else:
-                own = AnnulusSeries(inner, outer, next(each), next(each), power=0)
-            pieces.append(ZonePiece(outer, own))
+                field = AnnulusSeries(inner, outer, next(remaining), next(remaining), power=0)
+            pieces.append(ZonePiece(outer, field))
         return cls(tuple(pieces))
 
     def __call__(self, s: Array, from_edge: Array) -> Array:
         """Evaluate at radii `s` whose distances to the edge are `from_edge`, any shape."""
         result = np.zeros(np.shape(s))
-        todo = np.ones(np.shape(s), dtype=bool)
+        farther_out = np.ones(np.shape(s), dtype=bool)  # than the pieces evaluated so far
         for piece in self.pieces:
-            inside = todo & (piece.outer.below(s, from_edge) >= 0.0)
-            todo &= ~inside
+            inside = farther_out & (piece.outer.below(s, from_edge) >= 0.0)
+            farther_out &= ~inside
             if piece.field is not None and piece.factor != 0.0 and inside.any():
                 result[inside] = piece.factor * piece.field(s[inside], from_edge[inside])
         if self.weight is not None:
@@ -409,5 +448,5 @@ class ZonalField:
 
 
 def central_value(field: PressureField | ZonalField) -> float:
-    """Return the value of a function at the centre."""
+    """Return the value of a field at the centre."""
     return float(field(np.zeros(1), np.ones(1))[0])

@@ -16,8 +16,8 @@ class Shakedown(NamedTuple):
     Attributes
     ----------
     ratio, error : float or ndarray
-        Of the shape of the input. The error is infinite where the ratio may be 0, and 1 where it is
-        0 and may be positive.
+        Of the shape of the input. The error is infinite where the ratio is positive but may be 0
+        within the error of the critical friction, and 1 where it is 0 but may be positive.
     """
 
     ratio: Any
@@ -35,17 +35,20 @@ def shakedown(critical: ArrayLike, critical_error: ArrayLike, friction: ArrayLik
     friction : array_like
         Coefficient f.
     """
-    known = np.broadcast_arrays(critical, critical_error, friction)
-    largest, lost, f = (np.asarray(one, dtype=float) for one in known)
-    slips = f < largest
-    exact = np.isinf(largest) | (f == 0.0)
-    with np.errstate(all="ignore"):  # where the division fails the quotient is not chosen
-        share = f / largest
-        difference = (largest - f) / largest  # exact but for the division, where f is close to R
-        below = difference / (1.0 + share)
-        margin = difference - lost
-        changed = np.where(margin > 0.0, 2.0 * share * lost / ((1.0 + share) * margin), np.inf)
-        missed = np.where(largest > f * (1.0 - lost), 1.0, 0.0)
-    ratio = np.where(slips, np.where(exact, 1.0, below), 0.0)
-    error = np.where(slips, np.where(exact, 0.0, changed), missed)
+    inputs = np.broadcast_arrays(critical, critical_error, friction)
+    critical, critical_error, friction = (np.asarray(one, dtype=float) for one in inputs)
+    slips = friction < critical
+    is_one = np.isinf(critical) | (friction == 0.0)
+    with np.errstate(all="ignore"):  # where a division fails, np.where takes another value below
+        fraction = friction / critical
+        # 1 - f/R; where f is close to R, the difference of the two is exact
+        difference = (critical - friction) / critical
+        ratio_in_slip = difference / (1.0 + fraction)
+        # R d(lambda*)/dR = 2 f R/(R + f)**2, over lambda* at the smallest R that it may be
+        smallest_difference = difference - critical_error
+        change = 2.0 * fraction * critical_error / ((1.0 + fraction) * smallest_difference)
+        error_in_slip = np.where(smallest_difference > 0.0, change, np.inf)
+        error_in_stick = np.where(critical > friction * (1.0 - critical_error), 1.0, 0.0)
+    ratio = np.where(slips, np.where(is_one, 1.0, ratio_in_slip), 0.0)
+    error = np.where(slips, np.where(is_one, 0.0, error_in_slip), error_in_stick)
     return Shakedown(ratio[()], error[()])

@@ -10,7 +10,6 @@ from spectral_contact.contact.adhesion import (
     BY_APPROACH,
     BY_LOAD,
     AdhesiveCurve,
-    Control,
     NoState,
 )
 from spectral_contact.contact.contact_radius import Contact
@@ -119,10 +118,8 @@ def adhesive(
         If there is none on the branch.
     """
     curve = curve_of(scene, tolerance, max_unknowns)
-    given: tuple[Control, float | None] = (BY_LOAD, scene.load)
-    if scene.load is None:
-        given = (BY_APPROACH, scene.approach)
-    control, value = given
+    control = BY_LOAD if scene.approach is None else BY_APPROACH
+    value = scene.load if scene.approach is None else scene.approach
     assert value is not None
     try:
         return curve.find(control, value, scene.branch, pointwise=pointwise)
@@ -157,21 +154,13 @@ def _refuse(scene: Scene, limit: float) -> NoReturn:
     raise SceneError(name, value, f"{side} {limit:.12g}, {what}: it is beyond by {beyond}")
 
 
-def stability(
-    scene: Scene, found: Indentation, radius_error: float, tolerance: float, max_unknowns: int
-) -> Stability:
-    """Return how a state under a profile that is not flat goes on along the curve.
+def stability(curve: AdhesiveCurve, found: Indentation, radius_error: float) -> Stability:
+    """Return how a state on a curve goes on.
 
     Its radius has a relative error, which next to pull-off is much larger than those of its rates.
 
     A state in which load or approach does not change with the radius, within its error, counts as
     stable: it is the last one of a stable branch, such as that of pull-off.
-    """
-    return stability_on(curve_of(scene, tolerance, max_unknowns), found, radius_error)
-
-
-def stability_on(curve: AdhesiveCurve, found: Indentation, radius_error: float) -> Stability:
-    """Return how a state on a curve goes on.
 
     At a corner of the profile, and at the rim of its flat part, the rates of larger contacts are
     others than those of smaller ones. Such a state is stable if load, or approach, increases
@@ -181,14 +170,12 @@ def stability_on(curve: AdhesiveCurve, found: Indentation, radius_error: float) 
     a = found.radius
     if a in curve.corners:
         rates = curve.rates(curve.next_larger(a))
-        held = dict(zip(CONTROLS_HELD, (rates.load, rates.approach), strict=True))
-        stable = tuple(name for name, rate in held.items() if rate > 0.0)
+        stable = tuple(name for name in CONTROLS_HELD if getattr(rates, name) > 0.0)
         told = "larger contacts have another slope of the curve than smaller ones at this radius"
         return Stability(stable, None, reason=told)
     local = curve.local(a)
     rates, errors = local.rates(a), local.rate_errors(a)
-    each = {"load": (rates.load, errors.load), "approach": (rates.approach, errors.approach)}
-    stable = tuple(name for name, (rate, error) in each.items() if rate >= -error)
+    stable = tuple(one for one in CONTROLS_HELD if getattr(rates, one) >= -getattr(errors, one))
     if abs(rates.approach) <= errors.approach:
         return Stability(stable, copysign(inf, rates.load), inf)
     stiffness = rates.load / rates.approach

@@ -341,8 +341,9 @@ class _History:
     growth : Growth
     rule : tuple of ndarray
         Nodes and weights on (0, 1) for a part of a panel at whose ends the integrand may be
-        singular: the pressure of a flat punch is like a square root at the edge and, with coupling,
-        at the stick radius. Other parts have Gauss points, `smooth_rule`.
+        singular: the pressure of a flat punch is like an inverse square root at the edge and, with
+        coupling, like a square root just outside the stick radius. Other parts have Gauss points,
+        `smooth_rule`.
     degree : int
         Degree of the series of fields on each panel in ``s``.
     """

@@ -4,7 +4,7 @@ While the load grows by ``dP``, pressure and traction grow by those of a flat pu
 present contact radius ``b`` (docs/theory, Contacts that grow). So they are sums over the history,
 with the dimensionless solution of the flat punch, marked by a star,
 
-    q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*      (G.2)
+    q(r) = int q*(r/b; alpha/b, beta/b, f) dP/b^2,      Q = int Q* dP,      c(b) = b c*  (G.2, G.4)
 
 Flat punches are solved at the nodes of a few panels in ``b`` and interpolated between; the load at
 the nodes is from the module `weights`. This holds if slip, where there is any, reaches from the
@@ -44,17 +44,15 @@ _LARGEST_EXTENT = 4.5
 #: A panel of n nodes has the error ``factor * exp(-gamma n)`` with ``gamma`` of (G.11). This is the
 #: measured factor of a panel from the first touch on.
 _ERROR_FACTOR = 3000.0
-#: The same beyond the onset of slip or a break of the profile. It is smaller, because little
-#: changes on the first part of a panel that begins there.
+#: The same beyond the onset of slip or a break of the profile other than the first one, which may
+#: be the end of a flat part. It is smaller, because little changes on the first part of a panel
+#: that begins there.
 _ERROR_FACTOR_PAST = 100.0
-#: Distance of the origin ``b_0`` of ``v`` below 0, over the least compliance. As functions of ``b``
-#: flat punches in full stick have no poles closer to 0: the nearest is at 2.32 without coupling,
-#: and at 2.01 with the largest coupling.
-_ORIGIN = 2.0
 #: Least number of nodes of a panel: `left_out` and the interpolation of fields need some.
 _LEAST_COUNT = 6
 #: Distance of ``b_0`` below the onset of slip, relative to the onset, for tolerances up to
-#: `_ONSET_TOLERANCE`. For looser ones it grows like this power of the tolerance.
+#: `_ONSET_TOLERANCE`; for looser ones it is multiplied by
+#: ``(tolerance / _ONSET_TOLERANCE)**_ONSET_POWER``.
 _ONSET_DISTANCE = 1e-3
 _ONSET_TOLERANCE = 1e-10
 _ONSET_POWER = 0.2
@@ -94,7 +92,8 @@ _COUNT_BEFORE = 10
 #: power of ``b`` above 3, this is bounded, and no panel is needed before the first one. The rest is
 #: for the error of the power, which is a slope at the first radius.
 _BOUNDED_POWER = 3.1
-#: Length in ``u`` of the panel before the first one, if the power is 2.5 or less.
+#: Length in ``u`` of the panel before the first one if the power m of the load is 2.5 or less;
+#: above, it is ``20/(m - 2)``, on which ``b**(m - 2)`` grows by a factor of ``exp(20)``.
 _LENGTH_BEFORE = 40.0
 #: Error of the power of the load in the comparison with 2.
 _POWER_TOLERANCE = 1e-6
@@ -207,7 +206,7 @@ class Growth:
     @cached_property
     def shear_rate(self) -> float:
         """``dln Q/dln b`` today."""
-        rate = self.load_rate * self.load * float(self.panels[-1].shears[-1])
+        rate = self.load_rate * self.load * float(chebyshev_value(self.panels[-1].shears, _TOP)[0])
         return abs(rate / self.total_shear) if self.total_shear else 0.0
 
     @cached_property
@@ -296,8 +295,8 @@ class Growth:
         """
 
         def weights(panel: Panel) -> Callable[[Array], Array]:
-            radii = panel.stretch
-            return lambda t: panel.increment(t) * np.exp(power * radii.u_at(t))
+            stretch = panel.stretch
+            return lambda t: panel.increment(t) * np.exp(power * stretch.u_at(t))
 
         sizes = [one.integral(weights(one)) for one in self.panels]
         worst = [
@@ -346,10 +345,10 @@ class Growth:
 def _contribution(panel: Panel, log_radius: float, load: float) -> float:
     """Return the factor in (G.13) of the error of a panel.
 
-    It is what the load at the end of the panel is at most in the load or the traction of today,
-    relative to all of it.
+    It is the largest share that the load at the end of the panel has in today's load or,
+    concentrated on its smaller disk, in today's traction.
     """
-    fraction = float(panel.node_loads.loads[-1]) / load
+    fraction = float(panel.load(_TOP)[0]) / load
     return fraction * max(1.0, math.exp(2.0 * (log_radius - panel.high)))
 
 
@@ -374,8 +373,8 @@ class Grower:
     break_distance : float
         Distance of the origin ``b_0`` of ``v`` (G.10) below a break, relative to the break. At the
         end of a flat part ``b_0`` is this end.
-    min_compliance : float
-        The least of the compliances that are not 0, or 0. It says where the poles are.
+    origin_distance : float
+        Distance of the origin ``b_0`` of ``v`` below 0, from the first touch on.
     powers : tuple of float
         As of `Panel`.
     log_pole : float
@@ -390,7 +389,7 @@ class Grower:
     tolerance: float
     breaks: tuple[float, ...]
     break_distance: float
-    min_compliance: float
+    origin_distance: float
     powers: tuple[float, float]
     log_pole: float
 
@@ -428,7 +427,11 @@ class Grower:
         return growth
 
     def until(self, growth: Growth, log_radius: float) -> Growth:
-        """Return a history that ends earlier, at the logarithm of a contact radius."""
+        """Return a history that ends earlier, at the logarithm of a contact radius.
+
+        The source of loads is cut back to the new history, so that `growth` must not be passed
+        again.
+        """
         kept = [one for one in growth.panels if one.high < log_radius - _SAME_END]
         stretch = growth.panels[len(kept)].stretch
         self.load_source.back(len(kept))
@@ -447,7 +450,7 @@ class Grower:
             wider = max(self.tolerance / _ONSET_TOLERANCE, 1.0) ** _ONSET_POWER
             dv_du[math.log(self.onset)] = 1.0 / (_ONSET_DISTANCE * wider)
         dv_du = {u: value for u, value in dv_du.items() if low < u < high}
-        dv_du[low] = 1.0 / (1.0 + _ORIGIN * self.min_compliance * math.exp(-low))
+        dv_du[low] = 1.0 / (1.0 + self.origin_distance * math.exp(-low))
         if self.breaks and abs(low - math.log(self.breaks[0])) < _SAME_RADIUS:
             dv_du[low] = -1.0 / math.expm1(math.log(self.breaks[0]) - low)
         stretches: list[RadiusStretch] = []
@@ -466,11 +469,14 @@ class Grower:
 
     def _counted(self, stretch: RadiusStretch, today: float) -> RadiusStretch:
         """Return a stretch with as many nodes as the tolerance asks for, by (G.11)."""
-        # towards the first touch the factor in (G.13) falls like b**(m - 2) if P is like b**m; at
-        # most one power of b is made use of
+        # Towards the first touch the factor in (G.13) falls like b**(m - 2) if P is like b**m; at
+        # most one power of b is made use of. At a flat part, where `powers` is 0, the load falls
+        # faster than any such power; there the power 1 was chosen, and a panel for which it is too
+        # much is halved.
         power = min(max(self.powers[0] - 2.0, 0.0), 1.0) if self.powers[0] else 1.0
         allowed = _PANEL_FRACTION * self.tolerance * math.exp(power * (today - stretch.high))
-        to_pole = 2.0 * (self.log_pole - stretch.high) / stretch.extent
+        depth_of_pole = stretch.depth_of(np.array([self.log_pole]))[0]
+        to_pole = 2.0 * (float(depth_of_pole) / stretch.extent - 1.0)
         gamma = min(math.asinh(2.0 * math.pi / stretch.extent), math.acosh(1.0 + to_pole))
         events = (self.onset, *self.breaks[1:])
         past = any(math.log(b) < stretch.low + _SAME_RADIUS for b in events if b)

@@ -255,6 +255,7 @@ class Panel:
         def values(flat: Solution, x: Array) -> Array:
             return _in_slip_zone(flat, name, np.exp(x))
 
+        # panels have the length 2 in x: half of _TABLE_PANELS below 0, all of them above
         return self._table(name, values, -_TABLE_PANELS, _TABLE_PANELS + _TABLE_PANELS // 2)
 
     def _table(

@@ -176,6 +176,8 @@ class ProfileRun(Run):
         self.pressure, self._driving = found.pressure, found.normal
         if endless(scene):
             self.values["domain_radius"] = found.radius
+        if scene.layer is not None:
+            self.values["approach_scale"] = found.approach_size
         self.values.update(
             contact_radius=found.radius,
             load=found.load,
@@ -209,19 +211,30 @@ class ProfileRun(Run):
             unknown += law.pressure * area / found.load
             self.errors["stiffness"] += law.stiffness
             self.errors["indentation_work"] += law.energy * area / found.work
-        for name in ("contact_radius", "load", "approach"):
-            exact = name == "contact_radius" and isinstance(scene.profile, Flat)
-            if getattr(scene, name) is None and not exact:
+        for name in (
+            "contact_radius",
+            "load",
+            "approach",
+            "stiffness",
+            "indentation_work",
+            "pressure",
+        ):
+            if getattr(scene, name, None) is None:
                 self.errors[name] += unknown
-        for name in ("stiffness", "indentation_work", "pressure"):
-            self.errors[name] += unknown
+        if isinstance(scene.profile, Flat):
+            self.errors["contact_radius"] = 0.0
 
     def _adhere(self, found: Indentation, error: float, adhesion: float) -> Indentation:
         """Return the contact with the surface energy in its work; store what adhesion adds.
 
         The error is that of its radius.
         """
-        from spectral_contact.solving.adhesive import CONTROLS_HELD, stability, with_surface_energy
+        from spectral_contact.solving.adhesive import (
+            CONTROLS_HELD,
+            curve_of,
+            stability,
+            with_surface_energy,
+        )
 
         if isinstance(self.scene.profile, Flat):  # linear in the approach, with a constant area
             self.values.update(stable_under=CONTROLS_HELD, stiffness_on_branch=found.stiffness)
@@ -233,7 +246,8 @@ class ProfileRun(Run):
             indentation_work_scale=found.work + math.pi * adhesion * found.radius**2,
         )
         if "stiffness_on_branch" in self.plan.quantities:
-            along = stability(self.scene, found, error, self.rtol, self.max_unknowns)
+            curve = curve_of(self.scene, self.rtol, self.max_unknowns)
+            along = stability(curve, found, error)
             self.values["stable_under"] = along.stable_under
             if along.stiffness is None:
                 self.unavailable["stiffness_on_branch"] = along.reason

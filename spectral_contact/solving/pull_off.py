@@ -119,7 +119,7 @@ def pull_off(
         curve = curve_of(scene, rtol, max_unknowns)
         _, fold = _ends(held, _folds(scene, curve, held))[-1]
         found = _with_errors(solve(_at_radius(scene, fold.radius), **options), curve, fold)
-    of_held = found.error.load if control == "load" else found.error.approach
+    of_held = getattr(found.error, control)
     if of_held is None or of_held <= rtol:
         return found
     found = replace(found, converged=False)
@@ -187,13 +187,12 @@ def adhesion_cycle(
         states = curve.states(radii)
         stable = [sum(one.radius > a for one in folds) % 2 == 0 for a in radii]
         jump_out, lost = _jumps_out(curve, held, ends)
-    energies = [_energy(held, one, curve.adhesion) for one in lost]
     # what jumps dissipate: the energy before less that after, which is 0 without contact; states
-    # before and after jumps alternate
-    before, after = energies[::2], [*energies[1::2], 0.0]
-    falls = [-_energy(held, landed, curve.adhesion)]
-    falls += [one - other for one, other in zip(before, after, strict=True)]
-    doubt = sum(_energy_error(held, one, curve.adhesion) for one in (landed, *lost))
+    # after and before jumps alternate
+    energies = [_energy(held, one, curve.adhesion) for one in (landed, *lost)]
+    dissipated = sum(energies[1::2]) - sum(energies[::2])
+    doubt = sum(_energy_error(held, one, curve) for one in (landed, *lost))
+    unknown = max(map(curve.profile._relative_error, radii))
     bounded = held.of_approach > 0.0
     return AdhesionCycle(
         scene,
@@ -203,10 +202,10 @@ def adhesion_cycle(
         np.array([one.approach for one in states]),
         np.array([one.load for one in states]),
         np.array(stable),
-        max(max(one.load_error, one.approach_error) for one in states),
+        max(max(one.load_error, one.approach_error) for one in states) + unknown,
         (_APART, _state(landed)),
         jump_out,
-        sum(falls) if bounded else None,
+        dissipated if bounded else None,
         doubt if bounded else None,
     )
 
@@ -227,16 +226,16 @@ def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Contro
     if control == "load":
         told = "None under control of the load, to which a machine adds nothing"
         raise SceneError("machine_stiffness", machine_stiffness, told)
-    stiffness /= _modulus(scene) or 1.0
+    stiffness /= _modulus(scene)
     if not 1.0 / sys.float_info.max <= stiffness < inf:
         raise SceneError("machine_stiffness", machine_stiffness, "in [1e-308, 1e308], in E'L")
     return Control(1.0 / stiffness, 1.0)
 
 
-def _modulus(scene: Scene) -> float | None:
-    """Return E' [Pa]; None of a scene without SI data."""
+def _modulus(scene: Scene) -> float:
+    """Return E' [Pa]; 1 of a scene without SI data."""
     data = scene.physical
-    return None if data is None else data.quarter_modulus(scene.poisson_ratio)
+    return 1.0 if data is None else data.quarter_modulus(scene.poisson_ratio)
 
 
 def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int) -> Scene:
@@ -244,7 +243,7 @@ def _flat_at_pull_off(scene: Scene, control: str, rtol: float, max_unknowns: int
     contact = pinned_of(scene, rtol, max_unknowns, pointwise=False)
     if control == "approach":
         return _changed(scene, "approach", contact.pull_off_approach)
-    return _changed(scene, "load", contact.pull_off_load * (_modulus(scene) or 1.0))
+    return _changed(scene, "load", contact.pull_off_load * _modulus(scene))
 
 
 def _at_radius(scene: Scene, radius: float) -> Scene:
@@ -301,7 +300,11 @@ def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
     if fold.curve is None:
         return found
     more: dict[str, float] = {"contact_radius": fold.error}
-    added = radius_effects(fold.state, curve.rates(fold.state), fold.error)
+    rates = curve.rates(fold.state)
+    added = radius_effects(fold.state, rates, fold.error)
+    # the work grows by P ddelta along the curve
+    work = abs(fold.state.load * rates.approach) / found.error_scales["indentation_work"]
+    added["indentation_work"] = work * fold.error
     for name, change in added.items():
         known = getattr(found.error, name)
         if known is not None:
@@ -368,11 +371,13 @@ def _energy(held: Control, one: Indentation, adhesion: float) -> float:
     return with_surface_energy(one, adhesion).work + held.of_load * one.load**2 / 2.0
 
 
-def _energy_error(held: Control, one: Indentation, adhesion: float) -> float:
+def _energy_error(held: Control, one: Indentation, curve: AdhesiveCurve) -> float:
     """Return the absolute error of `_energy`.
 
-    Elastic and surface energy, of which it is the difference, are rounded.
+    Elastic and surface energy, of which it is the difference, are rounded, and have the error of
+    the profile.
     """
-    surface = pi * adhesion * one.radius**2
-    spring = held.of_load * abs(one.load) * one.load_size * one.load_error
-    return one.work * one.work_error + ROUNDING * (one.work + surface) + spring
+    surface = pi * curve.adhesion * one.radius**2
+    unknown = ROUNDING + curve.profile._relative_error(one.radius)
+    spring = held.of_load * abs(one.load) * one.load_size * (one.load_error + unknown)
+    return one.work * one.work_error + unknown * (one.work + surface) + spring

@@ -37,7 +37,8 @@ _FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approa
 _FLAT_RTOL_FACTOR = 0.1
 #: Their least tolerance.
 _LEAST_FLAT_RTOL = 1e-12
-#: Load and traction at the first radius of the history may be this fraction of the tolerance.
+#: The mean pressure at the first radius of the history, over today's, is this fraction of the
+#: tolerance.
 _NEGLIGIBLE = 0.01
 #: In the search for that radius, the length of a step in ``u`` over that of the step before is
 #: between these.
@@ -50,6 +51,13 @@ _BEYOND_FLAT_PART = 1e-10
 _SMOOTH_BREAK_DISTANCE = 1e-7
 #: The same with a layer or with coupling.
 _BREAK_DISTANCE = 3e-4
+#: Distance of the origin ``b_0`` of ``v`` below 0, over the least compliance. As functions of ``b``
+#: flat punches in full stick have no poles closer to 0: the nearest is at 2.32 without coupling,
+#: and at 2.01 with the largest coupling.
+_ORIGIN = 2.0
+#: Number of radii at which the power of a profile is looked at, and the change that counts.
+_POWER_SAMPLES = 200
+_POWER_CHANGE = 0.05
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
 #: With coupling the pressure of a flat punch may change sign at some distance from its edge. The
@@ -154,7 +162,6 @@ class Stages:
         """Return what builds the history between two contact radii."""
         self._check_digits(radius)
         onset = self._path.onset = self._onset(least, radius)
-        compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         # with coupling panels as short as on a smooth surface would add differences of nearly equal
         # numbers
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
@@ -167,10 +174,28 @@ class Stages:
             tolerance=self.rtol,
             breaks=self.profile.breaks,
             break_distance=_SMOOTH_BREAK_DISTANCE if smooth else _BREAK_DISTANCE,
-            min_compliance=min((one for one in compliances if one > 0.0), default=0.0),
+            origin_distance=self._origin_distance(least, radius),
             powers=self._powers(least),
             log_pole=math.log(self.profile._pole),
         )
+
+    def _origin_distance(self, least: float, radius: float) -> float:
+        """Return the distance of the origin ``b_0`` of ``v`` below 0, from the first touch on.
+
+        As functions of ``b``, flat punches in full stick have poles at negative ``b`` at distances
+        in proportion to the least compliance (docs/theory, G.10). The load has zeros there, too, if
+        the profile has different powers near and far, as the sum of a cone and a parabola: they are
+        about as far from 0 as the radius at which the power of ``H`` changes.
+        """
+        compliances = self.scene.normal_compliance, self.scene.tangential_compliance
+        of_compliance = _ORIGIN * min((one for one in compliances if one > 0.0), default=0.0)
+        if self.profile.flat_part > 0.0:  # the origin is its end
+            return of_compliance
+        last = min((b for b in self.profile.breaks if b > least), default=radius)
+        u = np.linspace(math.log(least), math.log(min(last, radius)), _POWER_SAMPLES)
+        powers = np.diff(np.log(self.profile._transform(np.exp(u)))) / np.diff(u)
+        changed = np.flatnonzero(np.abs(powers - powers[0]) > _POWER_CHANGE)
+        return min(of_compliance, math.exp(u[changed[0]])) if len(changed) else of_compliance
 
     def _check_digits(self, radius: float) -> None:
         """Raise if a radius is so close to a flat part or a pole that the load has too few digits.
@@ -186,7 +211,11 @@ class Stages:
             raise NotComputedError("traction", told)
 
     def _check_pole(self, radius: float) -> None:
-        """Raise if a radius is so close to a pole that a contact with coupling would not grow."""
+        """Raise if a radius is so close to a pole that a contact with coupling would not grow.
+
+        It would not if the zone at the edge in which the pressure changes sign is not far smaller
+        than the distance to the pole.
+        """
         room = 1.0 - radius / self.profile._pole
         # the distance from the edge at which the pressure changes sign, or nothing; without a pole
         # no flat punch has to be solved

@@ -8,7 +8,8 @@ or the profile has a break. A stretch is an interval of ``b`` on which functions
 
 From the first touch on the origin ``b_0`` is negative, and nearer to 0 than all poles. At the onset
 of slip and at breaks a stretch begins, with ``b_0`` just below its lower end. In ``v`` all other
-singularities are at least ``pi`` away, so that few points are enough for many decades of ``b``.
+singularities, except a pole of the load (G.11), are some ``pi`` away, so that few points are enough
+for many decades of ``b``.
 
 The module also has the Chebyshev interpolation itself, the estimate of its error, and a table of
 fields, which interpolates over the place in the contact as well.

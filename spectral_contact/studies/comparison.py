@@ -1,4 +1,4 @@
-"""How good some numbers are: fields and scalars of any origin against the solution of a scene."""
+"""`compare`: errors of fields and scalars of any origin against the solution of a scene."""
 
 from __future__ import annotations
 
@@ -28,23 +28,31 @@ from spectral_contact.view.report import table
 
 Numbers = Callable[..., Any] | ArrayLike
 
+#: Tolerance of the reference solution.
 _RTOL: Final = 1e-12
+#: Quantities that make the mean pressure under a profile.
 _OF_MEAN: Final = ("load", "contact_radius")
-#: So far outside, over the contact radius, a rim may lie by rounding of radii and their units.
-_RIM: Final = 8.0 * float(np.finfo(np.float64).eps)
-#: Rings of one area on which the mean size of a field is taken.
+#: A radius is taken for the edge if it is outside by no more than this, over the contact radius: by
+#: rounding of radii and their units.
+_AT_EDGE: Final = 8.0 * float(np.finfo(np.float64).eps)
+#: Number of rings of equal area on which the mean size of a field is taken.
 _RINGS: Final = 64
 #: The displacement of the surface, and the tolerance to which it is evaluated.
 _SURFACE: Final = "displacement"
 _SURFACE_RTOL: Final = 1e-9
-#: Values are off by one factor if most of those that are no small part of the largest have the
-#: same ratio to the truth, and it is not nearly 1.
+#: A common factor of all values is looked for. Values count if their true ones are larger than this
+#: share of the largest; ...
 _LARGE: Final = 1e-3
+#: ... the factor is common if this share of the values ...
 _MOST: Final = 0.9
+#: ... have the same ratio to the truth, to this relative difference; ...
 _ALIKE: Final = 0.02
+#: ... and it is noted if it differs from 1 by at least this. All of them are chosen.
 _NOTED: Final = 0.1
-#: Fraction of an error below which another meaning of the numbers is the right one.
+#: Displacements are taken for those of the surface of the layer if their errors are then less than
+#: this share of what they are otherwise.
 _SAME: Final = 0.1
+#: Scalars that can be compared.
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
 
 
@@ -122,8 +130,8 @@ class Comparison:
         return table_html(self._cells()) + remarks
 
     def _cells(self) -> list[tuple[str, ...]]:
-        heads = ("quantity", "error", "median", "worst at 1 - s", "value", "truth", "known to")
-        cells: list[tuple[str, ...]] = [heads]
+        headings = ("quantity", "error", "median", "worst at 1 - s", "value", "truth", "known to")
+        cells: list[tuple[str, ...]] = [headings]
         for one in self.agreements:
             place, middle, known = (
                 "" if number is None else f"{number:{form}}"
@@ -250,7 +258,8 @@ __test__: Final = {"compare": compare}  # doctest passes over functions that are
 
 
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
-    """Solve for what is given, and for what its units and the sizes of its errors take."""
+    """Solve for what is given, and for what its units and the scales of its errors need."""
+    # errors of pressure or traction are then relative to both fields
     of_both = scene.couples or _unloaded(scene)
     needed = {*given, "approach"} | ({"pressure", "traction"} if of_both else set())
     if _unloaded(scene):
@@ -267,7 +276,21 @@ def _unloaded(scene: Scene) -> bool:
 
 
 class _ComparedScene:
-    """The truth about a scene, in the units in which numbers are given."""
+    """The truth about a scene, in the units in which numbers are given.
+
+    Attributes
+    ----------
+    placed : bool
+        Whether radii are given.
+    rounded : int
+        How many of them are taken for the edge, being outside by rounding.
+    factors : list of str
+        Remarks on factors by which numbers differ from the truth.
+    length : float
+        The contact radius in the unit of radii.
+    scale : dict of str to float
+        The unit of each quantity, over its dimensionless one.
+    """
 
     def __init__(self, scene: Scene, truth: Any) -> None:
         own = getattr(truth, "scene", scene)
@@ -298,9 +321,9 @@ class _ComparedScene:
             raise SceneError(name, value, f"None, as the truth about {self.scene} has none")
         given = checks.real(name, value, allowed="finite")
         true = checks.scalar(f"truth.{name}", found) * self.scale[name]
-        # with adhesion a load or an approach may be zero
-        of = getattr(self.truth, "error_scales", {}).get(name, 0.0) * self.scale[name]
-        error = abs(given - true) / (of or abs(true) or 1.0)
+        # with adhesion a load or an approach may be zero, and its error has a scale of its own
+        error_scale = getattr(self.truth, "error_scales", {}).get(name, 0.0) * self.scale[name]
+        error = abs(given - true) / (error_scale or abs(true) or 1.0)
         self._note_factor(name, given / true if true else 1.0, every=False)
         return Agreement(name, error, estimate_of(self.truth, name), given, true)
 
@@ -318,12 +341,14 @@ class _ComparedScene:
         radii = ("s", s) if r is None else ("r", r)
         checks.exactly_one(*radii, "from_edge", from_edge)
         name, given = radii if from_edge is None else ("from_edge", from_edge)
-        si = "m" if self.scene.physical is not None else ""
-        unit = f" [{si}]" if si else ""
+        unit = "m" if self.scene.physical is not None else ""
+        in_unit = f" [{unit}]" if unit else ""
         length = self._length_of_r if name == "r" else self.length
-        high = f"{length:.16g}".removesuffix(".0")
-        allowed = f"finite and <= {high}{unit}" if name == "from_edge" else f"finite and >= 0{unit}"
-        lengths = np.ravel(checks.reals(name, given, allowed, unit=si))
+        allowed = f"finite and >= 0{in_unit}"
+        if name == "from_edge":
+            high = f"{length:.16g}".removesuffix(".0")
+            allowed = f"finite and <= {high}{in_unit}"
+        lengths = np.ravel(checks.reals(name, given, allowed, unit=unit))
         if not lengths.size:
             raise SceneError(name, given, "at least one radius")
         distances = lengths if name == "from_edge" else length - lengths
@@ -331,8 +356,9 @@ class _ComparedScene:
         outside_range = ~(np.isfinite(distances) & (distances <= 1.0))
         if outside_range.any():
             raise SceneError(name, lengths[outside_range][0].item(), allowed)
-        self.rounded = int(np.sum((distances < 0.0) & (distances >= -_RIM)))
-        return np.where((distances < 0.0) & (distances >= -_RIM), 0.0, distances)
+        at_edge = (distances < 0.0) & (distances >= -_AT_EDGE)
+        self.rounded = int(np.sum(at_edge))
+        return np.where(at_edge, 0.0, distances)
 
     @property
     def _length_of_r(self) -> float:
@@ -362,6 +388,7 @@ class _ComparedScene:
         return tuple(found)
 
     def _field(self, name: str, given: Numbers, places: Array) -> Agreement:
+        """Compare a field, given as a function or by its values, at distances from the edge."""
         if callable(given):
             values = by_distance(name, given, self.length)(places * self.length)
         else:
@@ -374,25 +401,25 @@ class _ComparedScene:
             sizes[inside] = self._sizes(name, true[inside], places[inside])
         if not inside.all():
             sizes[~inside] = self._mean_size(name)
-        there = np.isfinite(true)
+        compared = np.isfinite(true)
         if name == "slip":
-            there &= inside
-        if not there.any():
+            compared &= inside
+        if not compared.any():
             told = "somewhere where the truth is finite"
             raise SceneError("s, from_edge", places, told if inside.any() else "inside the contact")
         scale = self.scale[name]
-        with np.errstate(over="ignore", invalid="ignore"):  # as wrong as can be, and said to be
-            errors = np.abs(values / scale - true)[there] / sizes[there]
+        with np.errstate(over="ignore", invalid="ignore"):  # huge values have an infinite error
+            errors = np.abs(values / scale - true)[compared] / sizes[compared]
         errors = np.where(np.isnan(errors), np.inf, errors)
         worst = int(np.argmax(errors))
-        self._note_common_factor(name, values[there] / scale, true[there])
+        self._note_common_factor(name, values[compared] / scale, true[compared])
         return Agreement(
             name,
             float(errors[worst]),
             estimate_of(self.truth, name),
-            float(values[there][worst]),
-            float(true[there][worst]) * scale,
-            float(places[there][worst]),
+            float(values[compared][worst]),
+            float(true[compared][worst]) * scale,
+            float(places[compared][worst]),
             float(np.median(errors)),
         )
 
@@ -403,19 +430,20 @@ class _ComparedScene:
         if callable(given):
             raise SceneError(_SURFACE, given, "an array, with its radii")
         values = self._listed(_SURFACE, given, places)
-        body = self._body
-        moved = body.surface(from_edge=places * body.radius, rtol=_SURFACE_RTOL)
-        true = np.asarray(moved.z)
+        body = self._inside
+        surface = body.surface(from_edge=places * body.radius, rtol=_SURFACE_RTOL)
+        true = np.asarray(surface.z)
         size = float(np.max(np.abs(true))) or 1.0
         with np.errstate(over="ignore", invalid="ignore"):
             errors = np.abs(values - true) / size
         worst = int(np.argmax(errors))
         self._note_common_factor(_SURFACE, values, true)
+        # whether they are those of the surface of the layer, which the contact compresses
         inside = places >= 0.0
-        compressed = np.where(inside, np.asarray(moved.gap), 0.0)
+        compression = np.where(inside, np.asarray(surface.gap), 0.0)
         with np.errstate(over="ignore", invalid="ignore"):
-            layered = float(np.max(np.abs(values - true - compressed))) / size
-        known = float(np.max(moved.error))
+            layered = float(np.max(np.abs(values - true - compression))) / size
+        known = float(np.max(surface.error))
         if inside.any() and max(layered, known) < _SAME * errors[worst]:
             self.factors.append(
                 "displacement: these are of the surface of the layer, whose compression is not "
@@ -433,8 +461,8 @@ class _ComparedScene:
         )
 
     @property
-    def _body(self) -> Any:
-        """Where displacements are evaluated, in the units of the input."""
+    def _inside(self) -> Any:
+        """The body in which displacements are evaluated, in the units of the input."""
         return (self.truth if self.scene.physical is None else self.truth.physical).inside
 
     def _note_common_factor(self, name: str, values: Array, true: Array) -> None:
@@ -447,11 +475,15 @@ class _ComparedScene:
             ratios = values[large] / true[large]
             factor = float(np.median(ratios))
             spread = float(np.quantile(np.abs(ratios / factor - 1.0), _MOST))
-        if spread < _ALIKE:  # NaN is not
+        if spread < _ALIKE:  # not so if it is NaN
             self._note_factor(name, factor, every=True)
 
     def _note_factor(self, name: str, factor: float, *, every: bool) -> None:
-        """Note a factor that a unit, an angle or a sign makes, or any of all values of a field."""
+        """Note a factor between numbers and the truth.
+
+        Any factor is noted if every value of a field has it. That of a single number is noted only
+        if a sign, a unit or an angle explains it.
+        """
         if factor == 0.0 or not np.isfinite(factor) or abs(factor - 1.0) < _NOTED:
             return
         size = abs(factor)
@@ -467,6 +499,7 @@ class _ComparedScene:
             self.factors.append(f"{name}: {values} too {ratio}{sign}{hint}")
 
     def _listed(self, name: str, given: ArrayLike, places: Array) -> Array:
+        """Return the values of a field that is given by them, one for each place."""
         if not self.placed:
             told = "an array with its radii (r=, s= or from_edge=)"
             raise SceneError(name, given, told if name == _SURFACE else f"a function, or {told}")
@@ -480,7 +513,7 @@ class _ComparedScene:
         return float(np.mean(self._on_rings(name))) or 1.0
 
     def _on_rings(self, name: str) -> Array:
-        """Return the absolute values of a field, where they are finite, on rings of one area."""
+        """Return the absolute values of a field on rings of equal area, where they are finite."""
         rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
         sizes = np.abs(field_of(self.truth, name, "truth")(1.0 - rings))
         return np.asarray(sizes[np.isfinite(sizes)])
@@ -498,8 +531,8 @@ class _ComparedScene:
         return scales.get("load", abs(load)) / (np.pi * a**2)
 
     def _sizes(self, name: str, true: Array, places: Array) -> Array:
-        """Return what errors are relative to."""
-        # of the contact, and not of the radii at which values are given
+        """Return what errors of a field are relative to, at each place: see `compare`."""
+        # the largest value is that over the whole contact, wherever values are given
         moduli = np.append(self._on_rings(name), np.abs(true[np.isfinite(true)]))
         largest = np.max(moduli, initial=0.0) or 1.0
         if name == "slip":
@@ -518,14 +551,16 @@ class _ComparedScene:
         if self.scene.couples:
             s = 1.0 - places
             p, q = (field_of(self.truth, one, "truth")(places) for one in FIELDS[:2])
-            u = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
-            kappa = self.scene.kappa
-            sizes = np.hypot(p, u) if name == "pressure" else s * np.hypot(u, kappa * p)
+            q_over_s = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
+            if name == "pressure":
+                sizes = np.hypot(p, q_over_s)
+            else:
+                sizes = s * np.hypot(q_over_s, self.scene.kappa * p)
         return np.where(sizes == 0.0, largest, sizes)
 
 
 def _question(size: float) -> str:
-    """Return what numbers that are off by this factor may have been taken for, if anything."""
+    """Return what may explain a factor: an angle, or a unit's prefix; empty if nothing does."""
     if any(abs(size / angle - 1.0) < _ALIKE for angle in (2.0 * np.pi, 0.5 / np.pi)):
         return "per radian, or of the whole?"
     thousands = round(float(np.log10(size)) / 3.0)

@@ -1,7 +1,8 @@
-"""How scalars and fields of a solution change with the parameters of its scene.
+"""Derivatives of scalars and fields of a solution by the parameters of its scene.
 
-By the implicit function theorem: one linear solve for each parameter, with the factors of the
-solution (`contact.zone_derivatives`). All is done in two spaces, and the difference is the error.
+They follow from the implicit function theorem: one linear solve for each parameter, with the
+factorisation of the solution's system (`contact.zone_derivatives`). Every derivative is computed in
+two discrete spaces, and their difference is the estimate of the error.
 """
 
 from __future__ import annotations
@@ -40,28 +41,34 @@ from spectral_contact.view.report import table
 
 __all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensitivity"]
 
-#: What can be differentiated.
+#: Scalars that can be differentiated.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
-#: Tolerances of the spaces: of what is returned, and of what it is compared with. That one is less
-#: accurate by far, so that hardly any accident makes the difference less than the error.
-_TIGHT: Final = (1e-12, 1e-11)
-#: How many times the difference the error is taken to be, and what rounding leaves, relative.
-_SAFETY, _ROUNDING = 2.0, 1e-13
-#: Rounding of approach and shear, relative, which a derivative has as an absolute error where they
+#: Tolerances of the two spaces: of the derivatives that are returned, and of those that they are
+#: compared with. The latter are so much less accurate that the difference is hardly ever below the
+#: error by accident.
+_TOLERANCES: Final = (1e-12, 1e-11)
+#: The error is taken to be this many times the difference; chosen.
+_SAFETY: Final = 2.0
+#: Relative rounding of a derivative.
+_ROUNDING: Final = 1e-13
+#: Relative rounding of approach and shear, which is an absolute error of a derivative where they
 #: hardly change: up to 1.8e-15 was measured, of the shear.
 _ROUNDING_OF_SCALARS: Final = 2e-15
-#: Rounding of the boundaries in derivatives of shear and traction, over that in derivatives of the
-#: boundaries. Measured next to the critical friction: 0.01.
+#: Relative error of derivatives of shear and traction by rounding of the boundaries, over that of
+#: derivatives of the boundaries. Measured next to the critical friction: 0.01.
 _SHARE_OF_NOISE: Final = 0.02
 _MOST_UNKNOWNS: Final = 20_000
-#: How close to the critical friction slip begins, relative, where its error is less.
+#: A friction is taken for the critical one if it is above it by no more than this, relative, or by
+#: no more than the error of the critical one.
 _ONSET: Final = 1e-14
-#: Errors of a field are relative to its modulus and so much of its largest one.
+#: Errors of a field are relative to its modulus plus this share of its largest one.
 _LEAST: Final = 0.01
-#: Places at which the spaces are compared besides those that are asked for.
+#: Radii at which the spaces are compared besides those that are asked for, and their distances from
+#: the edge.
 _PLACES: Final = (np.linspace(0.05, 0.95, 10), 1.0 - np.linspace(0.05, 0.95, 10))
-#: What a closed form makes of the error of its radius.
-_SMOOTH: Final = 10.0
+#: Error of a derivative in closed form, over that of the stick radius in it; chosen.
+_CLOSED_FORM: Final = 10.0
+# Notes: why a derivative is what it is.
 _NOT_AT_ZERO: Final = "not computed at 0"
 _ALL_SLIPS: Final = "everything slips"
 _ALL_STICKS: Final = "everything sticks"
@@ -69,7 +76,7 @@ _BEGINS: Final = "one-sided, of full stick: slip begins here"
 _SLIPS_BACK: Final = "not computed below the largest load: with the first friction all slips back"
 _UNKNOWN: Final = "the zones are hardly known here"
 _RIGID: Final = "not computed without tangential compliance where zones move"
-#: What solutions with adhesion are differentiated by.
+#: The parameter by which solutions with adhesion are differentiated.
 _ADHESION: Final = "work_of_adhesion"
 _PULLS_OFF: Final = "not finite at pull-off"
 _SINGULAR: Final = "not computed on a smooth surface with coupling"
@@ -87,7 +94,7 @@ class Derivative:
     error : float
         Estimate of its relative error; infinite where no digit is known.
     note : str
-        What is to be said of it: where it is not finite, or one-sided.
+        Why it is not finite or not computed, or that it is one-sided; else empty.
     """
 
     value: float
@@ -107,7 +114,7 @@ class FieldDerivative:
         Estimates of the absolute errors; infinite where no digit is known, as on the boundary of a
         zone, where the derivative of the traction jumps.
     note : str
-        What is to be said of it.
+        As of `Derivative`.
     """
 
     value: Array
@@ -126,11 +133,11 @@ class Sensitivity:
     ----------
     scene : Scene
     derivatives : dict
-        By quantity and parameter: ``derivatives["stick_radius", "friction"]``.
+        Of scalars, by quantity and parameter: ``derivatives["stick_radius", "friction"]``.
     fields : dict
-        Those of fields, if radii were given: ``fields["traction", "friction"]``.
+        Of fields, if radii were given: ``fields["traction", "friction"]``.
     boundaries : dict
-        Those of the boundaries between zones, outward, by the parameter:
+        Of the boundaries between zones from the centre on, by parameter:
         ``boundaries["friction"][0]`` is that of the stick radius.
     """
 
@@ -167,7 +174,7 @@ def sensitivity(
 ) -> Sensitivity:
     """Return the derivatives of approach, total shear and stick radius, and those of fields.
 
-    As ``solution.sensitivity`` does.
+    Parameters and result are those of ``solution.sensitivity``.
 
     Raises
     ------
@@ -200,9 +207,10 @@ def sensitivity(
 
 
 def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
-    """Return the derivatives of what is not given of load, approach and radius, by w.
+    """Return the derivatives by w of what is not given of load, approach and contact radius.
 
-    With the pull d, the stiffness S at a fixed radius and K along the curve of states, they are
+    With the pull d by which adhesion lowers the approach at this radius, the stiffness S at a fixed
+    radius and the stiffness K along the curve of states, they are
 
         dP/dw = -S d/(2 w),  d delta/dw = -d/(2 w)                     at a given radius,
         dP/dw = -d (S - K)/(2 w),  da/dw = d**2 (S - K)/(8 pi a w**2)  at a given approach,
@@ -210,39 +218,46 @@ def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
     where ``4 pi a w = d (S - K) d delta/da`` (docs/theory, Adhesion). At a given load the
     derivative of the approach is that of the load over -K, and that of a has a factor ``S/K``.
     """
-    scene, w = solution.scene, solution.scene.work_of_adhesion
+    scene = solution.scene
+    w = scene.work_of_adhesion
     assert w is not None
     others = "load" if scene.load is None else "approach", "contact_radius"
     if isinstance(scene.profile, Flat):  # whose radius does not change
         return {(name, _ADHESION): Derivative(0.0, 0.0) for name in others}
-    a, stiffness, scales = solution.contact_radius, solution.stiffness, solution.error_scales
+    a = solution.contact_radius
+    stiffness = solution.stiffness
+    # the scale of the approach is what it would be without adhesion, plus the pull
+    scales = solution.error_scales
     pull = (scales["approach"] - solution.approach) / 2.0
     errors = {name: getattr(solution.error, name) or 0.0 for name in ("load", "approach")}
-    own = solution.error.stiffness or 0.0
-    off = errors["approach"] * scales["approach"] / pull + 2.0 * own + _ROUNDING
+    stiffness_error = solution.error.stiffness or 0.0
+    # relative error of the derivatives: of the pull, by approach and load, and of the stiffness
+    off = errors["approach"] * scales["approach"] / pull + 2.0 * stiffness_error + _ROUNDING
     off += errors["load"] * scales["load"] / (stiffness * pull)
     if scene.contact_radius is not None:
         fixed = {"load": -stiffness * pull / (2.0 * w), "approach": -pull / (2.0 * w)}
         return {(name, _ADHESION): Derivative(one, off) for name, one in fixed.items()}
     try:
-        along = solution.stiffness_on_branch
+        on_branch = solution.stiffness_on_branch
     except NotComputedError as error:
         unknown = Derivative(math.nan, math.inf, error.reason)
         return {(name, _ADHESION): unknown for name in others}
-    of_along = (solution.error.stiffness_on_branch or 0.0) * max(abs(along), stiffness)
-    softer = stiffness - along
-    if along == 0.0 if scene.approach is None else math.isinf(along):
+    on_branch_error = (solution.error.stiffness_on_branch or 0.0) * max(abs(on_branch), stiffness)
+    # the contact pulls off where a given load, or a given approach, is an extremum of the curve
+    at_pull_off = on_branch == 0.0 if scene.approach is None else math.isinf(on_branch)
+    if at_pull_off:
         unknown = Derivative(math.nan, math.inf, _PULLS_OFF)
         return {(name, _ADHESION): unknown for name in others}
-    by_radius = pull**2 / (8.0 * math.pi * a * w**2)
+    factor = pull**2 / (8.0 * math.pi * a * w**2)
     if scene.approach is None:
-        share = stiffness / along - 1.0
-        values = pull * share / (2.0 * w), by_radius * stiffness * share
-        lost = 0.0 if math.isinf(along) else stiffness / along**2 / abs(share)
-        off += of_along * lost + 2.0 * own * (1.0 + 1.0 / abs(share))
+        excess = stiffness / on_branch - 1.0  # (S - K)/K
+        values = pull * excess / (2.0 * w), factor * stiffness * excess
+        lost = 0.0 if math.isinf(on_branch) else stiffness / on_branch**2 / abs(excess)
+        off += on_branch_error * lost + 2.0 * stiffness_error * (1.0 + 1.0 / abs(excess))
     else:
-        values = -pull * softer / (2.0 * w), by_radius * softer
-        off += (own * stiffness + of_along) / abs(softer)
+        softer = stiffness - on_branch
+        values = -pull * softer / (2.0 * w), factor * softer
+        off += (stiffness_error * stiffness + on_branch_error) / abs(softer)
     return {
         (name, _ADHESION): Derivative(one, 2.0 * off)
         for name, one in zip(others, values, strict=True)
@@ -250,58 +265,78 @@ def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
 
 
 def _of_scene(scene: Scene) -> tuple[str, ...]:
-    """Return what a solution can be differentiated by: of two bodies kappa."""
+    """Return the parameters of a scene; for two bodies kappa takes the place of Poisson's ratio."""
     last = PARAMETERS[-1] if scene.mismatch is None else "kappa"
     return (*PARAMETERS[:-1], last, *[LOAD_RATIO] * (scene.unloaded_to < 1.0))
 
 
 def _by_kappa(found: Sensitivity) -> Sensitivity:
-    """Return the derivatives for two bodies from those for the size of kappa."""
+    """Return the derivatives for two bodies, by kappa, from those for the modulus of kappa."""
     assert found.scene.mismatch is not None
-    sense = -1.0 if found.scene.mismatch < 0.0 else 1.0
+    sign = -1.0 if found.scene.mismatch < 0.0 else 1.0
 
     def renamed(name: str) -> str:
         return "kappa" if name == PARAMETERS[-1] else name
 
-    def turned(quantity: str, name: str, one: _D) -> _D:
-        # what is radial changes its sign with kappa
-        factor = sense if (quantity in RADIAL) != (name == PARAMETERS[-1]) else 1.0
-        return replace(one, value=one.value * factor + 0.0)
+    def signed(quantity: str, name: str, one: _D) -> _D:
+        # radial quantities change their sign with kappa, and so do derivatives by kappa
+        factor = sign if (quantity in RADIAL) != (name == PARAMETERS[-1]) else 1.0
+        return replace(one, value=one.value * factor + 0.0)  # + 0.0: no zero is negative
 
     def named(pairs: dict[tuple[str, str], _D]) -> dict[tuple[str, str], _D]:
-        return {(pair[0], renamed(pair[1])): turned(*pair, one) for pair, one in pairs.items()}
+        return {(pair[0], renamed(pair[1])): signed(*pair, one) for pair, one in pairs.items()}
 
     boundaries = {
-        renamed(name): tuple(turned("zones", name, one) for one in several)
+        renamed(name): tuple(signed("zones", name, one) for one in several)
         for name, several in found.boundaries.items()
     }
     return Sensitivity(found.scene, named(found.derivatives), named(found.fields), boundaries)
 
 
 class _Slopes:
-    """A scene and its derivatives, twice: in spaces for more digits, and for fewer."""
+    """The derivatives of a scene without adhesion.
+
+    Parameters
+    ----------
+    scene : Scene
+    places : tuple of ndarray, or None
+        Radii at which fields are differentiated, and their distances from the edge.
+    tell : ProgressLine
+
+    Attributes
+    ----------
+    scene : Scene
+        The dimensionless scene with the modulus of kappa, of which all here is.
+    friction : float or None
+        None also if kappa is 0, where there is no traction.
+    own : Solution
+        Its solution.
+    kinds : tuple of str
+        Kinds of its zones.
+    """
 
     def __init__(
         self, scene: Scene, places: tuple[Array, Array] | None, tell: ProgressLine
     ) -> None:
         self.scene = scene = with_positive_kappa(scene.replace(physical=None))
         self.friction = scene.friction if scene.friction is not None and scene.kappa else None
-        self.tell, self.places = tell, places
+        self.tell = tell
+        self.places = places
         wanted = ["approach", "pressure"]
         if self.friction is not None:
             wanted += ["total_shear", "stick_radius", "zones", "traction"]
             wanted += ["critical_friction"] * (0.0 < self.friction < math.inf)
         tell("solving")
-        self.own = Continuation(_TIGHT[0], wanted, _MOST_UNKNOWNS).solve(scene)
+        self.own = Continuation(_TOLERANCES[0], wanted, _MOST_UNKNOWNS).solve(scene)
         zones = () if self.friction is None else self.own.zones
         self.kinds = tuple(zone.kind for zone in zones)
-        #: whether all slips, around a stick disk that is too small to be solved for
+        #: whether all slips but a stick disk at the centre that is too small to be solved for
         self.slips = self.kinds == ("slip",) and self.friction != 0.0
         self._known: tuple[SolutionSlopes, SolutionSlopes] | None = None
 
     @property
     def note(self) -> str:
-        """What is to be said where zones begin."""
+        """The note where the friction is the critical one, at which slip begins; else empty."""
         if self.kinds != ("stick",) or self.friction in (None, math.inf):
             return ""
         unsure = max(self.own.error.critical_friction or 0.0, _ONSET)
@@ -309,7 +344,7 @@ class _Slopes:
         return _BEGINS if self.scene.friction is not None and self.scene.friction <= begins else ""
 
     def derivatives(self, parameters: Iterable[str]) -> dict[tuple[str, str], Derivative]:
-        """Return all there are, by quantity and parameter."""
+        """Return the derivatives of scalars, by quantity and parameter."""
         found = {}
         for name in parameters:
             for quantity in QUANTITIES if self.friction is not None else QUANTITIES[:1]:
@@ -317,7 +352,7 @@ class _Slopes:
         return found
 
     def boundaries(self, parameters: Iterable[str]) -> dict[str, tuple[Derivative, ...]]:
-        """Return those of all boundaries between zones, by parameter."""
+        """Return the derivatives of all boundaries between zones, by parameter."""
         count = max(len(self.kinds) - 1, 0)
         return {
             name: tuple(self._derivative("stick_radius", name, i) for i in range(count))
@@ -325,6 +360,7 @@ class _Slopes:
         }
 
     def _derivative(self, quantity: str, name: str, boundary: int = 0) -> Derivative:
+        """Return the derivative of a scalar, or of a boundary as a stick radius, by a parameter."""
         if quantity == "approach" and not self._couples(name):
             return self._approach(name)
         known = self._known_number(quantity, name)
@@ -334,19 +370,20 @@ class _Slopes:
         if not math.isfinite(best):
             return Derivative(math.nan, math.inf, _UNKNOWN)
         lost = _SAFETY * abs(best - other) + self._inherited(quantity, name)
-        if self._evaluations()[0].smooth:  # a closed form, as good as the radius; that of Q cancels
-            lost += _SMOOTH * (self.own.error.zones or 0.0) * abs(best)
+        if self._evaluations()[0].smooth:  # closed forms in the stick radius
+            lost += _CLOSED_FORM * (self.own.error.zones or 0.0) * abs(best)
+            # terms of that of the shear cancel
             if quantity == "total_shear":
                 lost += _ROUNDING * (1.0 if name == "friction" else self._ratio_slope)
         elif quantity == "stick_radius":
             lost += self._evaluations()[0].noise(name, boundary) * abs(best)
         elif noise := self._noise_of_zones(name):
-            lost += noise * float(self._moved(quantity, name, np.abs(best)))
+            lost += noise * float(self._by_boundaries(quantity, name, np.abs(best)))
         error = lost / abs(best) + _ROUNDING if best else math.inf
         return Derivative(best, error, self.note)
 
     def _inherited(self, quantity: str, name: str) -> float:
-        """Return the error of a derivative by that of the shear in it, and by rounding."""
+        """Return the absolute error of a derivative by the shear in it, and by rounding."""
         if quantity == "stick_radius":
             return 0.0
         rounding = _ROUNDING_OF_SCALARS * abs(float(getattr(self.own, quantity)))
@@ -370,12 +407,14 @@ class _Slopes:
             return 0.0
         return _SHARE_OF_NOISE * max(slopes.noise(name, i) for i in range(len(slopes.inner)))
 
-    def _moved(
+    def _by_boundaries(
         self, quantity: str, name: str, size: Array, at: tuple[Array, Array] | None = None
     ) -> Array:
-        """Return the part of a derivative, of this modulus, that comes with moving boundaries.
+        """Return the modulus of the part of a derivative that comes from moving boundaries.
 
-        Of a derivative by Poisson's ratio without coupling it is that by the friction.
+        It is taken to be the whole derivative, of modulus `size`. By Poisson's ratio without
+        coupling, tractions are proportional to kappa besides, and boundaries move by ``f/kappa``:
+        then it is the derivative by the friction, times that of ``kappa * f/kappa``.
         """
         if name != "poisson_ratio" or self.scene.couples:
             return size
@@ -384,21 +423,24 @@ class _Slopes:
             by_friction = np.asarray(slopes.scalar(quantity, "friction"))
         else:
             by_friction = slopes.field(quantity, "friction", *at)
-        factor = abs(kappa_slope(self.scene) / self.scene.kappa) * (self.scene.friction or 0.0)
-        return np.asarray(factor * np.abs(by_friction))
+        return np.asarray(self._ratio_slope * np.abs(by_friction))
 
     def _parameter_scale(self, name: str) -> float:
-        """Return the increase of a parameter over which the approach changes as much as it can."""
+        """Return by how much a parameter may change for the approach to change by its own size."""
         own = 0.0 if name == "poisson_ratio" else float(getattr(self.scene, name))
         return max(own, 1.0)
 
     @property
     def _ratio_slope(self) -> float:
-        """Return by how much Poisson's ratio moves ``kappa * f/kappa``, for that alone."""
+        """The derivative of ``f/kappa`` by Poisson's ratio, times kappa: its modulus."""
         return abs(kappa_slope(self.scene) / self.scene.kappa) * (self.scene.friction or 0.0)
 
     def _approach(self, name: str) -> Derivative:
-        """Return that by the load, or by the normal compliance, by reciprocity; no other counts."""
+        """Return the derivative of the approach without coupling.
+
+        It changes with the load ratio, to which it is proportional, and with the normal compliance,
+        by reciprocity as the integral of the square of the pressure.
+        """
         if name == LOAD_RATIO:
             value = self.own.approach / self.scene.unloaded_to
             return Derivative(value, (self.own.error.approach or 0.0) + _ROUNDING)
@@ -406,22 +448,25 @@ class _Slopes:
             return Derivative(0.0, 0.0)
         if self.scene.normal_compliance == 0.0:
             return Derivative(math.nan, math.inf, _AT_ZERO)
-        # the square of the pressure has that of the load
+        # the square of the pressure has the square of the load ratio, the approach the ratio itself
         breaks = edge_layer_breaks(self.scene.normal_compliance)
         of_pressure = approach_slope(lambda d: self.own.pressure(from_edge=d), breaks)
         value = of_pressure / self.scene.unloaded_to
         return Derivative(value, 2.0 * (self.own.error.pressure or 0.0) + _ROUNDING)
 
     def _couples(self, name: str) -> bool:
-        """Return whether a parameter moves pressure and approach by coupling.
+        """Return whether a parameter changes pressure and approach by elastic coupling.
 
-        Friction does so from none on, where there is no coupling yet.
+        At friction 0 there is no traction, and so no coupling yet; but there is with a friction.
         """
-        first = name == "friction" and self.friction == 0.0 and self.scene.coupling
-        return self.scene.couples or first
+        from_zero = name == "friction" and self.friction == 0.0 and self.scene.coupling
+        return self.scene.couples or from_zero
 
     def _by_itself(self, name: str) -> tuple[float, str] | None:
-        """Return what all derivatives by a parameter are and what is said of it, if known."""
+        """Return the value of all derivatives by a parameter and the note, where they are known.
+
+        They are known without a solve where everything sticks or slips; None if they are not.
+        """
         if self.friction == 0.0 and name != "friction":
             return 0.0, _ALL_SLIPS
         uncoupled = name == "poisson_ratio" and not self.scene.couples
@@ -436,13 +481,14 @@ class _Slopes:
         return None
 
     def _known_number(self, quantity: str, name: str) -> Derivative | None:
-        """Return a derivative that follows without a system, or that there is none."""
+        """Return a derivative that takes no linear solve, with its note; None for all others."""
         if self.friction == 0.0 and name == "friction" and quantity != "approach":
             if self.scene.unloaded_to < 1.0:
                 return Derivative(math.nan, math.inf, _SLIPS_BACK)
-            # near the centre beta q = kappa s p / 2, which is f p at the rim
-            rim = 2.0 * self.scene.tangential_compliance / self.scene.kappa
-            value = 1.0 if quantity == "total_shear" else rim
+            # all slips, Q = f; but a disk of radius c at the centre sticks, in which
+            # beta q = kappa s p / 2, and which ends where q = f p
+            of_radius = 2.0 * self.scene.tangential_compliance / self.scene.kappa
+            value = 1.0 if quantity == "total_shear" else of_radius
             return Derivative(value, 0.0, "one-sided")
         if self.slips and quantity == "stick_radius":
             return Derivative(math.nan, math.inf, _UNKNOWN)
@@ -460,17 +506,20 @@ class _Slopes:
         return Derivative(value, math.inf if math.isnan(value) else 0.0, note)
 
     def _evaluations(self) -> tuple[SolutionSlopes, SolutionSlopes]:
-        """Return the derivatives in two spaces, the better one first."""
+        """Return the derivatives in two spaces, the more accurate ones first."""
         if self._known is None:
             found = []
-            for tolerance in _TIGHT:
+            for tolerance in _TOLERANCES:
                 self.tell(f"derivatives at {tolerance:g}")
                 found.append(SolutionSlopes(self.own, tolerance, self._at_largest_load(tolerance)))
             self._known = found[0], found[1]
         return self._known
 
     def _at_largest_load(self, tolerance: float) -> SolutionSlopes | None:
-        """Return the derivatives at the largest load if what has slipped there is kept."""
+        """Return the derivatives at the largest load; None if its slip does not count.
+
+        It counts below the largest load: zones that stick then keep the slip that they had.
+        """
         if self.scene.unloaded_to == 1.0 or "slip" not in self.kinds or not self.friction:
             return None
         largest = Continuation(tolerance, ("slip", "zones", "traction"), _MOST_UNKNOWNS).solve(
@@ -479,7 +528,7 @@ class _Slopes:
         return SolutionSlopes(largest, tolerance)
 
     def fields(self, parameters: Iterable[str]) -> dict[tuple[str, str], FieldDerivative]:
-        """Return those of pressure and traction at the radii, by quantity and parameter."""
+        """Return the derivatives of pressure and traction at the radii, by field and parameter."""
         if self.places is None:
             return {}
         found = {}
@@ -490,6 +539,7 @@ class _Slopes:
         return found
 
     def _pressure(self, name: str) -> FieldDerivative:
+        """Return the derivative of the pressure by a parameter."""
         scene = self.scene
         couples = self._couples(name)
         if name == LOAD_RATIO:
@@ -501,20 +551,21 @@ class _Slopes:
         known = self._by_itself(name) if couples else None
         if known is not None:
             return self._constant(*known)
-        if couples and self._boundaries_move_rigidly:
+        if couples and self._singular_at_boundaries:
             return self._constant(math.nan, _RIGID)
         return self._compared("pressure", name)
 
     @property
-    def _boundaries_move_rigidly(self) -> bool:
-        """Whether boundaries move without tangential compliance.
+    def _singular_at_boundaries(self) -> bool:
+        """Whether boundaries move and there is no tangential compliance.
 
-        The derivatives of the fields are then singular at the boundary. `ZoneDerivatives` has them
+        Then derivatives of the fields are singular at the boundaries. `ZoneDerivatives` has them
         at fixed boundaries, except for one stick disk under a known pressure.
         """
         return len(self.kinds) > 1 and self.scene.tangential_compliance == 0.0
 
     def _traction(self, name: str) -> FieldDerivative:
+        """Return the derivative of the traction by a parameter."""
         assert self.places is not None
         scene = self.scene
         if self.friction == 0.0 and name == "friction":
@@ -528,14 +579,14 @@ class _Slopes:
         smooth = scene.normal_compliance == 0.0
         if smooth and scene.couples:
             return self._constant(math.nan, _SINGULAR)
-        if self._boundaries_move_rigidly and (smooth or scene.couples):
+        if self._singular_at_boundaries and (smooth or scene.couples):
             return self._constant(math.nan, _RIGID)
         return self._compared("traction", name)
 
     def _compared(self, quantity: str, name: str) -> FieldDerivative:
         """Return a field of both spaces, with their difference as the error."""
         assert self.places is not None
-        # at places of our own, too: at one alone two fields may be alike by accident
+        # at `_PLACES`, too: at a single place both fields may be equal by accident
         both = [np.concatenate([a, b.ravel()]) for a, b in zip(_PLACES, self.places, strict=True)]
         best, other = (one.field(quantity, name, *both) for one in self._evaluations())
         size = np.abs(best) + _LEAST * float(np.abs(best[np.isfinite(best)]).max(initial=0.0))
@@ -548,15 +599,15 @@ class _Slopes:
         inherited = self._field_inherited(quantity, name, both[1])
         by_zones = quantity == "traction" or self.scene.couples
         if by_zones and (noise := self._noise_of_zones(name)):
-            moved = self._moved(quantity, name, size, (both[0], both[1]))
-            inherited = np.add(inherited, noise * moved)
+            by_boundaries = self._by_boundaries(quantity, name, size, (both[0], both[1]))
+            inherited = np.add(inherited, noise * by_boundaries)
         error = np.where(known, share * size + inherited, math.inf)
         value = np.where(known, best, math.nan)
         value, error = (a[len(_PLACES[0]) :].reshape(self.places[0].shape) for a in (value, error))
         return FieldDerivative(value, error, self.note)
 
     def _field_inherited(self, quantity: str, name: str, from_edge: Array) -> Array:
-        """Return the error of a derivative by those of the pressure or the traction in it."""
+        """Return the absolute error of a derivative by that of the pressure or traction in it."""
         factor = 0.0
         field_in_it = quantity
         if name == LOAD_RATIO:
@@ -573,7 +624,7 @@ class _Slopes:
         return np.asarray(factor * error * np.abs(field_values))
 
     def _at_a_boundary(self, s: Array, from_edge: Array) -> NDArray[np.bool_]:
-        """Return where a boundary of zones is, as far as it is known."""
+        """Return a mask of the places that are on a boundary of zones, within its error."""
         near = np.zeros(s.shape, dtype=bool)
         unsure = (self.own.error.zones or 0.0) + _ROUNDING
         for zone in self.own.zones[:-1]:
@@ -582,6 +633,7 @@ class _Slopes:
         return near
 
     def _constant(self, value: float, note: str = "") -> FieldDerivative:
+        """Return a derivative that is the same at all places: exact, or NaN and not known."""
         assert self.places is not None
         error = math.inf if math.isnan(value) else 0.0
         shape = self.places[0].shape

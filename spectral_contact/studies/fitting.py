@@ -15,22 +15,22 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import real, reals, within
 from spectral_contact.io.choices import listed
 
-#: Errors this small are rounding.
+#: Errors up to this are taken for rounding.
 _ROUNDING: Final = 10.0 * 2.0**-52
-#: Points of a law, and of a plateau, at least.
+#: Fewest points that a law is fitted to, and fewest points of a plateau.
 _FEWEST: Final = 3
 _FEWEST_ON_PLATEAU: Final = 2
-#: More unknowns than any solver has.
-_MOST: Final = 1e15
-#: Scatter of ln(error) that is not taken for structure: 5 per cent.
+#: Largest number of unknowns that is accepted, more than any solver has.
+_MOST_UNKNOWNS: Final = 1e15
+#: Deviations of ln(error) from a law so large do not speak against it: 5 per cent, chosen.
 _SCATTER: Final = 0.05
-#: Models of ln(error) as a line, by what it is a line in.
+#: The functions of N in which ln(error) is a line, by the kind of the law.
 _MODELS: Final[dict[str, Callable[[Array], Array]]] = {
     "algebraic": np.log,
     "geometric": np.positive,
     "root-geometric": np.sqrt,
 }
-#: A law that leaves less than twice the deviations of the best one is not told apart from it.
+#: A law with less than this many times the deviations of the best law is not told apart from it.
 _APART: Final = 2.0
 
 
@@ -44,14 +44,15 @@ class Rate:
         ``"algebraic"``, error ~ ``N**-value``; ``"geometric"``, error ~ ``value**-N``; or
         ``"root-geometric"``, error ~ ``value**-sqrt(N)``: the one of least residual.
     value : float
-        The order, or the factor by which the error falls for each unknown or each of their root.
+        The order, or the factor by which the error falls for each further unknown, or for each
+        increase of their root by one.
     interval : tuple of float
-        In which the value lies with the given confidence, by Student's t, as if the deviations
-        from the law were random and independent.
+        Ends of the interval in which the value lies with the given confidence, by Student's t, as
+        if the deviations from the law were random and independent.
     confidence : float
     used : tuple of int
-        The points that the law is fitted to. Not used are those that are missing, rounding, or
-        below what the truth can tell, and the plateau at the end.
+        Numbers, from 0, of the points that the law is fitted to. Not used are points that are
+        missing, rounding, or not above the floor, and the plateau at the end.
     residuals : dict
         Root mean square of the deviations of ln(error) on these points, by kind.
     log_factor : float
@@ -69,8 +70,9 @@ class Rate:
     @property
     def rivals(self) -> tuple[str, ...]:
         """The other kinds that fit nearly as well, with less than twice the deviations."""
-        least = _APART * max(self.residuals[self.kind], _SCATTER)
-        return tuple(k for k, left in self.residuals.items() if k != self.kind and left < least)
+        limit = _APART * max(self.residuals[self.kind], _SCATTER)
+        others = {kind: one for kind, one in self.residuals.items() if kind != self.kind}
+        return tuple(kind for kind, residual in others.items() if residual < limit)
 
     def at(self, unknowns: ArrayLike) -> Array:
         """Return the error that the law gives for numbers of unknowns.
@@ -121,7 +123,7 @@ def fit_rate(
     errors : sequence of (float or None)
         Relative errors; None and infinite ones are left out.
     floor : float
-        Errors below it say nothing: ten times the error of the truth, say.
+        Errors up to this are left out: give ten times the error of the truth, say.
     confidence : float
         Of the interval, in (0, 1).
 
@@ -148,31 +150,34 @@ def fit_rate(
     # scipy.special takes long to import, and errors without a rate need none of it
     from scipy.special import stdtrit
 
-    share = within("confidence", confidence, "in (0, 1)")
-    least = max(real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True), _ROUNDING)
-    counts = _optional("unknowns", unknowns, _MOST)
-    few = counts[(counts > 0.0) & (counts < 1.0)]
-    if few.size:
-        raise SceneError("unknowns", float(few[0]), f"0 or in [1, {_MOST:g}], or None")
-    found = _optional("errors", errors, math.inf)
-    if len(counts) != len(found):
+    confidence = within("confidence", confidence, "in (0, 1)")
+    floor = max(real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True), _ROUNDING)
+    counts = _optional("unknowns", unknowns, _MOST_UNKNOWNS)
+    below_one = counts[(counts > 0.0) & (counts < 1.0)]
+    if below_one.size:
+        allowed = f"0 or in [1, {_MOST_UNKNOWNS:g}], or None"
+        raise SceneError("unknowns", float(below_one[0]), allowed)
+    known = _optional("errors", errors, math.inf)
+    if len(counts) != len(known):
         raise SceneError("unknowns, errors", (unknowns, errors), "lists of the same length")
-    there = np.flatnonzero((counts > 0.0) & (found < math.inf))
-    # rounding scatters once it is reached
-    reached = np.logical_or.accumulate(found[there] <= least)
-    used = there[found[there] > np.where(reached, 10.0 * least, least)]
-    laws = _laws(counts[used], np.log(found[used]))
+    present = np.flatnonzero((counts > 0.0) & (known < math.inf))
+    # after the first error that is rounding, others above the floor may be rounding, too
+    reached = np.logical_or.accumulate(known[present] <= floor)
+    used = present[known[present] > np.where(reached, 10.0 * floor, floor)]
+    laws = _laws(counts[used], np.log(known[used]))
     if not laws:
         return None
     best = min(laws, key=lambda law: law.score)
-    rivals = [law for law in laws if law.points == best.points]
-    half = stdtrit(best.points - 2, 0.5 + share / 2.0) * best.slope_error
+    same_points = [law for law in laws if law.points == best.points]
+    half_width = stdtrit(best.points - 2, 0.5 + confidence / 2.0) * best.slope_error
     with np.errstate(over="ignore"):
-        rate = np.positive if best.kind == "algebraic" else np.exp
-        low, value, high = (float(rate(-best.slope + step)) for step in (-half, 0.0, half))
-    residuals = {law.kind: math.sqrt(law.squares / law.points) for law in rivals}
-    shown = tuple(map(int, used[: best.points]))
-    return Rate(best.kind, value, (low, high), share, shown, residuals, best.intercept)
+        value_of = np.positive if best.kind == "algebraic" else np.exp
+        low, value, high = (
+            float(value_of(-best.slope + step)) for step in (-half_width, 0.0, half_width)
+        )
+    residuals = {law.kind: math.sqrt(law.squares / law.points) for law in same_points}
+    points = tuple(map(int, used[: best.points]))
+    return Rate(best.kind, value, (low, high), confidence, points, residuals, best.intercept)
 
 
 def _optional(parameter: str, values: object, high: float) -> Array:
@@ -188,7 +193,20 @@ def _optional(parameter: str, values: object, high: float) -> Array:
 
 
 class _FittedLaw(NamedTuple):
-    """A law through the first points, the sum of its squared deviations, and Bayes's criterion."""
+    """A law that is fitted to the first points, the others being a plateau.
+
+    Attributes
+    ----------
+    kind : str
+    points : int
+        Number of points that it is fitted to.
+    slope, slope_error, intercept : float
+        Of the line in ln(error), and the standard deviation of the slope.
+    squares : float
+        Sum of the squared deviations of ln(error) at these points.
+    score : float
+        Bayes's information criterion of the law and the plateau, for all points.
+    """
 
     kind: str
     points: int
@@ -201,7 +219,8 @@ class _FittedLaw(NamedTuple):
 
 def _laws(numbers: Array, logs: Array) -> list[_FittedLaw]:
     """Return every law that the points allow, through all of them or those before a plateau."""
-    total, found = len(logs), []
+    total = len(logs)
+    found = []
     for count in (total, *range(total - _FEWEST_ON_PLATEAU, _FEWEST - 1, -1)):
         if count < _FEWEST or np.ptp(numbers[:count]) == 0.0:
             continue
@@ -213,11 +232,13 @@ def _laws(numbers: Array, logs: Array) -> list[_FittedLaw]:
                 continue
             (slope, height), covariance = np.polyfit(x[:count], logs[:count], 1, cov=True)
             deviations = logs - height - slope * x
+            # a plateau lies above the line that falls
             if len(plateau) and (slope >= 0.0 or deviations[count:].min() <= 0.0):
                 continue
             squares = float(np.sum(deviations[:count] ** 2))
             around = float(np.sum((plateau - plateau.mean()) ** 2)) if len(plateau) else 0.0
             scatter = (squares + around) / total + _SCATTER**2
+            # slope and intercept; with a plateau its height and where it begins, too
             parameters = 4.0 if len(plateau) else 2.0
             score = total * math.log(scatter) + parameters * math.log(total)
             error = math.sqrt(covariance[0, 0])

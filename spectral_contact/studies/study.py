@@ -1,4 +1,4 @@
-"""The two studies: solvers are run and timed, and their solutions compared with the truth."""
+"""`convergence` and `work_precision`: solvers are run, timed, and compared with the truth."""
 
 from __future__ import annotations
 
@@ -25,13 +25,14 @@ from spectral_contact.view.progress import ProgressLine
 #: ``solver(scene, resolution)`` returns any object with some of the quantities of a study.
 Solver = Callable[[Scene, Any], Any]
 
-#: Name, solver, resolutions and truth.
+#: What is to be run: name, solver, resolutions and truth.
 _Case = tuple[str, Solver, tuple[float, ...], Truth]
 
+#: Arguments of a solver, as an error names them.
 _OF_SCENES: Final = "a scene and a resolution"
-#: More repeats say nothing more about a time.
+#: Most repeats of a timed solve, chosen: more say nothing more about a time.
 _MOST_REPEATS: Final = 10_000
-#: Digits of a reference that is the truth.
+#: Digits of the `reference` that is the truth by default.
 _DIGITS: Final = 20
 #: The loosest tolerance that `solve` takes; a looser solve would not be cheaper.
 _LOOSEST: Final = 1e-2
@@ -98,15 +99,15 @@ def convergence(
     >>> all(point.errors["pressure"] < point.resolution for point in study.points)
     True
     """
-    asked = _resolutions("resolutions", resolutions)
-    called = function("solver", solver, _OF_SCENES)
-    named = _name(called) if name is None else instance("name", name, str)
-    count = whole("repeats", repeats, 0, _MOST_REPEATS)
-    ProgressLine(progress)  # refuses what it cannot be, before any work
+    levels = _resolutions("resolutions", resolutions)
+    solver = function("solver", solver, _OF_SCENES)
+    title = _name(solver) if name is None else instance("name", name, str)
+    repeats = whole("repeats", repeats, 0, _MOST_REPEATS)
+    ProgressLine(progress)  # refuses a wrong `progress` before any work
     true = truth_of(scene, truth, progress=progress)
-    runs = _Runs(chosen(quantities, [true]), quantities is not None, count)
-    shown, points = runs.measured([(named, called, asked, true)], None, progress)
-    return Convergence(named, scene, true.source, true.error, shown, points, this_machine())
+    runs = _Runs(chosen(quantities, [true]), quantities is not None, repeats)
+    measured, points = runs.measured([(title, solver, levels, true)], None, progress)
+    return Convergence(title, scene, true.source, true.error, measured, points, this_machine())
 
 
 def work_precision(
@@ -156,18 +157,22 @@ def work_precision(
         raise SceneError("scenes", scenes, "at least one, and all different")
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
-    count = whole("repeats", repeats, 1, _MOST_REPEATS)
-    ProgressLine(progress)  # refuses what it cannot be, before any work
-    called = _solvers(solvers, goals)
-    found = [
+    repeats = whole("repeats", repeats, 1, _MOST_REPEATS)
+    ProgressLine(progress)  # refuses a wrong `progress` before any work
+    by_name = _solvers(solvers, goals)
+    found_truths = [
         _truth_named("truths", scene, truth, progress)
         for scene, truth in zip(solved, given, strict=True)
     ]
-    runs = _Runs(chosen(quantities, found), quantities is not None, count)
-    cases = [(name, *one, true) for true in found for name, one in called.items()]
-    shown, points = runs.measured(cases, goals[-1], progress)
-    sources = tuple(true.source for true in found)
-    return WorkPrecision(tuple(called), solved, sources, goals, shown, points, this_machine())
+    runs = _Runs(chosen(quantities, found_truths), quantities is not None, repeats)
+    cases = [
+        (name, solver, levels, true)
+        for true in found_truths
+        for name, (solver, levels) in by_name.items()
+    ]
+    measured, points = runs.measured(cases, goals[-1], progress)
+    sources = tuple(true.source for true in found_truths)
+    return WorkPrecision(tuple(by_name), solved, sources, goals, measured, points, this_machine())
 
 
 def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -> Truth:
@@ -199,12 +204,12 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -
 
 
 def _truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> Truth:
-    """Return the truth about a scene; an error calls what is given by its name."""
+    """Return the truth about a scene; an error calls the argument `truth` by the name given."""
     instance("scene", scene, Scene)
-    ProgressLine(progress)  # refuses what it cannot be
+    ProgressLine(progress)  # refuses a wrong `progress`
     if truth is not None:
         return given_truth(name, scene, truth)
-    # mpmath, on which both of them are built, is imported for studies alone
+    # both import mpmath, which only studies need
     from spectral_contact import gold
     from spectral_contact.precise.certified import certified
 
@@ -219,7 +224,7 @@ def _truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> 
 class OwnSolver:
     """`solve` of this library; the resolution is its ``rtol``, at most 1e-2.
 
-    What cannot meet the tolerance is returned as far as it got, with its estimates.
+    A solution that cannot meet the tolerance is returned with what was reached, and its estimates.
 
     Parameters
     ----------
@@ -271,16 +276,16 @@ def _name(solver: Solver) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Runs:
-    """What is wanted of every run of a solver.
+    """What is measured in every run of a solver.
 
     Attributes
     ----------
     wanted : tuple of str
         Quantities.
     asked : bool
-        Whether the user named them, so that each has to be there.
+        Whether the user named them: then every solution must have each.
     repeats : int
-        How many times are taken at least.
+        Least number of timed solves; 0 for no times.
     """
 
     wanted: tuple[str, ...]
@@ -290,11 +295,11 @@ class _Runs:
     def measured(
         self, cases: Sequence[_Case], goal: float | None, progress: bool | None
     ) -> tuple[tuple[str, ...], tuple[Point, ...]]:
-        """Return the quantities of a study and its points.
+        """Run solvers, and return the quantities of a study and its points.
 
-        Solvers run through their resolutions until all errors are at most the goal, or through all
-        of them if there is none. The quantities are those asked for, or those that some solution
-        has.
+        A solver runs through its resolutions until all errors are at most the goal, or through all
+        resolutions without a goal. The quantities are those that the user named, or else those that
+        some solution has.
         """
         found: list[Point] = []
         with ProgressLine(progress) as tell:
@@ -306,8 +311,9 @@ class _Runs:
                     if goal is not None and worst <= goal:
                         break
             tell("", 1.0)
-        there = tuple(name for name in self.wanted if any(name in one.errors for one in found))
-        return (self.wanted if self.asked else there or self.wanted), tuple(found)
+        known = tuple(name for name in self.wanted if any(name in one.errors for one in found))
+        # without any solution, as when every solve failed, the quantities are those wanted
+        return (self.wanted if self.asked else known or self.wanted), tuple(found)
 
     def _point(self, name: str, solver: Solver, truth: Truth, resolution: float) -> Point:
         """Run a solver once, compare it with the truth, and time it."""
@@ -332,7 +338,7 @@ class _Runs:
 
 
 def _unknowns(solution: Any, resolution: float) -> int | None:
-    """Return the unknowns that a solution says it has; else the resolution, if it is whole."""
+    """Return the unknowns that a solution says it has; if it does not, a whole resolution."""
     work = getattr(solution, "work", None)
     known = (getattr(solution, "unknowns", None), getattr(work, "unknowns", None), resolution)
     whole_ones = (one for one in known if isinstance(one, numbers.Integral))
@@ -359,6 +365,6 @@ def _solvers(solvers: Any, goals: tuple[float, ...]) -> dict[str, tuple[Solver, 
     found = {}
     for name, one in solvers.items():
         solver, resolutions = one if isinstance(one, tuple) and len(one) == 2 else (one, goals)
-        called = function("solvers", solver, _OF_SCENES)
-        found[instance("solvers", name, str)] = called, _resolutions("solvers", resolutions)
+        solver = function("solvers", solver, _OF_SCENES)
+        found[instance("solvers", name, str)] = solver, _resolutions("solvers", resolutions)
     return found

@@ -25,16 +25,16 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.study_results import Convergence, Point, Study, WorkPrecision
 from spectral_contact.studies.timing import Times, Timing
 
-#: What `save` knows.
+#: Suffixes of files that `save` writes.
 SUFFIXES: Final = (".json", ".csv")
 _SCHEMA: Final = "spectral_contact.study"
-#: Version 1 has more members, which are not read.
+#: Version of the format; files of version 1 are read, too: they have further members.
 _VERSION: Final = 2
 _KINDS: Final[dict[str, type[Study]]] = {
     "convergence": Convergence,
     "work-precision": WorkPrecision,
 }
-#: Members of studies that are records of their own.
+#: Members that are objects of their own, with their classes.
 _RECORDS: Final[dict[str, type]] = {"times": Times, "warm": Timing, "cold": Timing}
 _PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
 
@@ -93,6 +93,7 @@ def _encoded(value: Any) -> Any:
 
 
 def _study(body: Any) -> Study:
+    """Return the study of a decoded file, of this version or of version 1."""
     version = 1 if isinstance(body, dict) and body.get("version") == 1 else _VERSION
     check_schema(body, "study", _SCHEMA, version)
     if body.get("study") not in _KINDS:

@@ -14,12 +14,12 @@ from spectral_contact.scene import Scene
 from spectral_contact.studies.fitting import Rate, fit_rate
 from spectral_contact.studies.timing import Times
 
-#: What a study can look at.
+#: Quantities of which a study measures the errors.
 QUANTITIES: Final = (
     *("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius"),
 )
 
-#: Errors less than this many times that of the truth say nothing.
+#: Errors up to this many times that of the truth are not used for rates; chosen.
 _ABOVE_TRUTH: Final = 10.0
 
 
@@ -58,7 +58,10 @@ class Point:
 
 
 class _Result:
-    """What every study can do; files, pictures and text know the studies, and are loaded late."""
+    """Base of both studies: files, pictures and text.
+
+    The modules of these import this one, so that they are imported when they are called.
+    """
 
     __slots__ = ()
 

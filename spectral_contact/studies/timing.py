@@ -1,4 +1,4 @@
-"""Times worth comparing: medians and quartiles, by timeit, with one BLAS thread."""
+"""Times of solves: medians and quartiles, by timeit, with one BLAS thread."""
 
 from __future__ import annotations
 
@@ -18,8 +18,9 @@ from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import finite
 from spectral_contact.processes import VERSION
 
-#: Warm repeats of a short solve go on for so long [s], or until there are so many.
+#: Warm repeats of a short solve go on until they have taken this long [s] ...
 _SECONDS = 0.2
+#: ... or until there are this many.
 _MOST = 1000
 
 
@@ -74,7 +75,10 @@ class Times:
 def times_of(
     solver: Callable[[Any, Any], Any], scene: Any, resolution: float, repeats: int
 ) -> Times:
-    """Time a solve that was done before; ``solver.clear_caches`` makes it cold, if it is there."""
+    """Return the times of a solve that was done once before.
+
+    If the solver has a function ``clear_caches``, it is also timed with empty caches.
+    """
 
     def solve() -> None:
         solver(scene, resolution)
@@ -90,7 +94,7 @@ def times_of(
 
 
 def this_machine() -> dict[str, Any]:
-    """Return what times hang on: processor, cores, system, and versions."""
+    """Return what times depend on: processor, cores, system, and versions."""
     import scipy
 
     build: Any = np.show_config(mode="dicts")
@@ -108,6 +112,7 @@ def this_machine() -> dict[str, Any]:
 
 
 def _processor() -> str:
+    """Return the model of the processor."""
     file = Path("/proc/cpuinfo")  # of Linux; platform knows no model there
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]

@@ -1,4 +1,4 @@
-"""What is true of a scene, and how far any solution is from it."""
+"""True values of a scene, and the errors of any solution against them."""
 
 from __future__ import annotations
 
@@ -107,7 +107,18 @@ class Truth:
 
 
 def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
-    """Return what anything says of a scene as its truth; an error calls it by its name."""
+    """Return the values of an object as the truth about a scene.
+
+    Parameters
+    ----------
+    name : str
+        The argument that it was given as, which an error names.
+    scene : Scene
+    truth : object
+        A `Truth`, or an object with some of the attributes of a solution.
+    source : str
+        Where it is from; by default its class.
+    """
     own = getattr(truth, "scene", scene)
     if isinstance(own, Scene) and not same_problem(own, scene):
         raise SceneError(name, own, f"that of {scene}")
@@ -116,7 +127,7 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
     source = source or f"{type(truth).__name__}, given"
     points, fields = _fields(truth, name)
     scalars = _scalars(truth, scene, name)
-    # under a profile the pressure at the edge is zero, and a value of it rounding
+    # under a profile the pressure at the edge is zero, and any other value is rounding
     if "pressure" in fields and points[-1] == 0.0 and scene.profile is None:
         edge = float(fields["pressure"][-1])
         if math.isfinite(edge):
@@ -130,9 +141,9 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
 
 
 def estimate_of(solution: Any, name: str) -> float | None:
-    """Return what a solution says of the relative error of a quantity; None if nothing.
+    """Return a solution's own estimate of the relative error of a quantity; None without one.
 
-    NaN, as of an estimate that failed, is infinite: no digit is known.
+    An estimate of NaN, which has failed, is taken as infinite: no digit is known.
 
     Raises
     ------
@@ -149,7 +160,7 @@ def estimate_of(solution: Any, name: str) -> float | None:
 
 
 def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[str, ...]:
-    """Return a study's quantities: those asked for, or all of which some truth is known."""
+    """Return a study's quantities: those asked for, or all that are known of some scene."""
     known = [q for q in QUANTITIES if any(q in truth.quantities for truth in truths)]
     if quantities is None:
         return tuple(known)
@@ -180,7 +191,10 @@ def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
 
 
 def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:
-    """Return distances from the edge, those of gold where it has some, and the fields there."""
+    """Return distances from the edge, and the fields there.
+
+    The distances are those of the points of a gold solution, or `PLACES`.
+    """
     listed = getattr(truth, "points", None) or []
     points = np.array([point.from_edge for point in listed]) if listed else PLACES
     fields = {}

@@ -1,7 +1,6 @@
-"""The work of a sweep, cut in chunks: scenes in, columns of results out; any process can do it.
+"""A sweep is solved in chunks of scenes: parameters in, columns of results out, in any process.
 
-Chunks go through an executor, or one after another in this process. What solves their scenes is
-handed in.
+Chunks are submitted to an executor, or solved one after another in this process.
 """
 
 from __future__ import annotations
@@ -30,13 +29,13 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-#: Chunks that wait for a worker at any time; more would only hold memory.
+#: Most chunks that are submitted and not done, a number that was chosen: each of them holds memory.
 _AHEAD: Final = 64
 
 
 @one_thread()
 def solve_chunk(
-    columns: Columns, request: Request, asker: int, path_of: Callable[..., Continuation]
+    columns: Columns, request: Request, asker: int, continuation: Callable[..., Continuation]
 ) -> Outcome:
     """Solve some scenes one after another.
 
@@ -47,12 +46,14 @@ def solve_chunk(
     request : Request
     asker : int
         The process that asks; if it is the parent of this one, this one ends with it.
-    path_of : callable
-        Makes what solves one scene after another, of tolerance, quantities and most unknowns.
+    continuation : callable
+        `Continuation`, or what takes its place: called with the tolerance, the quantities and the
+        largest number of unknowns, it returns an object that solves one scene after another.
     """
     end_with_parent(asker)
-    path = path_of(request.rtol, request.quantities, request.max_unknowns)
+    path = continuation(request.rtol, request.quantities, request.max_unknowns)
     work = _Chunk(columns, request, path)
+    # what serves many scenes at once comes first; each step leaves the others to the next
     if request.shared:
         work.rows.put(np.arange(len(columns)), served(columns, request))
     for line in lines(columns, work.rows.left, request):
@@ -65,14 +66,15 @@ def solve_chunk(
 
 
 class _Chunk:
-    """The scenes of a chunk as they are solved, each with what the one before it hands on."""
+    """The scenes of a chunk and the results so far; a solve may reuse those of earlier scenes."""
 
     def __init__(self, columns: Columns, request: Request, path: Continuation) -> None:
         self.rows = Rows(len(columns), request)
-        self.columns, self.path = columns, path
+        self.columns = columns
+        self.path = path
 
     def solve(self, i: int) -> None:
-        """Solve a scene."""
+        """Solve a scene, and keep the solution or the exception."""
         try:
             self.rows.take(i, self.path.solve(self.columns.scene(i)))
         except Exception as error:  # whatever it is, the other scenes go on
@@ -80,36 +82,48 @@ class _Chunk:
 
 
 class OnLine:
-    """Solves what a line or a curve asks for; None for what did not converge."""
+    """Solves scenes of a line (`lines`) or of an indentation curve, and others like its first.
+
+    Every method returns None for what fails or does not converge: the scenes are then solved one by
+    one, and the failure is recorded there.
+
+    Parameters
+    ----------
+    work : _Chunk
+    line : ndarray of int
+        Places in the chunk of the scenes of the line.
+    """
 
     def __init__(self, work: _Chunk, line: Indices) -> None:
-        self._work, self._line = work, line.tolist()
+        self._work = work
+        self._line = line.tolist()
         self._first = work.columns.scene(self._line[0])
 
     def at_scene(self, i: int, more: tuple[str, ...]) -> Solution | None:
-        """Solve a scene of the line, with more quantities."""
-        number = self._line[i]
-        found = self._converged(lambda: self._work.columns.scene(number), more)
+        """Solve the scene i of the line, with more quantities than were asked for; keep it."""
+        place = self._line[i]
+        found = self._converged(lambda: self._work.columns.scene(place), more)
         if found is not None:
-            self._work.rows.take(number, found)
+            self._work.rows.take(place, found)
         return found
 
     def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
         """Solve the first scene with another contact radius."""
         return self._converged(lambda: changed(self._first, {"contact_radius": radius}), more)
 
-    def _converged(self, scene: Callable[[], Scene], more: tuple[str, ...]) -> Solution | None:
+    def _converged(self, make: Callable[[], Scene], more: tuple[str, ...]) -> Solution | None:
+        """Make a scene, which may fail, too, and return its solution if it converges."""
         try:
-            solution = self._work.path.solve(scene(), more)
-        except Exception:  # the scenes are left to `solve`
+            solution = self._work.path.solve(make(), more)
+        except Exception:  # `_Chunk.solve` records it
             return None
         return solution if solution.ending is Ending.CONVERGED else None
 
     def at_radius(self, logit: float) -> RadiusFriction | None:
-        """Solve for the friction with which the first scene has one disk of this radius."""
+        """Return the friction with which the first scene has one stick disk of a given radius."""
         try:
             return self._work.path.given_radius(self._first, logit)
-        except Exception:  # the scenes are left to `solve`
+        except Exception:  # `_Chunk.solve` records it
             return None
 
 
@@ -118,51 +132,51 @@ def outcomes(
     chunks: dict[int, Indices],
     request: Request,
     executor: Executor | None,
-    path_of: Callable[..., Continuation],
+    continuation: Callable[..., Continuation],
 ) -> Generator[tuple[int, Outcome], None, None]:
     """Yield the number and the outcome of every chunk as it is done.
 
-    What a broken executor (a worker that was killed) leaves is done in this process. When the
-    consumer stops, chunks that have not begun are called off.
+    If the executor breaks, as when a worker is killed, the chunks that are left are solved in this
+    process. If the caller closes the generator, chunks that have not begun are cancelled.
 
     Parameters
     ----------
     parameters : SweepParameters
     chunks : dict of int to ndarray
-        The scenes of each, by its number.
+        The numbers of the scenes of each chunk, by the number of the chunk.
     request : Request
     executor : Executor or None
-        None is this process.
-    path_of : callable
+        None to solve in this process.
+    continuation : callable
         As of `solve_chunk`.
     """
     left = dict(chunks)
     if executor is not None:
         try:
-            for number, outcome in _through(executor, parameters, chunks, request, path_of):
+            for number, outcome in _submitted(executor, parameters, chunks, request, continuation):
                 del left[number]
                 yield number, outcome
         except BrokenExecutor as error:
             _LOG.warning("the executor broke (%s): %d chunks are done here", error, len(left))
     for number, scenes in left.items():
-        yield number, solve_chunk(parameters.columns(scenes), request, os.getpid(), path_of)
+        yield number, solve_chunk(parameters.columns(scenes), request, os.getpid(), continuation)
 
 
-def _through(
+def _submitted(
     executor: Executor,
     parameters: SweepParameters,
     chunks: dict[int, Indices],
     request: Request,
-    path_of: Callable[..., Continuation],
+    continuation: Callable[..., Continuation],
 ) -> Generator[tuple[int, Outcome], None, None]:
-    """Keep the executor busy, and yield what it has done."""
+    """Submit chunks to an executor, and yield their numbers and outcomes as they are done."""
     running: dict[Future[Outcome], int] = {}
     queue = iter(chunks.items())
     try:
         while True:
             for number, scenes in queue:
                 columns: Columns = parameters.columns(scenes)
-                task = executor.submit(solve_chunk, columns, request, os.getpid(), path_of)
+                task = executor.submit(solve_chunk, columns, request, os.getpid(), continuation)
                 running[task] = number
                 if len(running) >= _AHEAD:
                     break

@@ -1,4 +1,4 @@
-"""Steady loops of a load that cycles, as figures."""
+"""Figure of the steady loop of a load that cycles."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from spectral_contact.sweeps.cycle_result import SteadyCycle
 
+#: Points of a curve, chosen.
 _POINTS = 400
 
 
@@ -46,37 +47,42 @@ def plot_steady_cycle(cycle: SteadyCycle) -> Figure:
     require()
     with style():
         figure = new_figure(figsize=(8.4, 3.6), layout="constrained")
-        loop, radius = figure.subplots(1, 2)
-        draw_loop(loop, cycle)
-        _draw_slip(radius, cycle)
+        left, right = figure.subplots(1, 2)
+        draw_loop(left, cycle)
+        _draw_slip(right, cycle)
         figure.suptitle(f"{scene_title(cycle.scene)},   load from 1 to {cycle.lowest:.4g} and back")
     return figure
 
 
 def draw_loop(axes: Axes, cycle: SteadyCycle) -> None:
-    """Draw total shear over load, the part of full stick aside: in proportion it encloses nothing.
+    """Draw total shear over load, less that of full stick.
+
+    The shear of full stick is proportional to the load: it makes both branches steep, and adds
+    nothing to the area between them.
 
     Parameters
     ----------
     axes : matplotlib.axes.Axes
     cycle : SteadyCycle
     """
-    stick = cycle.states[-1].total_shear
+    full_stick_shear = cycle.states[-1].total_shear
     branches = [("reloading", cycle.reloading, BLUE, "-")]
     if cycle.unloading_dissipation is not None:
         branches.insert(0, ("unloading", cycle.unloading, VERMILION, "--"))
-    for name, branch, colour, line in branches:
-        rest = branch.shear + (1.0 - branch.load) * stick
+    load = np.linspace(cycle.lowest, 1.0, _POINTS)
+    for name, branch, colour, line_style in branches:
+        # the shear of a branch is counted from the largest load, 1
+        beyond_stick = branch.shear + (1.0 - branch.load) * full_stick_shear
         order = np.argsort(branch.load)
-        smooth = PchipInterpolator(branch.load[order], rest[order])
-        load = np.linspace(cycle.lowest, 1.0, _POINTS)
-        axes.plot(load, smooth(load), line, color=colour, label=name)
+        smooth = PchipInterpolator(branch.load[order], beyond_stick[order])
+        axes.plot(load, smooth(load), line_style, color=colour, label=name)
     axes.set_xlabel("load over the largest load")
     axes.set_ylabel("total shear beyond full stick [$P$]")
     axes.legend()
 
 
 def _draw_slip(axes: Axes, cycle: SteadyCycle) -> None:
+    """Draw the slip amplitude over the radius, slip zones in grey."""
     s = np.linspace(0.0, 1.0, _POINTS)
     for zone in cycle.zones:
         if zone.kind == "slip":

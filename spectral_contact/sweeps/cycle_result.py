@@ -31,9 +31,9 @@ __all__ = ["CycleErrors", "LoopBranch", "PhysicalSteadyCycle", "SteadyCycle"]
 
 #: The ends of a loop.
 _ENDS: Final = ("highest", "lowest")
-#: Rows of a table.
+#: Most rows of a table, a number that was chosen.
 _MOST_POINTS: Final = 1_000_000
-#: Why there are no numbers of unloading, if there are none.
+#: Why `unloading_dissipation` is None.
 FORWARD = (
     "the surface goes on to slip forward while the load falls, which the formulas for unloading "
     "exclude"
@@ -44,8 +44,8 @@ FORWARD = (
 class CycleErrors:
     """Estimates of relative errors of a steady loop; None where there is no number.
 
-    That of `slip_amplitude` is relative to its largest value, that of `traction` pointwise as in
-    `ErrorEstimates`.
+    The error of `slip_amplitude` is relative to its largest value over the contact, that of
+    `traction` to the value at each radius, as in `ErrorEstimates`.
     """
 
     shakedown_ratio: float
@@ -59,7 +59,7 @@ class CycleErrors:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopBranch:
-    """Total shear over the load on the way down, or up.
+    """Total shear over the load, while it falls or while it rises.
 
     Attributes
     ----------
@@ -88,22 +88,24 @@ class SteadyCycle(Suggesting):
         Lowest load over the largest one.
     rtol : float
     states : tuple of Solution
-        Solutions of unit load at the frictions that the loop runs through, by rising friction: that
-        of the loop first, full stick last.
+        Solutions of unit load by rising friction, from that of `solution` to full stick. While the
+        load l falls, the change of the traction is (1 - l) times that of a state: of the friction
+        f (1 + l)/(1 - l).
     shakedown_ratio : float
-        As of `Solution`; loops that go no lower dissipate nothing.
+        As of `Solution`: if `lowest` is not below it, the loop dissipates nothing.
     reloading_dissipation, unloading_dissipation : float
         Energy that friction dissipates in each cycle while the load rises, and while it falls. That
         of unloading is None where the surface goes on to slip forward while the load begins to
         fall: its formula does not hold then. The other numbers do.
     slack : float
-        Least difference of the upper and the lower bound of `traction_bounds` at the largest load,
-        over f p. It is negative if the surface slips forward while the load falls, since no
-        traction is within the bounds then.
+        Least difference, over the radius, of the upper and the lower bound of `traction_bounds` at
+        the largest load, over f p. It is negative if the surface slips forward while the load
+        falls: then no traction is within the bounds.
     error : CycleErrors
     converged : bool
-        Whether the errors of what is dissipated are within `rtol`. A loop so close to shakedown
-        that no solve says whether it slips dissipates 0, with the error 1, and counts as converged.
+        Whether the errors of the dissipation are at most `rtol`. A loop may be so close to
+        shakedown that no solve says whether it slips: its dissipation is 0 with the error 1, and it
+        counts as converged.
     """
 
     scene: Scene
@@ -145,7 +147,7 @@ class SteadyCycle(Suggesting):
 
     @property
     def worst_error(self) -> float:
-        """Largest error estimate of what is dissipated."""
+        """Largest error estimate of the dissipation while the load falls, and while it rises."""
         each = self.error.reloading_dissipation, self.error.unloading_dissipation
         return max(one for one in each if one is not None)
 
@@ -271,10 +273,11 @@ class SteadyCycle(Suggesting):
         return np.where(sticks, low, known)[()], np.where(sticks, high, known)[()]
 
     def _friction_bound(self, from_edge: Array) -> Array:
-        """Return f p of the largest load."""
+        """Return f p at the largest load."""
         return np.asarray(self._friction * self.solution.pressure(from_edge=from_edge))
 
     def _require_unloading(self, name: str) -> None:
+        """Refuse a quantity that holds only if nothing slips forward while the load falls."""
         if self.unloading_dissipation is None:
             raise NotComputedError(name, FORWARD)
 
@@ -290,7 +293,9 @@ class SteadyCycle(Suggesting):
         self._require_unloading("unloading")
         friction = self._friction
         frictions = self._frictions_between()
-        load = np.array([1.0, *((frictions - friction) / (frictions + friction)), self.lowest])
+        # each l solves f (1 + l)/(1 - l) = the friction of a state
+        between = (frictions - friction) / (frictions + friction)
+        load = np.array([1.0, *between, self.lowest])
         return LoopBranch(load, (load - 1.0) * self._state_shears())
 
     @property
@@ -298,13 +303,15 @@ class SteadyCycle(Suggesting):
         """Total shear on the way up."""
         friction = self._friction
         frictions = self._frictions_between()
-        rises = self.lowest * (frictions + friction) / (frictions - friction)
-        load = np.array([self.lowest, *rises, 1.0])
+        # each l solves f (l + lowest)/(l - lowest) = the friction of a state
+        between = self.lowest * (frictions + friction) / (frictions - friction)
+        load = np.array([self.lowest, *between, 1.0])
         begin = (self.lowest - 1.0) * self.solution.total_shear
         return LoopBranch(load, begin + (load - self.lowest) * self._state_shears())
 
     @property
     def _friction(self) -> float:
+        """The coefficient of friction f, which a scene of a cycle always has."""
         return float(self.scene.friction or 0.0)
 
     def _frictions_between(self) -> Array:
@@ -312,7 +319,7 @@ class SteadyCycle(Suggesting):
         return np.array([float(one.scene.friction or 0.0) for one in self.states[-2:0:-1]])
 
     def _state_shears(self) -> Array:
-        """Return the total shears of the states, of full stick first."""
+        """Return the total shears of the states by falling friction: that of full stick first."""
         return np.array([one.total_shear for one in self.states[::-1]])
 
     @property
@@ -402,9 +409,12 @@ class SteadyCycle(Suggesting):
         if not error:
             return error
         slips = [one for one in self.zones if one.kind == "slip"]
-        if not slips or slips[-1].outer_from_edge > 0.0:  # the edge sticks, or nothing is known
-            return 0.0 if slips else error
+        if not slips:  # so close to shakedown that no solve says whether it slips
+            return error
+        if slips[-1].outer_from_edge > 0.0:  # the edge sticks
+            return 0.0
         at_edge = float(self.slip_amplitude(from_edge=0.0))
+        # the error is relative to the largest slip, which is looked for at nodes of the zones
         nodes = [annulus_nodes(one.inner_from_edge, one.outer_from_edge, 2)[0] for one in slips]
         largest = float(self.slip_amplitude(from_edge=np.concatenate(nodes)).max())
         return error * max(largest / at_edge, 1.0) if at_edge > 0.0 else np.inf
@@ -429,13 +439,13 @@ class SteadyCycle(Suggesting):
         return self.summary()
 
     def __repr__(self) -> str:
-        numbers = f"stick_radius={self.stick_radius:.16g}"
+        text = f"stick_radius={self.stick_radius:.16g}"
         if self.dissipation is None:
-            numbers += f" reloading_dissipation={self.reloading_dissipation:.16g}"
-            numbers += ", unloading is not known: the surface goes on to slip forward"
+            text += f" reloading_dissipation={self.reloading_dissipation:.16g}"
+            text += ", unloading is not known: the surface goes on to slip forward"
         else:
-            numbers += f" dissipation={self.dissipation:.16g}"
-        return f"<SteadyCycle lowest={self.lowest:.6g} {numbers} converged={self.converged}>"
+            text += f" dissipation={self.dissipation:.16g}"
+        return f"<SteadyCycle lowest={self.lowest:.6g} {text} converged={self.converged}>"
 
 
 _NUMBER: Final = Maybe(Float())
@@ -482,7 +492,7 @@ class _TableRow(NamedTuple):
 def _dissipation_rows(
     cycle: SteadyCycle | PhysicalSteadyCycle, error: CycleErrors, unit: str = ""
 ) -> list[_TableRow]:
-    """Return the lines of the dissipation, and of unloading and reloading in it."""
+    """Return the lines of the dissipation, and of its parts while the load falls and rises."""
     return [
         _TableRow("dissipation", cycle.dissipation, error.dissipation, unit),
         _TableRow("  unloading", cycle.unloading_dissipation, error.unloading_dissipation, unit),
@@ -491,13 +501,13 @@ def _dissipation_rows(
 
 
 def _plus(error: float | None, more: float) -> float | None:
-    """Return the sum of two errors; None where there is no number, 0 of what is 0 exactly."""
+    """Return the sum of two errors; None stays None, and 0, of an exact number, stays 0."""
     return error + more if error else error
 
 
-def _table(title: str, numbers: list[_TableRow]) -> str:
+def _table(title: str, rows: list[_TableRow]) -> str:
     cells = [(title, "value", "error estimate")]
-    for one in numbers:
+    for one in rows:
         unit = f" {one.unit}" if one.unit and one.value is not None else ""
         cells.append((one.name, digits_text(one.value, one.error) + unit, estimate_text(one.error)))
     return table(cells)
@@ -506,7 +516,7 @@ def _table(title: str, numbers: list[_TableRow]) -> str:
 def _place(
     radius: ArrayLike | None, from_edge: ArrayLike | None, name: str = "s"
 ) -> dict[str, Any]:
-    """Return places as the arguments that fields of a solution take."""
+    """Return radii, or distances from the edge, as keywords that fields of a solution take."""
     return {name: radius, "from_edge": from_edge}
 
 
@@ -543,13 +553,14 @@ class PhysicalSteadyCycle(Suggesting):
 
     @property
     def _load_error(self) -> float:
-        """Relative error of the load in N, which follows from the approach if that is given."""
+        """Relative error of the load [N]: where the approach is given, the load is computed."""
         data = self.cycle.scene.physical
         given = data is not None and data.load is not None
         return 0.0 if given else float(self.cycle.solution.error.approach or 0.0)
 
     @property
     def _energy(self) -> float:
+        """Unit of energy [J]: the largest load times the unit of displacements."""
         return self.load * self._loop.units.displacement
 
     @property
@@ -560,13 +571,13 @@ class PhysicalSteadyCycle(Suggesting):
 
     @property
     def unloading_dissipation(self) -> float | None:
-        """Of it what the way down takes [J], or None."""
+        """The part of it while the load falls [J]; None where it is not known."""
         value = self.cycle.unloading_dissipation
         return None if value is None else value * self._energy
 
     @property
     def reloading_dissipation(self) -> float:
-        """Of it what the way up takes [J]."""
+        """The part of it while the load rises [J]."""
         return self.cycle.reloading_dissipation * self._energy
 
     @over_r
@@ -588,19 +599,20 @@ class PhysicalSteadyCycle(Suggesting):
         slip = float(self.slip_amplitude(from_edge=0.0))
         edge_error = self.cycle._edge_slip_error
         load_error = self._load_error
-        # the unit of energy is the load times the unit of displacements, each in proportion to it
+        # the unit of energy is the load times the unit of displacements, which is proportional to
+        # the load: its relative error is twice that of the load
         energies = ("dissipation", "unloading_dissipation", "reloading_dissipation")
         of_energy: dict[str, Any] = {
             name: _plus(getattr(error, name), 2.0 * load_error) for name in energies
         }
-        numbers = [
+        rows = [
             _TableRow("largest load", self.load, load_error, "N"),
             _TableRow("lowest load", self.lowest_load, load_error, "N"),
             _TableRow("stick radius", self.stick_radius, error.stick_radius, "m"),
             _TableRow("slip amplitude, edge", slip, _plus(edge_error, load_error), "m"),
             *_dissipation_rows(self, replace(error, **of_energy), "J"),
         ]
-        return _table("SI", numbers)
+        return _table("SI", rows)
 
     def __repr__(self) -> str:
         return f"<PhysicalSteadyCycle of {self.cycle!r}>"

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     import xarray
 
 _TOLERANCES: Final = "in [1e-10, 1e-2]"
-#: Tolerance of solves over that of what is dissipated.
+#: Tolerance of the solves over that of the dissipation, a number that was chosen.
 _SHARE: Final = 1e-2
 _ENERGY: Final = "4(1−ν²)P²/(aE)"
-#: Name, what it is and its unit, of each number of a map.
+#: Name, meaning and unit of each variable of a map.
 _NUMBERS: Final = (
     ("dissipation", "energy dissipated in a cycle", _ENERGY),
     ("unloading_dissipation", "of it while the load falls", _ENERGY),
@@ -44,8 +44,8 @@ def damping_map(
 ) -> xarray.Dataset:
     """Return what steady loops dissipate, over the lowest load and the friction.
 
-    All of them are integrals of one function of friction, which is solved for once: a map takes
-    one solve more for each of its points.
+    The dissipation of all loops is an integral of the same function of friction. This function is
+    computed once; then each point of the map takes one solve more.
 
     Parameters
     ----------
@@ -63,10 +63,10 @@ def damping_map(
     Returns
     -------
     xarray.Dataset
-        Of the dimensions ``friction`` and ``lowest``: ``dissipation``, and of it
+        With the dimensions ``friction`` and ``lowest`` and the variables ``dissipation``, its parts
         ``unloading_dissipation`` and ``reloading_dissipation``, ``stick_radius``,
-        ``shakedown_ratio`` and ``converged``, with the estimates of relative errors as
-        ``dissipation_error`` and so on. NaN where it is not known, as in `SteadyCycle`.
+        ``shakedown_ratio`` and ``converged``. Estimates of relative errors are
+        ``dissipation_error`` and so on. NaN stands for None of `SteadyCycle`.
         `sweeps.plot_slice` draws it.
 
     Raises
@@ -85,9 +85,9 @@ def damping_map(
     frictions = _axis("friction", given)
     for value in frictions[~((frictions > 0.0) & np.isfinite(frictions))]:
         raise SceneError("friction", float(value), "positive and finite")
-    for one in loads.tolist():
-        for end in (frictions.min(), frictions.max()):
-            checked_cycle(scene.replace(friction=float(end)), one)
+    for load in loads.tolist():
+        for end in (frictions.min(), frictions.max()):  # the allowed frictions are an interval
+            checked_cycle(scene.replace(friction=float(end)), load)
     rtol = checks.within("rtol", rtol, _TOLERANCES)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     with one_thread():
@@ -95,14 +95,14 @@ def damping_map(
             scene, frictions.tolist(), loads.tolist(), rtol, _SHARE * rtol, max_unknowns
         )
         cycles = [
-            [family.cycle(scene.replace(friction=f), one) for one in loads.tolist()]
+            [family.cycle(scene.replace(friction=f), load) for load in loads.tolist()]
             for f in frictions.tolist()
         ]
     return _dataset(dataset, cycles, loads, frictions)
 
 
 def _axis(name: str, values: Any) -> Any:
-    """Return the values of an axis."""
+    """Return the values of an axis: one number or a list of them, as an array."""
     found = np.atleast_1d(np.asarray(checks.reals(name, values, "a list of numbers"), dtype=float))
     if found.ndim != 1 or found.size == 0:
         raise SceneError(name, values, "a list of numbers")
@@ -112,6 +112,7 @@ def _axis(name: str, values: Any) -> Any:
 def _dataset(
     dataset: Any, cycles: list[list[SteadyCycle]], loads: Any, frictions: Any
 ) -> xarray.Dataset:
+    """Return the numbers of cycles, row by row of one friction, as a dataset."""
     dims = ("friction", "lowest")
 
     def table(read: Any) -> Any:

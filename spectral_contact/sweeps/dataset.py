@@ -1,4 +1,4 @@
-"""Results as an `xarray.Dataset` with names, units and meanings."""
+"""Results of a sweep, or of one solution, as an `xarray.Dataset` with units and meanings."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from spectral_contact.view.report import table
 if TYPE_CHECKING:
     import xarray
 
-#: Units of parameters of dimensionless scenes that are no pure number.
+#: Units of parameters of dimensionless scenes, empty for what is no number; others have the unit 1.
 _UNITS: Final = {"separation": "L", "work_of_adhesion": "E'L", "coupling": "", "branch": ""}
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
@@ -46,13 +46,13 @@ _MEANINGS: Final = {
     "ending": ("how the solve ended", ""),
     "message": ("what is to be said of it", ""),
 }
-#: What is otherwise with a profile, E' = E/(4(1−ν²)).
+#: Meanings and units that are others for a scene with a profile, where E' = E/(4(1−ν²)).
 _WITH_PROFILE: Final = {
     **{one.name: one.under_profile for one in OUTPUTS if one.under_profile},
     "normal_compliance": ("normal compliance αE'/L", "1"),
     "tangential_compliance": ("tangential compliance βE'/L", "1"),
 }
-#: Parameters that scenes do not have, or that are results.
+#: Parameters that a scene may lack, or whose values are results.
 _MAY_BE_ABSENT: Final = (*ALL_CONTROLS, "work_of_adhesion")
 
 
@@ -63,6 +63,15 @@ class Collected:
     ----------
     size : int
         Number of scenes.
+
+    Attributes
+    ----------
+    values : dict of str to ndarray, shape (scenes, ...)
+        By the name of a variable.
+    endings : ndarray of int8, shape (scenes,)
+        Codes: places in `ENDINGS`.
+    messages : dict of int to str
+        Why a scene did not converge, by its number.
     """
 
     def __init__(self, size: int) -> None:
@@ -81,16 +90,20 @@ class Collected:
             self.messages[int(scenes[i])] = text
 
     def taken(self, which: Indices) -> Collected:
-        """Return the results of some scenes, each as often as it is named."""
+        """Return the results of some scenes, in the order of their numbers, which may repeat."""
         found = Collected(len(which))
         found.values = {name: values[which] for name, values in self.values.items()}
         found.endings = self.endings[which]
-        each = enumerate(which.tolist())
-        found.messages = {i: self.messages[k] for i, k in each if k in self.messages}
+        for i, number in enumerate(which.tolist()):
+            if number in self.messages:
+                found.messages[i] = self.messages[number]
         return found
 
     def _column(self, name: str, like: NDArray[Any]) -> NDArray[Any]:
-        """Return a column that is wide enough: scenes differ in how many zones they have."""
+        """Return the column of a variable, made as wide as `like` if it is narrower.
+
+        Its width is the largest number of zones so far, or the number of places of a field.
+        """
         known = self.values.get(name)
         width = like.shape[1:] if known is None else np.maximum(known.shape[1:], like.shape[1:])
         if known is None or known.shape[1:] != tuple(width):
@@ -115,11 +128,11 @@ def assembled(
     coordinates = _coordinates(parameters, request)
     variables = {}
     for name, values in collected.values.items():
-        if name.removesuffix("_error") in coordinates:  # what is given of a contact
+        if name.removesuffix("_error") in coordinates:  # given, as the load of a contact
             continue
-        own = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
-        whole = values.reshape((*shape, *values.shape[1:]))
-        variables[name] = (*dims, *own), whole, _about(name, shaped)
+        more_dims = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
+        on_grid = values.reshape((*shape, *values.shape[1:]))
+        variables[name] = (*dims, *more_dims), on_grid, _about(name, shaped)
     ending = np.array(ENDINGS, dtype=object)[collected.endings]
     message = np.full(parameters.size, "", dtype=object)
     for i, text in collected.messages.items():
@@ -179,7 +192,9 @@ def of_solution(
 ) -> xarray.Dataset:
     """Return the dataset of one solution; see `Solution.to_xarray`."""
     needed()
-    scene, quantities, radii = solution.scene, solution.plan.quantities, None
+    scene = solution.scene
+    quantities = solution.plan.quantities
+    radii = None
     if not quantities:
         raise NotComputedError("a quantity to tabulate", "the solution has none")
     if s is None and from_edge is None and not set(FIELDS).isdisjoint(quantities):
@@ -193,7 +208,7 @@ def of_solution(
     rows = Rows(1, request)
     rows.take(0, solution)
     outcome = rows.outcome()
-    if radii is not None:  # each from the side on which it is accurate
+    if radii is not None:  # `Rows` took all from the centre; distances are accurate at the edge
         for name in set(FIELDS).intersection(quantities):
             outcome.values[name][0] = radii.evaluate(getattr(solution, name))
     table = Collected(1)
@@ -202,12 +217,17 @@ def of_solution(
 
 
 def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any]:
-    """Return what varies as dimensions, the rest as scalars, and both forms of the places."""
+    """Return the coordinates: parameters that vary, the others as scalars, and the places.
+
+    Of the places of fields, one of radii and distances from the edge is the dimension, the other
+    goes along with it.
+    """
     found: dict[str, Any] = {}
     for k, name in enumerate(parameters.names):
         values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
         values = parameters.axes.get(name, values)
-        if name == KAPPA and parameters.table is not None:  # some may have a Poisson's ratio
+        if name == KAPPA and parameters.table is not None:
+            # scenes of a list that have a Poisson's ratio have a kappa, too
             values = parameters.columns(np.arange(parameters.size)).kappa
         if name == "unloaded_to" and not parameters.unloaded and name not in parameters.axes:
             continue
@@ -223,7 +243,7 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
 
 
 def _forms(parameters: SweepParameters) -> dict[str, Any]:
-    """Return what scenes have besides numbers: profile, layer, coupling and branch."""
+    """Return the coordinates that are not in the columns: profile, layer, coupling and branch."""
     found: dict[str, Any] = {}
     for part in ("profile", "layer") if parameters.shaped else ():
         briefs = _briefs(parameters, part)
@@ -233,13 +253,16 @@ def _forms(parameters: SweepParameters) -> dict[str, Any]:
     for name in ("coupling", "branch"):
         each = np.array([getattr(one, name) for one in parameters.forms])
         if each.any():
-            own = (parameters.dims, each) if len(each) > 1 else ((), each[0].item())
-            found[name] = *own, _about(name)
+            dims, values = (parameters.dims, each) if len(each) > 1 else ((), each[0].item())
+            found[name] = dims, values, _about(name)
     return found
 
 
 def _briefs(parameters: SweepParameters, part: str) -> list[str]:
-    """Return profiles or layers in a line each, without what varies; empty where there is none."""
+    """Return profiles or layers in a line each; empty where there is none.
+
+    Parameters of a law that vary are written "…".
+    """
     forms = [getattr(one, part) for one in parameters.forms]
     briefs = ["" if one is None else one.brief for one in forms]
     for name in parameters.law if part == "layer" else ():
@@ -248,6 +271,7 @@ def _briefs(parameters: SweepParameters, part: str) -> list[str]:
 
 
 def _about(name: str, shaped: bool = False) -> dict[str, str]:
+    """Return the attributes of a variable: its meaning, and its unit if it is a number."""
     meanings = {**_MEANINGS, **_WITH_PROFILE} if shaped else _MEANINGS
     quantity = name.removesuffix("_error")
     if quantity != name:

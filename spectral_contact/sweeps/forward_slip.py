@@ -1,7 +1,12 @@
 """Whether the surface goes on to slip forward while the load of a steady loop falls.
 
-Nothing does if and only if a traction q of the largest load exists with ``|q - (1 - l) q*(f (1 +
-l)/(1 - l))| <= f l p`` at every load l from 1 to lambda, with q* of unit load (docs/cycles).
+The largest load is 1 and the lowest one lambda. While the load falls to l, the traction changes by
+``(1 - l) q*(f (1 + l)/(1 - l))``, where q*(f) is that of unit load under the friction f. Nothing
+slips forward if and only if there is a traction q at the largest load with which
+
+    ``|q - (1 - l) q*(f (1 + l)/(1 - l))| <= f l p``
+
+at every load l from 1 to lambda (docs/cycles). This is checked at the loads of solved frictions.
 """
 
 from __future__ import annotations
@@ -16,30 +21,32 @@ from spectral_contact.fields import Array
 from spectral_contact.solution import Solution
 from spectral_contact.sweeps.mean_slip import annulus_nodes
 
-#: Nodes on each panel of a zone where it is checked.
+#: Points on each panel of `annulus_nodes` at which it is checked, a number that was chosen.
 _NODES: Final = 2
-#: What errors of tractions and pressures may make of the room, over their sum.
-_ROUNDING: Final = 10.0
+#: Error of the slack over the sum of those of traction and pressure, a number that was chosen.
+_SAFETY: Final = 10.0
 
 
 def admissible_tractions(
     states: Sequence[Solution], friction: float, limit: Array, from_edge: Array
 ) -> tuple[Array, Array]:
-    """Return the bounds of a traction at the largest load with which nothing slips forward.
+    """Return a lower and an upper bound of the tractions with which nothing slips forward.
 
-    ``|q - (1 - l) q*(f (1 + l)/(1 - l))| <= f l p`` at every load l, which the states are for. In
-    full stick the change is in proportion to that of the load: it is enough to look where slip
-    begins, at the critical friction.
+    They are tractions at the largest load. Each state bounds them at one load l, at which
+    ``f (1 + l)/(1 - l)`` is the friction of the state. Under more friction than the critical one
+    the traction is that of full stick, and changes in proportion to the load: there it is enough to
+    check the load at which slip begins, that of the critical friction.
 
     Parameters
     ----------
     states : sequence of Solution
         As of `SteadyCycle`.
     friction : float
+        The coefficient of friction f.
     limit : ndarray
-        ``f p`` of the largest load at places.
+        The friction bound ``f p`` of the largest load at some places.
     from_edge : ndarray
-        The places.
+        The distances of these places from the edge.
     """
     of_loop = float(states[0].scene.friction or 0.0)
     low = -limit
@@ -62,10 +69,10 @@ def admissible_tractions(
 
 
 def forward_slack(states: Sequence[Solution], friction: float) -> float:
-    """Return how much room there is for a traction at the largest load, relative to f p.
+    """Return the slack: how far the bounds of `admissible_tractions` are apart, over f p.
 
-    It is how far the bounds of `admissible_tractions` are apart where they are closest: 0 where the
-    surface slips back, and negative where no traction is admissible.
+    It is the least value over all zones: 0 where the surface slips back, and negative if no
+    traction is within the bounds.
 
     Parameters
     ----------
@@ -76,7 +83,7 @@ def forward_slack(states: Sequence[Solution], friction: float) -> float:
     if friction == 0.0:
         return 0.0
     if friction == math.inf:
-        return 2.0
+        return 2.0  # the bounds are -f p and f p
     loop = states[0]
     nodes = [
         annulus_nodes(zone.inner_from_edge, zone.outer_from_edge, _NODES)[0] for zone in loop.zones
@@ -88,6 +95,6 @@ def forward_slack(states: Sequence[Solution], friction: float) -> float:
 
 
 def slack_rounding(states: Sequence[Solution]) -> float:
-    """Return what errors of tractions and pressures may make of the room."""
+    """Return by how much errors of tractions and pressures may change the slack."""
     errors = [(one.error.traction or 0.0) + (one.error.pressure or 0.0) for one in states]
-    return _ROUNDING * (max(errors) + float(np.finfo(float).eps))
+    return _SAFETY * (max(errors) + float(np.finfo(float).eps))

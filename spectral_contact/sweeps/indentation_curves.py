@@ -1,10 +1,10 @@
 """Indentation curves: scenes of one punch on one layer that differ in load, or approach, alone.
 
-Few contact radii are solved, and all scenes are interpolated between them (`fields.curves`): the
-logarithms of load, approach, stiffness and work are smooth functions of the unknown v of the
-contact radius (`contact.contact_radius.RadiusScale`), ``ln(a - b)`` for a flat part of radius b, or
-``ln((a - b)/(r - a))`` if the profile ends at r. Their singularities are at the distance pi from
-the real axis of v, whatever the compliance.
+A few contact radii a are solved, and all scenes are interpolated between them (`fields.curves`):
+the logarithms of load, approach, stiffness and work are smooth functions of a variable v in place
+of the radius (`contact.contact_radius.RadiusScale`). It is ``ln(a - b)``, with the radius b of the
+flat part of the profile, or ``ln((a - b)/(r - a))`` if the profile ends at r. The singularities of
+the functions are at the distance pi from the real axis of v, whatever the compliance.
 """
 
 from __future__ import annotations
@@ -30,32 +30,32 @@ Mask = NDArray[np.bool_]
 if TYPE_CHECKING:
     from spectral_contact.sweeps.chunk import OnLine
 
-#: The functions of the radius that are interpolated.
+#: The functions of the contact radius that are interpolated.
 CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
-#: Quantities of normal contact that are known then, at any friction without elastic coupling.
+#: Quantities of normal contact: friction does not change them, unless there is elastic coupling.
 _NORMAL: Final = frozenset({*CURVED, "contact_radius"})
-#: And those that are the same in all scenes without friction.
+#: The same, and those that need no solve in scenes without friction.
 _FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
+#: Rows of `Columns.values` in which the scenes of a curve may differ, by name.
 _GIVEN: Final = {name: PARAMETERS.index(name) for name in ("load", "approach")}
 _ADHESION: Final = PARAMETERS.index("work_of_adhesion")
-_ALPHA: Final = PARAMETERS.index("normal_compliance")
-_FRICTION: Final = PARAMETERS.index("friction")
 
 
 def pressed_alone(columns: Columns, request: Request) -> Mask:
-    """Return a mask of the scenes of which quantities of normal contact alone are asked.
+    """Return a mask of the scenes that may be on a curve, if numbers of normal contact are asked.
 
-    These are without adhesion, on the half-space with its linear compliance, and not flat.
+    These scenes have a profile that is not flat, no adhesion and no layer law.
     """
     asked = frozenset(request.quantities)
-    if columns.law or len(columns.values) <= max(_GIVEN.values()) or not asked <= _FRICTIONLESS:
+    is_flat_punch = len(columns.values) <= max(_GIVEN.values())
+    if columns.law or is_flat_punch or not asked <= _FRICTIONLESS:
         return np.zeros(len(columns), dtype=bool)
-    kinds = [one.layer is None and not isinstance(one.profile, Flat) for one in columns.forms]
-    linear = np.broadcast_to(kinds, len(columns)) & np.isnan(columns.values[_ADHESION])
-    # stick radius and shear are known without friction alone; what is normal does not depend on
-    # friction unless it is coupled
-    alone = np.isnan(columns.values[_FRICTION]) if asked - _NORMAL else ~columns.coupled
-    return np.asarray(linear & alone)
+    curved = [one.layer is None and not isinstance(one.profile, Flat) for one in columns.forms]
+    of_curves = np.broadcast_to(curved, len(columns)) & np.isnan(columns.values[_ADHESION])
+    # stick radius and shear are known without friction only; the others do not depend on friction
+    # unless there is elastic coupling
+    known = np.isnan(columns.friction) if asked - _NORMAL else ~columns.coupled
+    return np.asarray(of_curves & known)
 
 
 def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
@@ -63,13 +63,13 @@ def indentation_curves(columns: Columns, todo: Indices, request: Request) -> Ite
 
     Each is an array of indices in the order of that load or approach.
     """
-    own = todo[pressed_alone(columns[todo], request)]
+    candidates = todo[pressed_alone(columns[todo], request)]
     forms = columns.forms
-    for k in _GIVEN.values() if len(own) else ():
+    for k in _GIVEN.values() if len(candidates) else ():
         groups: dict[tuple[float, Profile | None], list[int]] = {}
-        for i in own[~np.isnan(columns.values[k, own])].tolist():
+        for i in candidates[~np.isnan(columns.values[k, candidates])].tolist():
             profile = forms[i if len(forms) > 1 else 0].profile
-            groups.setdefault((float(columns.values[_ALPHA, i]), profile), []).append(i)
+            groups.setdefault((float(columns.alpha[i]), profile), []).append(i)
         for group in groups.values():
             if len(group) >= LEAST:
                 yield np.array(group)[np.argsort(columns.values[k, group], kind="stable")]
@@ -83,9 +83,10 @@ def along(columns: Columns, request: Request, solver: OnLine) -> Served:
     columns : Columns
         The scenes, by rising load or approach.
     request : Request
-        For numbers alone.
+        Of quantities that are a number for each scene.
     solver : OnLine
-        Solves scenes of the curve, and other radii; returns None where that fails.
+        Solves scenes of the curve, and others with a given contact radius; returns None where that
+        fails.
 
     Returns
     -------
@@ -93,13 +94,15 @@ def along(columns: Columns, request: Request, solver: OnLine) -> Served:
         Without scenes if too many radii would have to be solved. The first and the last scene,
         which the solver has solved, are not among them.
     """
-    size, mask = len(columns), np.zeros(len(columns), dtype=bool)
+    size = len(columns)
+    mask = np.zeros(size, dtype=bool)
     given = next(name for name, k in _GIVEN.items() if not np.isnan(columns.values[k, 0]))
     ends = [solver.at_scene(i, ("contact_radius",)) for i in (0, size - 1)]
-    places = _ends(ends, size, request.rtol)
-    if places is not None:
+    interval = _ends(ends, size, request.rtol)
+    if interval is not None:
         assert ends[0] is not None
-        curve = _PressedCurve(given, RadiusScale(_profile(ends[0])), Curves(*places, len(CURVED)))
+        scale = RadiusScale(_profile(ends[0]))
+        curve = _PressedCurve(given, scale, Curves(*interval, len(CURVED)))
         inner = columns.values[_GIVEN[given], 1 : size - 1]
         while len(curve.curves.nodes) < nodes_allowed(size):
             if curve.curves.settled(request.rtol):
@@ -118,11 +121,16 @@ def _profile(one: Solution) -> Profile:
 
 
 def _ends(solved: list[Solution | None], size: int, rtol: float) -> tuple[float, float] | None:
-    """Return where the curve begins and ends, if there is no break between and it is worth it."""
+    """Return v of the first and of the last scene of a curve, both solved.
+
+    None if a solve failed, if the profile has a break between the two radii, or if interpolation
+    would take too many nodes.
+    """
     known = [one for one in solved if one is not None]
     if len(known) < len(solved):
         return None
-    profile, (first, last) = _profile(known[0]), [one.contact_radius for one in known]
+    profile = _profile(known[0])
+    first, last = (one.contact_radius for one in known)
     if not first < last or any(first <= b < last for b in profile.breaks):
         return None
     low, high = map(RadiusScale(profile).place, (first, last))
@@ -131,15 +139,16 @@ def _ends(solved: list[Solution | None], size: int, rtol: float) -> tuple[float,
 
 @dataclass(frozen=True, slots=True)
 class _PressedCurve:
-    """The functions of a curve at the radii that are solved so far.
+    """The functions of an indentation curve at the radii that are solved so far.
 
     Attributes
     ----------
     given : str
-        What the scenes differ in.
+        What the scenes differ in: load or approach.
     scale : RadiusScale
+        Changes contact radii into v and back.
     curves : Curves
-        Logarithms of `names` over the places of the contact radii.
+        The logarithms of the functions `names` over v.
     """
 
     given: str
@@ -148,11 +157,11 @@ class _PressedCurve:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What is interpolated, what is given first."""
+        """The functions that are interpolated; the first is the given one, which is inverted."""
         return self.given, *(one for one in CURVED if one != self.given)
 
     def grow(self, solver: OnLine) -> bool:
-        """Solve at one radius more; return whether that went well."""
+        """Add a node: solve at one radius more; return whether that solve converged."""
         one = solver.of_radius(self.scale.radius(self.curves.next()), CURVED)
         if one is None:
             return False
@@ -161,23 +170,31 @@ class _PressedCurve:
         return True
 
     def served(self, given: Array, one: Solution, request: Request) -> Served:
-        """Return values and errors of what is asked, where the first function is given.
+        """Return values and errors of the quantities that are asked for.
 
-        What is the same in all scenes is that of a solution.
+        Parameters
+        ----------
+        given : ndarray, shape (scenes,)
+            Load or approach of every scene.
+        one : Solution
+            Of any scene of the curve; has the quantities that are the same in all of them.
+        request : Request
         """
         found = self.curves.where(np.log(given))
         radius = np.array([self.scale.radius(v) for v in found.places.tolist()])
-        slope = np.array([self.scale.slope(r) for r in radius.tolist()])
-        # the radius is rounded, which is an error of its place
+        slope = np.array([self.scale.slope(r) for r in radius.tolist()])  # da/dv
+        # the rounding of the radius is an error of v, too
         moved = found.moved + ROUNDING * radius / slope
         lost = found.lost + found.slopes * moved[:, None] + ROUNDING
         values = {self.given: given, "contact_radius": radius}
         errors = {self.given: np.zeros(len(given)), "contact_radius": moved * slope / radius}
         for j, name in enumerate(self.names[1:]):
-            values[name], errors[name] = np.exp(found.values[:, j]), lost[:, j]
+            values[name] = np.exp(found.values[:, j])
+            errors[name] = lost[:, j]
         for name in frozenset(request.quantities) - frozenset(values):
             value = getattr(one, name)
             values[name] = np.full(len(given), np.nan if value is None else value)
             errors[name] = np.zeros(len(given))
-        asked, mask = request.quantities, np.ones(len(given), dtype=bool)
+        asked = request.quantities
+        mask = np.ones(len(given), dtype=bool)
         return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})

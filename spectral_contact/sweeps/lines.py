@@ -1,11 +1,14 @@
-"""Scenes that differ in ``f/kappa`` alone: few of these are solved, and all scenes lie between.
+"""Lines: scenes that differ in ``f/kappa`` alone. A few are solved, the others are interpolated.
 
-Poisson's ratio enters by kappa: with the same ``f/kappa`` zones are the same, and tractions are as
-kappa, the sign included. With one stick disk ``ln f`` and ``ln(Q/f)`` are smooth in the logit of
-its radius: whatever the compliances, singularities are pi away from the real axis. Polynomials go
-through solved frictions there (`curves`), and are inverted for those of the scenes.
+Poisson's ratio enters by kappa alone: scenes with the same ``f/kappa`` have the same zones, and
+their tractions are proportional to kappa, with its sign. Where the zones are one stick disk with
+slip around it, ``ln f`` and ``ln(Q/f)`` are smooth functions of the logit of its radius c,
+``ln(c**2/(1 - c**2))``: their singularities are at the distance pi from the real axis, whatever the
+compliances. At chosen radii the friction is solved for, polynomials go through these nodes
+(`fields.curves`), and are inverted at the frictions of the scenes.
 
-No law has to be checked between two frictions at which one disk is right (docs/maps).
+If one stick disk obeys the friction law at two frictions, it does so at all frictions between,
+which need no check (docs/internals).
 """
 
 from __future__ import annotations
@@ -27,24 +30,29 @@ from spectral_contact.sweeps.sweep_parameters import Columns, Indices
 if TYPE_CHECKING:
     from spectral_contact.sweeps.chunk import OnLine
 
-#: What is proportional to kappa at the same ``f/kappa``.
+#: Quantities that are proportional to the modulus of kappa at the same ``f/kappa``.
 _AS_KAPPA: Final = frozenset({"edge_ratio", "critical_friction"})
-#: What is known between solved frictions.
+#: Quantities that are known of all scenes of a line.
 _KNOWN: Final = _AS_KAPPA | {"approach", "stick_radius", "total_shear", "shakedown_ratio"}
 
 
 def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices]:
-    """Yield scenes, of those to do, that differ in ``f/kappa`` alone, as it rises; none coupled."""
+    """Yield groups of the scenes to do that differ in ``f/kappa`` alone.
+
+    Each is an array of indices in the order of rising ``f/kappa``. Scenes with elastic coupling are
+    in none.
+    """
     if not frozenset(request.quantities) <= _KNOWN:
         return
-    friction = columns.values[3, todo]
+    friction = columns.friction[todo]
     slips = (friction > 0.0) & (friction < np.inf) & (columns.kappa[todo] != 0.0)
     own = todo[slips & ~columns.coupled[todo] & columns.at_largest_load[todo]]
     with np.errstate(over="ignore"):  # a friction of any size
-        ratio = columns.values[3, own] / np.abs(columns.kappa[own])
-    own = own[np.lexsort([ratio, *columns.values[[2, 1]][:, own]])]
-    turns = np.diff(columns.values[1:3, own], axis=1) != 0.0
-    for line in np.split(own, np.flatnonzero(turns.any(axis=0)) + 1):
+        ratio = columns.friction[own] / np.abs(columns.kappa[own])
+    # by alpha, then beta, then f/kappa: the last key of lexsort counts first
+    own = own[np.lexsort([ratio, columns.beta[own], columns.alpha[own]])]
+    differs = (np.diff(columns.alpha[own]) != 0.0) | (np.diff(columns.beta[own]) != 0.0)
+    for line in np.split(own, np.flatnonzero(differs) + 1):
         if len(line) >= LEAST:
             yield line
 
@@ -57,22 +65,34 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     columns : Columns
         The scenes, by rising ``f/kappa``.
     request : Request
-        For numbers alone.
+        Of quantities that are a number for each scene.
     solver : OnLine
+        Solves scenes of the line, and for the friction of a given stick radius; returns None where
+        that fails.
+
+    Returns
+    -------
+    Served
+        Without scenes if too many nodes would have to be solved. The first and the last scene with
+        one stick disk, which the solver has solved, are not among them.
     """
-    kappa, friction = np.abs(columns.kappa), columns.values[3]
+    kappa = np.abs(columns.kappa)
+    friction = columns.friction
     ratio = friction / kappa
     mask = np.zeros(len(columns), dtype=bool)
     nothing = Served(mask, {}, {})
-    ends = _ends(ratio, bool(np.less(*columns.values[1:3, 0])), solver)  # where an edge may stick
+    edge_may_stick = bool(columns.alpha[0] < columns.beta[0])
+    ends = _ends(ratio, edge_may_stick, solver)
     if ends is None:
         return nothing
-    size, one = ends.size, ends.solution
-    inner, most = slice(1, size - 1), nodes_allowed(size)
+    size = ends.size
+    one = ends.solution
+    inner = slice(1, size - 1)
+    most = nodes_allowed(size)
     low, high = ends.logits
     if nodes_needed(low, high, request.rtol) > most:
         return nothing
-    # of ln(f/kappa) and ln(Q/f)
+    # the functions ln(f/kappa) and ln(Q/f) of the logit
     curves = Curves(low, high, 2)
     while curves.nodes.size < most:
         if curves.settled(request.rtol):
@@ -83,28 +103,33 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
                 one.error.critical_friction or 0.0,
                 ratio[inner],
             )
-            for name in frozenset(request.quantities) - frozenset(values):  # at any friction
+            # what does not depend on friction is that of the first scene
+            for name in frozenset(request.quantities) - frozenset(values):
                 scale = kappa[inner] / abs(one.scene.kappa) if name in _AS_KAPPA else 1.0
                 values[name] = np.full(size - 2, float(getattr(one, name))) * scale
                 errors[name] = np.full(size - 2, float(getattr(one.error, name)))
             asked = request.quantities
             # next to the critical friction the shakedown ratio has fewer digits, solved or not
-            bound = frozenset(asked) - {"shakedown_ratio"}
-            if all((errors[name] <= request.rtol).all() for name in bound):
+            checked = frozenset(asked) - {"shakedown_ratio"}
+            if all((errors[name] <= request.rtol).all() for name in checked):
                 mask[inner] = True
                 return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
         found = solver.at_radius(curves.next())
         if found is None:
             break
+        # of the first scene, for which the friction was solved
         known = np.log([found.friction / kappa[0], found.total_shear / found.friction])
         curves.add(known, np.array([found.friction_error, found.shear_error]))
     return nothing
 
 
 def _disks(found: Placed) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return stick radii and ``Q/f``, and the estimates of their errors."""
-    logit, moved = found.places, found.moved
-    z, y = 1.0 / (1.0 + np.exp(-logit)), 1.0 / (1.0 + np.exp(logit))
+    """Return stick radii and, as total shears, ``Q/f``, with the estimates of their errors."""
+    logit = found.places
+    moved = found.moved
+    # c**2 and 1 - c**2: the relative error of c is (1 - c**2)/2 times the error of the logit
+    z = 1.0 / (1.0 + np.exp(-logit))
+    y = 1.0 / (1.0 + np.exp(logit))
     values = {"stick_radius": np.sqrt(z), "total_shear": np.exp(found.values[:, 0])}
     errors = {
         "stick_radius": 0.5 * y * moved + ROUNDING,
@@ -115,44 +140,65 @@ def _disks(found: Placed) -> tuple[dict[str, Array], dict[str, Array]]:
 
 @dataclass(frozen=True, slots=True)
 class _Ends:
-    """How many scenes have one stick disk, the logits of the first and the last, a solution."""
+    """The scenes of a line with one stick disk: from the first scene to the last such one.
+
+    Attributes
+    ----------
+    size : int
+        Their number.
+    logits : tuple of float
+        The logits of the stick radii of the first and of the last one.
+    solution : Solution
+        That of the first scene.
+    """
 
     size: int
     logits: tuple[float, float]
     solution: Solution
 
 
-def _ends(ratio: Array, sticky: bool, solver: OnLine) -> _Ends | None:
-    """Return between which scenes there is one stick disk, if it is at the first and many more."""
-    alone: dict[int, Solution] = {}
+def _ends(ratio: Array, edge_may_stick: bool, solver: OnLine) -> _Ends | None:
+    """Return the scenes that have one stick disk: the first one and the many after it that do.
 
-    def is_alone(i: int) -> bool:
-        # an edge that full stick does not make slip: slip is inside, and a solution tells no more
-        if sticky and alone and 0.0 < alone[0].edge_ratio < ratio[i] * abs(alone[0].scene.kappa):
-            return False
-        more = "stick_radius", "zones", "critical_friction", *["edge_ratio"] * sticky
+    None if the first has other zones, or if fewer than `LEAST` have one disk.
+    """
+    solved: dict[int, Solution] = {}
+
+    def has_one_disk(i: int) -> bool:
+        if edge_may_stick and solved:
+            # with more friction than q/p of full stick at the edge, the edge sticks
+            first = solved[0]
+            if 0.0 < first.edge_ratio < ratio[i] * abs(first.scene.kappa):
+                return False
+        more = "stick_radius", "zones", "critical_friction", *["edge_ratio"] * edge_may_stick
         found = solver.at_scene(i, more)
         if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):
             return False
-        alone[i] = found
+        solved[i] = found
         return True
 
-    low, high = 0, len(ratio) - 1
-    if not is_alone(low):
+    last = 0
+    beyond = len(ratio) - 1
+    if not has_one_disk(last):
         return None
-    # where one disk is right at two frictions, it is between
-    if is_alone(high):
-        low = high
-    elif is_alone(LEAST - 1):
-        low = LEAST - 1
+    # where one disk is right at two frictions, it is right between: the last one is bisected for
+    if has_one_disk(beyond):
+        last = beyond
+    elif has_one_disk(LEAST - 1):
+        last = LEAST - 1
     else:
         return None
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if is_alone(middle) else (low, middle)
-    disks = [alone[i].zones[0] for i in (0, low)]
-    z, y = np.array([(one.outer**2, one.outer_from_edge * (1.0 + one.outer)) for one in disks]).T
+    while beyond - last > 1:
+        middle = (last + beyond) // 2
+        if has_one_disk(middle):
+            last = middle
+        else:
+            beyond = middle
+    disks = [solved[i].zones[0] for i in (0, last)]
+    z = np.array([one.outer**2 for one in disks])
+    # 1 - c**2 without cancellation
+    y = np.array([one.outer_from_edge * (1.0 + one.outer) for one in disks])
     if not (np.minimum(z, y) > 0.0).all():
         return None
-    first, last = np.log(z / y).tolist()
-    return _Ends(low + 1, (first, last), alone[0]) if first < last else None
+    low, high = np.log(z / y).tolist()
+    return _Ends(last + 1, (low, high), solved[0]) if low < high else None

@@ -1,10 +1,11 @@
-"""The mean slip of a flat punch, weighted by the pressure, over the coefficient of friction.
+"""The mean slip of a flat punch, weighted by the pressure, as a function of the friction.
 
-``A(f) = 2 pi int p |u| s ds`` under unit load. It is 0 from the critical friction R on, and what
-cycles of the load dissipate are integrals of it from some friction to R (docs/cycles). Between two
-thresholds of friction, at which zones appear, ``ln A`` is smooth in ``tau = -ln((R - f)/(R - f0))``
-if R is finite, else in ``tau = ln(1 + (f - f0)/scale)``. Chebyshev series on panels go through what
-is solved.
+It is ``A(f) = 2 pi int p |u| s ds`` under unit load, with the slip u. It is 0 from the critical
+friction R on, and the energies that cycles of the load dissipate are integrals of it from some
+friction to R (docs/cycles). The variable is ``tau = -ln((R - f)/(R - f0))`` if R is finite, else
+``tau = ln(1 + (f - f0)/scale)``, where f0 is the lowest friction. Between two thresholds of
+friction, at which zones appear or vanish, ``ln A`` is smooth in tau: on panels between them it is a
+Chebyshev series through solved frictions.
 """
 
 from __future__ import annotations
@@ -23,22 +24,30 @@ from spectral_contact.fields import Array
 from spectral_contact.records import Ending
 from spectral_contact.solution import Solution
 
-#: What is asked of each friction.
+#: Quantities of a solution that are needed at each friction.
 ASKED: Final = ("approach", "pressure", "traction", "slip", "zones", "stick_radius", "total_shear")
-#: Degrees that are tried on a panel, each with the nodes of the one before.
+#: Degrees that are tried on a panel: the Chebyshev nodes of each are among those of the next.
 _DEGREES: Final = (8, 16)
-#: Width of the first panel, and the narrowest.
-_WIDTH, _NARROWEST = 2.0, 0.02
-#: How well a threshold is found, and how close to the begin of a panel one may be.
-_BRACKET, _STILL = 2e-3, 1e-9
-#: How many of the last coefficients tell what is missing, and by how much it may be more.
-_LAST, _SAFETY = 3, 2.0
+#: Widths in tau of the first panel, which no other exceeds, and of the narrowest one; chosen.
+_WIDTH: Final = 2.0
+_NARROWEST: Final = 0.02
+#: Width in tau to which a threshold is bisected for, so that A is a parabola across it.
+_BRACKET: Final = 2e-3
+#: A threshold so close behind the start of a panel, in tau, is taken to be at the start.
+_AT_START: Final = 1e-9
+#: The truncation of a series is judged by this many of its last coefficients ...
+_LAST: Final = 3
+#: ... and is this times the largest of them.
+_SAFETY: Final = 2.0
 #: Most panels.
 _PANELS: Final = 60
-#: Gauss points of the rule, and of the one that it is compared with; e-folds of the distance to an
-#: end of a zone that are resolved, in its root.
-_POINTS, _FEWER, _FOLDS = 16, 12, 32
-#: Gauss points of an integral over friction, on panels of a ratio of at most 2.
+#: Gauss points of the quadrature over a zone, on each panel, and of the one it is compared with.
+_POINTS: Final = 16
+_FEWER: Final = 12
+#: Panels of that quadrature between an end and the middle of a zone, besides the one at the end: in
+#: the root of the distance from the end, each is e times as wide as the one before.
+_FOLDS: Final = 32
+#: Gauss points of an integral over friction, on pieces: see `MeanSlipCurve._pieces`.
 _INNER: Final = 20
 
 
@@ -62,7 +71,7 @@ def mean_slip(solution: Solution) -> ValueWithError:
     ValueWithError
         The error is relative, and infinite where no digit of the slip is known.
     """
-    value = other = weight = largest = 0.0
+    value = with_fewer = weight = largest = 0.0
     for zone in solution.zones:
         if zone.kind != "slip":
             continue
@@ -75,40 +84,55 @@ def mean_slip(solution: Solution) -> ValueWithError:
                 weight += float(load.sum())
                 largest = max(largest, float(slip.max()))
             else:
-                other += float(load @ slip)
-    if value == 0.0:  # slip that is too small for a digit, if there is any
+                with_fewer += float(load @ slip)
+    if value == 0.0:  # without slip, or with less than a digit of it
         return ValueWithError(0.0, math.inf if solution.error.slip else 0.0)
     # the error of the slip is relative to its largest modulus
     of_slip = (solution.error.slip or 0.0) * largest * weight / value
-    of_rule = abs(value - other) / value
-    return ValueWithError(value, of_rule + of_slip + (solution.error.pressure or 0.0))
+    of_quadrature = abs(value - with_fewer) / value
+    return ValueWithError(value, of_quadrature + of_slip + (solution.error.pressure or 0.0))
 
 
 def annulus_nodes(
     inner_from_edge: float, outer_from_edge: float, points: int
 ) -> tuple[Array, Array]:
-    """Return the distances of nodes from the edge, and weights of ``s ds``, graded to both ends.
+    """Return nodes in an annulus, as distances from the edge, and their weights for ``s ds``.
+
+    The nodes are graded to both ends: each half of the annulus has Gauss rules on panels in the
+    root of the distance from its end, each panel a factor e wider than the one before.
 
     Parameters
     ----------
     inner_from_edge, outer_from_edge : float
         One minus the radii of the annulus.
     points : int
-        On each panel.
+        Of the rule on each panel.
     """
     x, w = leggauss(points)
     ends = np.append(0.0, np.exp(-np.arange(_FOLDS, -1.0, -1.0)))
     root = (ends[:-1, None] + np.diff(ends)[:, None] * (x + 1.0) / 2.0).ravel()
     weight = (np.diff(ends)[:, None] * w / 2.0).ravel()
     half = (inner_from_edge - outer_from_edge) / 2.0
-    offset, length = half * root**2, 2.0 * half * root * weight
+    # the distance from the end, and its differential
+    offset = half * root**2
+    length = 2.0 * half * root * weight
     from_edge = np.concatenate([inner_from_edge - offset, outer_from_edge + offset])
     return from_edge, (1.0 - from_edge) * np.concatenate([length, length])
 
 
 @dataclass(frozen=True, slots=True)
 class _SeriesPanel:
-    """``ln A`` between two values of tau, as a Chebyshev series; `error` is that of A, relative."""
+    """``ln A`` between two values of tau, as a Chebyshev series.
+
+    Attributes
+    ----------
+    start, stop : float
+        The ends, in tau.
+    series : ndarray
+        Coefficients.
+    error : float
+        Relative error of A.
+    """
 
     start: float
     stop: float
@@ -116,21 +140,21 @@ class _SeriesPanel:
     error: float
 
     def mean(self, tau: Array) -> Array:
-        """Return A inside the panel."""
+        """Return the mean slip A inside the panel."""
         local = (2.0 * tau - self.start - self.stop) / (self.stop - self.start)
         return np.asarray(np.exp(chebyshev.chebval(local, self.series)))
 
 
 class MeanSlipCurve:
-    """The mean slip from some friction on to where nothing slips.
+    """The mean slip from some friction up to the critical one, where nothing slips.
 
     Parameters
     ----------
     solve : callable
         Returns the solution at a friction, with the quantities `ASKED`, converged or not.
     lowest, highest : float
-        The curve begins at `lowest`. Integrals from anywhere up to `highest` are to have their
-        digits.
+        The curve begins at `lowest`. Integrals to R that begin between the two are accurate to
+        `rtol`.
     critical : float
         Critical friction R, infinite without tangential compliance.
     scale : float
@@ -153,12 +177,16 @@ class MeanSlipCurve:
         scale: float,
         rtol: float,
     ) -> None:
-        self._solve, self._lowest, self._critical, self._scale = solve, lowest, critical, scale
+        self._solve = solve
+        self._lowest = lowest
+        self._critical = critical
+        self._scale = scale
+        #: solutions and their mean slips, by tau
         self._solved: dict[float, tuple[Solution, ValueWithError]] = {}
         self._panels: list[_SeriesPanel] = []
-        #: short intervals of tau in which zones appear or vanish
-        self._crossings: dict[float, float] = {}
-        #: what the integral of A beyond the last panel is at most
+        #: the ends of the short intervals of tau in which zones appear or vanish, by their starts
+        self._thresholds: dict[float, float] = {}
+        #: a bound of the integral of A beyond the last panel
         self._beyond = 0.0
         if lowest < critical:
             self._build(self._place(highest), rtol)
@@ -169,19 +197,19 @@ class MeanSlipCurve:
         return [self._solved[tau][0] for tau in sorted(self._solved)]
 
     def _place(self, friction: float) -> float:
-        """Return tau of a friction."""
+        """Return the tau of a friction."""
         if self._critical == math.inf:
             return math.log1p((friction - self._lowest) / self._scale)
         return -math.log((self._critical - friction) / (self._critical - self._lowest))
 
     def _friction(self, tau: Array) -> Array:
-        """Return the frictions at some tau."""
+        """Return the frictions at some values of tau."""
         if self._critical == math.inf:
             return np.asarray(self._lowest + self._scale * np.expm1(tau))
         width = self._critical - self._lowest
-        # next to R its distance counts, next to the lowest friction the distance from there
-        near = self._lowest - width * np.expm1(-tau)
-        return np.where(tau < 0.5, near, self._critical - width * np.exp(-tau))
+        # counted from the lowest friction next to it, and from R next to R, neither cancels
+        from_lowest = self._lowest - width * np.expm1(-tau)
+        return np.where(tau < 0.5, from_lowest, self._critical - width * np.exp(-tau))
 
     def _slope(self, tau: Array) -> Array:
         """Return the derivative of the friction by tau."""
@@ -190,6 +218,7 @@ class MeanSlipCurve:
         return np.asarray((self._critical - self._lowest) * np.exp(-tau))
 
     def _mean(self, tau: float) -> ValueWithError:
+        """Return the mean slip at tau, solved once; its error is infinite without valid zones."""
         if tau not in self._solved:
             solution = self._solve(float(self._friction(np.array(tau))))
             mean = mean_slip(solution)
@@ -199,21 +228,24 @@ class MeanSlipCurve:
         return self._solved[tau][1]
 
     def _density(self, tau: float) -> float:
-        """Return A times the slope, which is integrated over tau."""
+        """Return the integrand over tau: A times the derivative of the friction."""
         return self._mean(tau).value * float(self._slope(np.array(tau)))
 
     def _build(self, last: float, rtol: float) -> None:
-        """Add panels until what is beyond them does not count for integrals from `last` on."""
-        start, width, whole = 0.0, _WIDTH, self._density(last)
+        """Add panels until the integral beyond them is negligible in integrals from `last` on."""
+        start = 0.0
+        width = _WIDTH
+        density_at_last = self._density(last)
         while len(self._panels) < _PANELS:
             here = self._density(start)
-            if not self._mean(start).error < 1.0:  # next to R, where slip has no digits any more
+            if not self._mean(start).error < 1.0:  # next to R, where no digit of the slip is known
                 self._beyond = here * _WIDTH
                 break
-            # where A has fallen, fewer of its digits count
-            share = min(here / whole, 1.0) if whole > 0.0 else 1.0
-            if start in self._crossings:
-                panel: _SeriesPanel | float = self._crossing(start)
+            # where A has fallen, it takes fewer digits
+            share = min(here / density_at_last, 1.0) if density_at_last > 0.0 else 1.0
+            at_threshold = start in self._thresholds
+            if at_threshold:
+                panel: _SeriesPanel | float = self._threshold_panel(start)
             else:
                 panel = self._panel(start, start + width, min(rtol / share, 1e-3))
             if not isinstance(panel, _SeriesPanel):
@@ -222,17 +254,22 @@ class MeanSlipCurve:
             self._panels.append(panel)
             after = self._density(panel.stop)
             length = panel.stop - panel.start
-            fall = math.log(here / after) / length if 0.0 < after < here else 1.0 / length
-            self._beyond = after / fall
-            if panel.stop >= last and self._beyond <= 0.1 * rtol * whole:
+            # the integrand falls on as fast as on this panel, by exp(-decay tau)
+            decay = math.log(here / after) / length if 0.0 < after < here else 1.0 / length
+            self._beyond = after / decay
+            if panel.stop >= last and self._beyond <= 0.1 * rtol * density_at_last:
                 break
-            width = _WIDTH / 4.0 if start in self._crossings else min(2.0 * width, _WIDTH)
+            width = _WIDTH / 4.0 if at_threshold else min(2.0 * width, _WIDTH)
             start = panel.stop
         else:
             self._beyond = math.inf
 
     def _panel(self, start: float, stop: float, tolerance: float) -> _SeriesPanel | float:
-        """Return the series on a panel, or the width of a narrower one to be tried."""
+        """Return the series on a panel, or the width of a narrower panel to be tried instead.
+
+        A narrower panel is tried if zones appear or vanish on this one, or if no degree reaches the
+        tolerance. The narrowest panel has a series in any case, with an infinite error.
+        """
         for degree in _DEGREES:
             local = -np.cos(np.pi * np.arange(degree + 1) / degree)
             taus = [start, *(start + (stop - start) * (local[1:-1] + 1.0) / 2.0).tolist(), stop]
@@ -244,56 +281,66 @@ class MeanSlipCurve:
             if not (values > 0.0).all():
                 break
             terms = chebyshev.chebfit(local, np.log(values), degree)
-            missing = _SAFETY * float(np.abs(terms[-_LAST:]).max())
-            known = max(one.error for one in means)
-            if not known < 1.0:
+            truncation = _SAFETY * float(np.abs(terms[-_LAST:]).max())
+            of_solves = max(one.error for one in means)
+            if not of_solves < 1.0:
                 break
-            if missing <= max(tolerance, known):
-                return _SeriesPanel(start, stop, terms, missing + _SAFETY * known)
+            if truncation <= max(tolerance, of_solves):
+                return _SeriesPanel(start, stop, terms, truncation + _SAFETY * of_solves)
         if stop - start > 2.0 * _NARROWEST:
             return (stop - start) / 2.0
         logs = np.log(np.maximum(values, np.finfo(float).tiny))
         return _SeriesPanel(start, stop, chebyshev.chebfit(local, logs, degree), math.inf)
 
     def _zones(self, tau: float) -> list[str]:
+        """Return the kinds of the zones at tau, from the centre."""
         self._mean(tau)
         return [zone.kind for zone in self._solved[tau][0].zones]
 
     def _threshold(self, taus: list[float]) -> float | None:
-        """Return a place just before zones appear or vanish, None if they are the same at all."""
+        """Return a tau just before the first change of the zones; None if all have the same zones.
+
+        The interval from there on, in which they change, is kept.
+        """
         kinds = [self._zones(tau) for tau in taus]
         changes = [i for i, one in enumerate(kinds) if one != kinds[0]]
         if not changes:
             return None
-        low, high = taus[changes[0] - 1], taus[changes[0]]
-        while high - low > _BRACKET or (low == taus[0] and high - low > _STILL):
+        low = taus[changes[0] - 1]
+        high = taus[changes[0]]
+        # the panel up to `low` needs a length, so go on while that is the first tau
+        while high - low > _BRACKET or (low == taus[0] and high - low > _AT_START):
             middle = (low + high) / 2.0
-            low, high = (middle, high) if self._zones(middle) == kinds[0] else (low, middle)
-        self._crossings[low] = high
+            if self._zones(middle) == kinds[0]:
+                low = middle
+            else:
+                high = middle
+        self._thresholds[low] = high
         return low
 
-    def _crossing(self, start: float) -> _SeriesPanel:
-        """Return the panel on which zones appear or vanish: so short that A is a parabola."""
-        stop = self._crossings[start]
+    def _threshold_panel(self, start: float) -> _SeriesPanel:
+        """Return the panel on which zones appear or vanish: so short that ln A is a parabola."""
+        stop = self._thresholds[start]
         local = np.array([-1.0, 0.0, 1.0])
         means = [self._mean(tau) for tau in (start, (start + stop) / 2.0, stop)]
         values = np.maximum([one.value for one in means], np.finfo(float).tiny)
         terms = chebyshev.chebfit(local, np.log(values), 2)
-        known = max(one.error for one in means)
-        return _SeriesPanel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + known))
+        of_solves = max(one.error for one in means)
+        return _SeriesPanel(start, stop, terms, _SAFETY * (abs(float(terms[2])) + of_solves))
 
     def integrate(
         self, weight: Callable[[Array], Array], friction: float, step: float
     ) -> ValueWithError:
-        """Return the integral of A times a weight that falls, from a friction on.
+        """Return the integral of A times a weight, over the friction from a given one to R.
 
         Parameters
         ----------
         weight : callable
-            Of the difference of frictions from `friction`.
+            Takes by how much the friction is above `friction`, and falls with it.
         friction : float
+            The lower end of the integral.
         step : float
-            The difference over which the weight is smooth.
+            The difference of frictions over which the weight changes by its own size.
 
         Returns
         -------
@@ -304,6 +351,7 @@ class MeanSlipCurve:
         x, w = leggauss(_INNER)
         first = self._place(friction)
         for panel, (start, stop) in self._pieces(first, step):
+            # tau less that of the lower end
             ahead = start + (stop - start) * (x + 1.0) / 2.0
             tau = first + ahead
             density = self._slope(tau) * panel.mean(tau)
@@ -316,14 +364,21 @@ class MeanSlipCurve:
         return ValueWithError(value, error)
 
     def _difference(self, first: float, ahead: Array) -> Array:
-        """Return by how much the friction rises from tau = `first` on, free of cancellation."""
+        """Return by how much the friction rises from `first` to `first + ahead`, both in tau.
+
+        As a difference of two frictions it would cancel.
+        """
         slope = self._slope(np.array(first))
         return slope * (np.expm1(ahead) if self._critical == math.inf else -np.expm1(-ahead))
 
     def _pieces(
         self, first: float, step: float
     ) -> Iterator[tuple[_SeriesPanel, tuple[float, float]]]:
-        """Yield panels and the ends of pieces of them, less `first`; the pieces grow from there."""
+        """Yield pieces of the panels behind `first`: the panel, and the ends in tau less `first`.
+
+        The ends are those of panels, and about where the friction is `step`, 2 `step`, 4 `step` ...
+        above that at `first`, so that the weight is smooth on every piece.
+        """
         fine = step / float(self._slope(np.array(first))) * 2.0 ** np.arange(60)
         for panel in self._panels:
             start, stop = max(panel.start - first, 0.0), panel.stop - first

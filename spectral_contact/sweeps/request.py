@@ -1,4 +1,4 @@
-"""What is asked of every scene of a sweep, checked once, and what comes of it, row by row."""
+"""What is asked of every scene of a sweep, checked once, and the results, a row for each scene."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from spectral_contact.io import checks
 from spectral_contact.quantities import FIELDS, NUMBERS, OUTPUTS
 from spectral_contact.solution import ADHESION_QUANTITIES, QUANTITIES, Ending, Solution
 from spectral_contact.solving.asked import asked_quantities, checked_tolerance
+from spectral_contact.view.report import relative_to
 
 if TYPE_CHECKING:
     from spectral_contact.sweeps.sweep_parameters import Indices
@@ -25,9 +26,11 @@ SCALARS: Final = tuple(name for name in NUMBERS if name in QUANTITIES)
 _PROFILE_SCALARS: Final = tuple(
     one.name for one in OUTPUTS if one.kind == "number" and one.scenes in ("all", "profile")
 )
-#: How a scene can end, by code: the endings of `solve` in small letters, and failure.
+#: How a scene may end: the names of `Ending` in small letters, and failure. Places in this tuple
+#: are the codes of endings.
 ENDINGS: Final = ("converged", "unknowns", "rounding", "zones", "failed")
-_CONVERGED, _FAILED = ENDINGS.index("converged"), ENDINGS.index("failed")
+_CONVERGED: Final = ENDINGS.index("converged")
+_FAILED: Final = ENDINGS.index("failed")
 #: Codes of the kinds of zones, by whether they stick with memory or slip back; 0 is none.
 _KINDS: Final = {
     ("stick", False): 1,
@@ -50,9 +53,10 @@ class Request:
     places : str
         The dimension of the fields: ``"s"`` or ``"from_edge"``; empty without fields.
     s, from_edge : ndarray, shape (places,)
-        Where the fields are taken.
+        Where the fields are taken: the same places as radii and as distances from the edge.
     shared : bool
-        Whether there are so many compliances that decompositions which serve all of them pay.
+        Whether the spectra are used (`shortcuts`), which take seconds to build and serve all pairs
+        of compliances.
     """
 
     quantities: tuple[str, ...]
@@ -70,7 +74,7 @@ class Request:
 
     @property
     def values_of_a_scene(self) -> int:
-        """How many numbers the results of a scene are, those of its zones as of one."""
+        """Count of the numbers that a scene gives, as if it had one zone."""
         values = sum(len(self.s) if name in FIELDS else 1 for name in self.quantities)
         return values + len(self.quantities) + 1  # their errors, and how it ended
 
@@ -98,9 +102,19 @@ def requested(
     adhesive: bool = False,
     unloaded: bool = False,
 ) -> Request:
-    """Check what is asked, of scenes with a profile if they are shaped, with adhesion if adhesive.
+    """Return what is asked, checked.
 
-    Below the largest load (`unloaded`) the thresholds of the load are not among the default.
+    Parameters
+    ----------
+    quantities : iterable of str or None
+        None for all scalars that the scenes have.
+    rtol, max_unknowns
+        As of `solve`.
+    s, from_edge : array_like or None
+        Where fields are taken.
+    shaped, adhesive, unloaded : bool
+        Whether the scenes have profiles, whether some have adhesion, and whether some are below
+        their largest load.
 
     Raises
     ------
@@ -118,18 +132,18 @@ def requested(
     if not asked:
         raise SceneError("quantities", [], "at least one name")
     chosen = tuple(one.name for one in OUTPUTS if one.name in asked)
+    fields = [name for name in chosen if name in FIELDS]
+    rtol = checked_tolerance(rtol, chosen)
+    max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
     places = "s" if from_edge is None else "from_edge"
-    return Request(
-        chosen,
-        checked_tolerance(rtol, chosen),
-        checks.whole("max_unknowns", max_unknowns, 1),
-        "" if s is None and from_edge is None else places,
-        *_radii(places, [name for name in chosen if name in FIELDS], s, from_edge),
-    )
+    radii, distances = _radii(places, fields, s, from_edge)
+    if s is None and from_edge is None:
+        places = ""
+    return Request(chosen, rtol, max_unknowns, places, radii, distances)
 
 
 def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Array, Array]:
-    """Return where the fields are taken: radii and distances from the edge."""
+    """Return the radii at which fields are taken, and their distances from the edge."""
     if s is None and from_edge is None:
         if fields:
             told = "given with its radii (s= or from_edge=)"
@@ -146,12 +160,12 @@ def _radii(places: str, fields: list[str], s: Any, from_edge: Any) -> tuple[Arra
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Served:
-    """What the spectra know.
+    """Numbers of scenes that took no solve of their own: from spectra, a line or a curve.
 
     Attributes
     ----------
     mask : ndarray of bool, shape (scenes,)
-        Of which scenes.
+        Which of the scenes these are.
     values, errors : dict of str to ndarray
         By quantity, of these scenes alone.
     """
@@ -163,16 +177,16 @@ class Served:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What came of some scenes.
+    """The results of the scenes of a chunk.
 
     Attributes
     ----------
     values : dict of str to ndarray, shape (scenes, ...)
         By the name of a variable; NaN where there is no value.
     endings : ndarray of int8, shape (scenes,)
-        Places in `ENDINGS`.
+        Codes: places in `ENDINGS`.
     messages : dict of int to str
-        What is to be said of a scene of this chunk, if it did not converge.
+        Why a scene did not converge, by its place in the chunk.
     """
 
     values: dict[str, NDArray[np.generic]]
@@ -181,7 +195,14 @@ class Outcome:
 
 
 class Rows:
-    """Results as they come, row by row."""
+    """The results of the scenes of a chunk as they are found, a row for each scene.
+
+    Parameters
+    ----------
+    count : int
+        Number of scenes.
+    request : Request
+    """
 
     def __init__(self, count: int, request: Request) -> None:
         self._request = request
@@ -189,7 +210,8 @@ class Rows:
         self._done = np.zeros(count, dtype=bool)
         self._messages: dict[int, str] = {}
         self._values: dict[str, NDArray[np.generic]] = {}
-        self._zones: dict[int, Solution] = {}
+        #: the solutions of scenes whose zones are asked for
+        self._with_zones: dict[int, Solution] = {}
         for name in request.quantities:
             if name in FIELDS:
                 self._values[name] = np.full((count, len(request.s)), np.nan)
@@ -199,7 +221,7 @@ class Rows:
 
     @property
     def left(self) -> Indices:
-        """The scenes that need work."""
+        """Places of the scenes that have no results yet."""
         return np.flatnonzero(~self._done)
 
     def take(self, i: int, solution: Solution) -> None:
@@ -215,17 +237,19 @@ class Rows:
             except NotComputedError:  # a scene without friction has no slip and no ratios
                 continue
             error = getattr(solution.error, name)
+            if error:  # of what adhesion or a clearance may cancel it is relative to something else
+                error *= relative_to(name, solution)
             if error is not None:
                 self._values[f"{name}_error"][i] = error
             if name in FIELDS:
                 self._values[name][i] = value(**{request.places: getattr(request, request.places)})
             elif name == "zones":
-                self._zones[i] = solution
+                self._with_zones[i] = solution
             elif value is not None:
                 self._values[name][i] = value
 
     def put(self, scenes: Indices, known: Served) -> None:
-        """Keep what is known of some scenes without a solve of their own."""
+        """Keep what is known of some scenes that took no solve of their own."""
         own = scenes[known.mask]
         self._endings[own] = _CONVERGED
         self._done[own] = True
@@ -238,19 +262,19 @@ class Rows:
         self._endings[i] = _FAILED
         text = " ".join(str(error).split())
         self._messages[i] = f"{type(error).__name__}: {text}" if text else type(error).__name__
-        self._zones.pop(i, None)
+        self._with_zones.pop(i, None)
         for values in self._values.values():
             values[i] = np.nan
 
     def outcome(self) -> Outcome:
-        """Return everything."""
+        """Return the results; scenes that are left count as failed."""
         if "zones" in self._request.quantities:
-            self._values.update(_zone_columns(len(self._endings), self._zones))
+            self._values.update(_zone_columns(len(self._endings), self._with_zones))
         return Outcome(self._values, self._endings, self._messages)
 
 
 def _zone_columns(count: int, solved: dict[int, Solution]) -> dict[str, NDArray[np.generic]]:
-    """Return kind and outer radius of every zone, from the centre; 0 and NaN where is none."""
+    """Return kind and outer radius of all zones, from the centre on; 0 and NaN where is none."""
     most = max((len(one.zones) for one in solved.values()), default=0)
     kinds = np.zeros((count, most), dtype=np.int8)
     outer = np.full((2, count, most), np.nan)

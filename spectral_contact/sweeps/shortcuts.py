@@ -1,4 +1,7 @@
-"""Scenes that need no solve of their own: normal contact and full stick, from the spectra."""
+"""Scenes of normal contact and of full stick, which need no solve: the spectra know their numbers.
+
+The spectra (`spectra`) are decompositions that serve all compliances, with errors of `error_maps`.
+"""
 
 from __future__ import annotations
 
@@ -17,22 +20,25 @@ from spectral_contact.sweeps.sweep_parameters import Columns
 Mask = NDArray[np.bool_]
 
 _NORMAL: Final = frozenset({"approach", "pressure"})
-#: These need to know that there is no slip.
+#: Quantities that the spectra know only where nothing slips.
 _STICKING: Final = frozenset({"total_shear", "stick_radius"})
-#: Below this compliance the layers are so thin that pointwise values need what `solve` does for
-#: them: an endpoint weight, a correction. Modes lose eps/sqrt(alpha), and now and then much more.
+#: Below this compliance the edge layer is so thin that the spectra lose digits of values at a
+#: point: eps/sqrt(alpha), and now and then much more. `solve` keeps them by an endpoint weight and
+#: a correction.
 _LEAST_POINTWISE: Final = 1e-6
 
 
 def eligible(columns: Columns, request: Request) -> Mask:
-    """Return which scenes the spectra may serve, as far as that is known before any work."""
+    """Return a mask of the scenes that the spectra may serve, judged by their parameters alone."""
     asked = frozenset(request.quantities)
-    alpha, beta, friction = columns.values[1:4]
+    alpha = columns.alpha
+    beta = columns.beta
+    friction = columns.friction
     mask: Mask = (alpha > 0.0) & ~columns.coupled & columns.at_largest_load
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
     if asked & FULL_STICK_RATIOS:
         mask &= ~thin
-    elif asked & _STICKING:  # whether there is slip hangs on the ratios, too
+    elif asked & _STICKING:  # whether anything slips depends on the critical friction, a ratio
         mask &= ~thin | (friction == np.inf)
     if not asked <= _NORMAL | FULL_STICK_RATIOS | _STICKING:
         mask[:] = False
@@ -48,14 +54,14 @@ def served(columns: Columns, request: Request) -> Served:
     mask = eligible(columns, request)
     values: dict[str, Array] = {}
     errors: dict[str, Array] = {}
-    some = columns[mask]
-    if len(some):
+    candidates = columns[mask]
+    if len(candidates):
         asked = frozenset(request.quantities)
         if asked & _NORMAL:
-            _normal(some, values, errors)
-        sure = np.ones(len(some), dtype=bool)
+            _normal(candidates, values, errors)
+        sure = np.ones(len(candidates), dtype=bool)
         if asked & (FULL_STICK_RATIOS | _STICKING):
-            sure = _full_stick(some, request, values, errors)
+            sure = _full_stick(candidates, request, values, errors)
         for name in asked:
             # next to the critical friction the shakedown ratio has fewer digits, solved or not
             bound = "critical_friction" if name == "shakedown_ratio" else name
@@ -67,17 +73,26 @@ def served(columns: Columns, request: Request) -> Served:
 
 
 def _normal(columns: Columns, values: dict[str, Array], errors: dict[str, Array]) -> None:
-    (approach, pressure), (lost, lost_pressure) = certified_normal().approach(columns.values[1])
-    values["approach"], errors["approach"] = approach, lost
-    values["pressure"], errors["pressure"] = pressure[:, None], lost_pressure
+    """Add approach and edge pressure, a field at one place, with their errors."""
+    found, lost = certified_normal().approach(columns.alpha)
+    values["approach"], pressure = found
+    values["pressure"] = pressure[:, None]
+    errors["approach"], errors["pressure"] = lost
 
 
 def _full_stick(
     columns: Columns, request: Request, values: dict[str, Array], errors: dict[str, Array]
 ) -> Mask:
-    """Fill in full stick, and return where what is asked is that."""
-    alpha, beta, friction = columns.values[1:4]
-    kappa, stick = np.abs(columns.kappa), certified_stick(request.rtol)
+    """Add the quantities of full stick, and return a mask of the scenes whose own ones they are.
+
+    The ratios are those of full stick at any friction. Total shear and stick radius are those of a
+    scene only if its friction is above the critical one, by more than the error of that.
+    """
+    alpha = columns.alpha
+    beta = columns.beta
+    friction = columns.friction
+    kappa = np.abs(columns.kappa)
+    stick = certified_stick(request.rtol)
     (shear, edge), (lost_shear, lost_edge) = stick.shear_and_edge(alpha, beta)
     values.update(
         total_shear=columns.kappa * shear,
@@ -87,8 +102,8 @@ def _full_stick(
     errors.update(total_shear=lost_shear, edge_ratio=lost_edge, stick_radius=np.zeros(len(columns)))
     asked = frozenset(request.quantities)
     sticks = friction == np.inf
-    doubtful = bool(asked & _STICKING) and not sticks.all()
-    if not asked.isdisjoint(("critical_friction", "shakedown_ratio")) or doubtful:
+    may_slip = bool(asked & _STICKING) and not sticks.all()
+    if not asked.isdisjoint(("critical_friction", "shakedown_ratio")) or may_slip:
         critical, lost = stick.critical(alpha, beta, edge)
         values["critical_friction"], errors["critical_friction"] = kappa * critical, lost
         values["shakedown_ratio"], errors["shakedown_ratio"] = shakedown(

@@ -30,7 +30,7 @@ _SYMBOLS: Final = {
     "s": "$s$",
     "from_edge": "$1 - s$",
 }
-#: An axis whose values span more than this is logarithmic.
+#: An axis is logarithmic if its largest value over its least is more than this; chosen.
 _SPAN: Final = 30.0
 
 
@@ -65,9 +65,9 @@ def plot_slice(
     names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
     part = _sliced(dataset[one_of("quantity", quantity, names)], at)
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
-    # full stick, friction infinite, has no place on an axis
+    # the infinite friction of full stick has no place on an axis
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
-    part = part.sortby([name for name in left if name in part.dims])  # as an axis has them
+    part = part.sortby([name for name in left if name in part.dims])
     if len(left) not in (1, 2):
         said = f"such that one or two dimensions are left, not {', '.join(left) or 'none'}"
         raise SceneError("at", dict(at or {}), said)
@@ -80,9 +80,10 @@ def plot_slice(
 
 
 def varying(dataset: xarray.Dataset, at: Mapping[str, float] | None = None) -> str:
-    """Return the quantity to draw: the first that varies in every direction of a slice.
+    """Return the quantity to draw: the first that varies along every dimension of a slice.
 
-    To vary is to change by more than the error estimates. If none does, it is the first there is.
+    A quantity varies if it changes by more than ten times its largest error. If none does, it is
+    the first one.
     """
     names = [str(name) for name in dataset.data_vars if f"{name}_error" in dataset]
     for name in names:
@@ -102,7 +103,7 @@ def _sliced(part: xarray.DataArray, at: Any) -> xarray.DataArray:
 
 
 def _held(part: xarray.DataArray) -> str:
-    """Return what is the same in a whole picture, with its values."""
+    """Return the parameters that are the same in the whole picture, with their values."""
     held = [one for one in part.coords if part[one].ndim == 0 and part[one].dtype.kind == "f"]
     numbers = {name: float(part[name]) for name in held}
     texts = [
@@ -113,7 +114,7 @@ def _held(part: xarray.DataArray) -> str:
 
 
 def _places(at: Any, dims: list[str]) -> dict[str, float]:
-    """Return where dimensions are cut."""
+    """Return at which values dimensions are cut."""
     if not isinstance(at, Mapping | None):
         raise SceneError("at", at, "a mapping of names to numbers")
     return {
@@ -125,7 +126,7 @@ def _places(at: Any, dims: list[str]) -> dict[str, float]:
 
 
 def _nearest(values: NDArray[Any], wanted: float) -> Any:
-    """Return the value that is nearest; infinity is near to itself alone."""
+    """Return the value that is nearest; an infinite one only if it is wanted."""
     same = values[values == wanted]
     return same[0] if same.size else values[np.argmin(np.abs(values - wanted))]
 
@@ -150,13 +151,13 @@ def _map(axes: Axes, part: xarray.DataArray, left: list[str]) -> None:
 
 
 def _scale(setter: Any, values: NDArray[Any]) -> None:
-    """Make an axis logarithmic where its values are so."""
+    """Make an axis logarithmic if its values are spread like that."""
     if _logarithmic(values):
         setter("log")
 
 
 def _logarithmic(values: NDArray[Any]) -> bool:
-    """Whether values are positive and span more than `_SPAN`."""
+    """Whether values are positive and the largest is more than `_SPAN` times the least."""
     finite = values[np.isfinite(values)]
     return bool(finite.size and finite.min() > 0.0 and finite.max() > _SPAN * finite.min())
 
@@ -165,9 +166,10 @@ def _edges(values: NDArray[Any]) -> NDArray[Any]:
     """Return the ends of cells around values, half-way between them on their axis."""
     logarithmic = _logarithmic(values)
     places = np.log(values) if logarithmic else values
-    middle = (places[1:] + places[:-1]) / 2.0
-    first, last = 2.0 * places[0] - middle[0], 2.0 * places[-1] - middle[-1]
-    edges = np.concatenate([[first], middle, [last]])
+    between = (places[1:] + places[:-1]) / 2.0
+    first = 2.0 * places[0] - between[0]
+    last = 2.0 * places[-1] - between[-1]
+    edges = np.concatenate([[first], between, [last]])
     return np.asarray(np.exp(edges) if logarithmic else edges)
 
 

@@ -1,13 +1,14 @@
-"""One decomposition serves every roughness: normal contact and full stick for any compliances.
+"""Spectra: one decomposition serves normal contact and full stick for all compliances.
 
-With the modes ``v_k`` of the normal operator, its eigenvalues ``lambda_k`` and their moments
-``b_k`` (docs/maps) the pressure is ``delta* sum_k v_k b_k / (alpha* + lambda_k)``, and
+With the modes ``v_k`` of the normal operator, its eigenvalues ``lambda_k`` and the moments ``b_k``
+of the modes (docs/internals) the pressure is ``delta* sum_k v_k b_k / (alpha* + lambda_k)``, and
 ``1/delta* = 2 pi sum_k b_k^2 / (alpha* + lambda_k)``. The edge pressure follows from the identity
 ``2 pi alpha p(1)^2 = delta + alpha ddelta/dalpha``. What the pressure demands of the traction is
 linear, so the modes of both operators are coupled by one matrix, and total shear and edge ratio of
 full stick are products of it with ``1/(beta* + mu_j)`` and ``1/(alpha* + lambda_k)``.
 
-All is for kappa = 1. One mesh serves every compliance from 1e-14 to 1e14.
+Tractions are those of kappa = 1. One mesh serves every compliance from 1e-14 to 1e14. Its
+coordinate is ``x = -ln(1 - s**2)``, 0 at the centre and infinite at the edge.
 """
 
 from __future__ import annotations
@@ -28,16 +29,20 @@ from spectral_contact.spectral.transforms import sampled_series, transforms
 
 Indices = NDArray[np.intp]
 
-#: To ``x = 48``: 16 beyond the layer of the least compliance, where p - p(1) has fallen to 1e-7
-#: of p; the tail polynomials do the rest.
+#: Number of panels: they reach to ``x = 48``, 16 beyond the layer of the least compliance, where
+#: p - p(1) has fallen to 1e-7 of p. The tail polynomials represent the rest.
 _PANELS: Final = 24
-#: Compliances at a time, so that the sums stay in the cache of a processor.
+#: Compliances, or rows of a product, that are treated at a time, so that they stay in the cache of
+#: a processor.
 _BLOCK: Final = 256
-#: Where q/p is sampled on every panel to find its maximum, and how often that is zoomed in on.
-_SAMPLES, _ZOOMS = 16, 5
-#: The share of a panel next to its ends where coefficients that are rounding add up.
+#: Samples of q/p on every panel, among which its maximum is looked for ...
+_SAMPLES: Final = 16
+#: ... and how many times finer samples are taken around it, a quarter as far apart each time.
+_ZOOMS: Final = 5
+#: Share of a panel next to each end where rounding of coefficients of high degree adds up.
 _BESIDE: Final = 0.05
-#: A grid of all pairs of compliances may have this many times the pairs that are wanted.
+#: If all pairs of the alphas and betas are at most this many times the pairs that are wanted, all
+#: of them are computed, by a product of matrices.
 _SPARE: Final = 4
 
 
@@ -89,8 +94,9 @@ class StickSpectrum:
         space = unit_space(self.panels, (degree,) * _PANELS, shear=True)
         self.values, self.modes = space.spectrum()
         own = self.modes[space.index]
-        #: what a mode of the pressure demands of a mode of the traction, (tangential, normal)
-        self.coupling = own.T @ space.moments(self._targets(space.y)).T
+        #: moments of the right sides of full stick with the modes, (tangential, normal)
+        self.coupling = own.T @ space.moments(self._right_sides(space.y)).T
+        #: total shears of the modes
         self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.function] @ own
         tail = self.panels.tail_terms
         #: Legendre polynomials at -1
@@ -98,103 +104,119 @@ class StickSpectrum:
         #: ``q/s`` of the modes at the edge
         self.edge = self._signs[:tail] @ self.modes[-tail:]
 
-    def _targets(self, d: Array) -> Array:
-        """Return R of every mode of the pressure, shape (modes, places); see `contact.drive`."""
+    def _right_sides(self, d: Array) -> Array:
+        """Return the right side of full stick for every mode p of the pressure, (modes, places).
+
+        It is ``R(t) = 2/t int_0^t s p ds / sqrt(t**2 - s**2)`` at ``d = 1 - t**2`` (docs/theory).
+        """
         own = transforms(self.panels)
         root = np.sqrt(1.0 - self.panels.sampling_distances)
-        return np.array(
-            [
-                sampled_series(self.panels, 2.0 * own.abel_left(np.ascontiguousarray(mode)) / root)(
-                    d
-                )
-                for mode in self.normal.modes.T
-            ]
-        )
+        found = []
+        for mode in self.normal.modes.T:
+            samples = 2.0 * own.abel_left(np.ascontiguousarray(mode)) / root
+            found.append(sampled_series(self.panels, samples)(d))
+        return np.array(found)
 
     def shear_and_edge(self, alpha: Array, beta: Array) -> tuple[Array, Array]:
         """Return ``Q*/kappa`` and ``q/(kappa p)`` at the edge, for pairs of compliances."""
         alphas, a = np.unique(alpha, return_inverse=True)
         betas, b = np.unique(beta, return_inverse=True)
         pressure, edge_pressure = self.normal.pressure(alphas)
-        demands = pressure @ self.coupling.T
+        # the right side of every alpha in the modes of the traction
+        right_sides = pressure @ self.coupling.T
         inverse = 1.0 / (betas[:, None] + self.values)
         found = []
         for functional in (self.shear, self.edge):
             weights = functional * inverse
             if len(alphas) * len(betas) <= _SPARE * len(alpha):
-                found.append((demands @ weights.T)[a, b])
+                found.append((right_sides @ weights.T)[a, b])
             else:
-                found.append(_row_products(demands, a, weights, b))
+                found.append(_row_products(right_sides, a, weights, b))
         shear, edge = found
         return shear, edge / edge_pressure[a]
 
     def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> tuple[Array, Array]:
-        """Return the largest ``|q|/(kappa p)`` of full stick, and what ends of panels round in it.
-
-        For pairs of compliances.
+        """Return the largest ``|q|/(kappa p)`` of full stick, and an error at ends of panels.
 
         Parameters
         ----------
         alpha, beta : ndarray, shape (scenes,)
+            Pairs of compliances.
         edge_ratio : ndarray, shape (scenes,)
             As `shear_and_edge` returns it.
+
+        Returns
+        -------
+        critical, jumps : ndarray, shape (scenes,)
+            The jumps are relative: see `_largest`.
         """
-        critical, jumps = np.abs(edge_ratio), np.zeros(len(alpha))
-        alphas, own = np.unique(alpha, return_inverse=True)
+        critical = np.abs(edge_ratio)
+        jumps = np.zeros(len(alpha))
+        alphas, a = np.unique(alpha, return_inverse=True)
         pressure, _ = self.normal.pressure(alphas)
-        demands = pressure @ self.coupling.T
+        right_sides = pressure @ self.coupling.T
         fields = pressure @ self.normal.modes.T
-        order = np.argsort(own, kind="stable")
-        bounds = np.searchsorted(own[order], np.arange(len(alphas) + 1))
+        # scenes of the same alpha are treated together
+        order = np.argsort(a, kind="stable")
+        bounds = np.searchsorted(a[order], np.arange(len(alphas) + 1))
         for k in range(len(alphas)):
             members = order[bounds[k] : bounds[k + 1]]
             for i in range(0, len(members), _BLOCK):
                 part = members[i : i + _BLOCK]
-                tractions = (demands[k] / (beta[part, None] + self.values)) @ self.modes.T
+                tractions = (right_sides[k] / (beta[part, None] + self.values)) @ self.modes.T
                 inside, jumps[part] = self._largest(tractions, fields[k])
                 critical[part] = np.maximum(critical[part], inside)
         return critical, jumps
 
     def _largest(self, tractions: Array, pressure: Array) -> tuple[Array, Array]:
-        """Return the largest ``s |u| / p`` on the panels, for rows of coefficients of u.
+        """Return the largest ``|q| / p`` on the panels, and the jumps at the ends of panels.
 
-        And by how much, relatively, q/p jumps where that is next to an end of a panel: rounding of
-        up to 5e-12 there, which no difference of degrees at other places shows.
+        Where the largest ratio is next to an end of a panel, the jump is by how much, relatively,
+        q/p differs between the panels on both sides. It is rounding, of up to 5e-12, which no
+        difference of degrees at other places shows.
+
+        Parameters
+        ----------
+        tractions : ndarray, shape (rows, coefficients)
+            Coefficients of ``q/s``, a row for each traction.
+        pressure : ndarray, shape (coefficients,)
         """
         terms = self.panels.degree + 1
         count = _PANELS * terms
-        q = tractions[:, :count].reshape(-1, _PANELS, terms)
+        q_over_s = tractions[:, :count].reshape(-1, _PANELS, terms)
         p = pressure[:count].reshape(_PANELS, terms)
         local = 2.0 * np.arange(_SAMPLES) / _SAMPLES - 1.0
         basis = legendre_rows(local, terms - 1)
         step = PANEL_WIDTH / _SAMPLES
         x = step * np.arange(_PANELS * _SAMPLES)
-        root = np.sqrt(-np.expm1(-x))
-        ratio = np.abs(root * (q @ basis).reshape(len(q), -1) / (p @ basis).ravel())
-        where = x[np.argmax(ratio, axis=1)]
-        rows = np.arange(len(q))[:, None]
+        s = np.sqrt(-np.expm1(-x))
+        ratio = np.abs(s * (q_over_s @ basis).reshape(len(q_over_s), -1) / (p @ basis).ravel())
+        largest_at = x[np.argmax(ratio, axis=1)]
+        rows = np.arange(len(q_over_s))
+        # nine places, each time a quarter as far apart
         offsets = np.linspace(-1.0, 1.0, 2 * 4 + 1)
         deepest = _PANELS * PANEL_WIDTH * (1.0 - 1e-15)
         for _ in range(_ZOOMS):
-            places = np.clip(where[:, None] + step * offsets, 0.0, deepest)
+            places = np.clip(largest_at[:, None] + step * offsets, 0.0, deepest)
             panel = (places / PANEL_WIDTH).astype(np.intp)
             basis = legendre_rows(2.0 * (places / PANEL_WIDTH - panel) - 1.0, terms - 1)
-            above = np.einsum("knm,nmk->nm", basis, q[rows, panel])
-            below = np.einsum("knm,nmk->nm", basis, p[panel])
-            ratio = np.abs(np.sqrt(-np.expm1(-places)) * above / below)
+            numerator = np.einsum("knm,nmk->nm", basis, q_over_s[rows[:, None], panel])
+            denominator = np.einsum("knm,nmk->nm", basis, p[panel])
+            ratio = np.abs(np.sqrt(-np.expm1(-places)) * numerator / denominator)
             best = np.argmax(ratio, axis=1)
-            where = places[rows[:, 0], best]
+            largest_at = places[rows, best]
             step /= 4.0
-        each, place = np.arange(len(q)), where / PANEL_WIDTH
+        place = largest_at / PANEL_WIDTH
+        # the nearest end of a panel; Legendre polynomials are 1 at the end of the panel to its left
         end = np.clip(np.rint(place).astype(np.intp), 1, _PANELS - 1)
-        left = q[each, end - 1].sum(axis=1) / p[end - 1].sum(axis=1)
-        right = q[each, end] @ self._signs / (p[end] @ self._signs)
+        left = q_over_s[rows, end - 1].sum(axis=1) / p[end - 1].sum(axis=1)
+        right = q_over_s[rows, end] @ self._signs / (p[end] @ self._signs)
         jump = np.where(np.abs(place - end) < _BESIDE, np.abs(right / left - 1.0), 0.0)
         return _vertex(ratio, np.clip(best, 1, len(offsets) - 2)), jump
 
 
 def _row_products(left: Array, a: Indices, right: Array, b: Indices) -> Array:
-    """Return the inner products of rows of two matrices, pair by pair."""
+    """Return the inner products of rows a of one matrix with rows b of another, pair by pair."""
     result = np.empty(len(a))
     for i in range(0, len(a), _BLOCK):
         part = slice(i, i + _BLOCK)
@@ -203,11 +225,20 @@ def _row_products(left: Array, a: Indices, right: Array, b: Indices) -> Array:
 
 
 def _vertex(values: Array, at: Indices) -> Array:
-    """Return the top of the parabola through three equidistant values, or the largest of them."""
+    """Return the maximum of the parabola through three neighbouring values of every row.
+
+    If that is not between them, it is the largest of the three.
+
+    Parameters
+    ----------
+    values : ndarray, shape (rows, places)
+        At equidistant places.
+    at : ndarray, shape (rows,)
+        The middle one of the three, in every row.
+    """
     rows = np.arange(len(values))
     before, middle, after = (values[rows, at + k] for k in (-1, 0, 1))
-    bend = 2.0 * middle - before - after
+    bend = 2.0 * middle - before - after  # minus the second difference
     top = middle + (after - before) ** 2 / (8.0 * np.where(bend > 0.0, bend, np.inf))
     largest = np.maximum(np.maximum(before, middle), after)
-    # a vertex beyond its neighbours is no vertex: the maximum is at an end
     return np.where(np.abs(after - before) < 2.0 * bend, np.maximum(top, largest), largest)

@@ -1,4 +1,4 @@
-"""The scenes of a sweep as columns of numbers: a grid, or a list; a million of them cost little."""
+"""The scenes of a sweep as columns of numbers: a grid or a list, of a million scenes if need be."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from spectral_contact.profiles import Profile
 from spectral_contact.profiles.control import ALL_CONTROLS
 from spectral_contact.scene import Scene
 
-#: Numbers of scenes.
+#: Numbers of scenes in a sweep, or places of scenes in a chunk, counted from 0.
 Indices = NDArray[np.intp]
 
-#: The parameters of a scene, in the order of the columns and of the dimensions of a grid; those
-#: from the sixth on, with a profile alone.
+#: The parameters of a scene, in the order of the rows of `Columns.values` and of the dimensions of
+#: a grid. Scenes of a flat punch have the first five alone.
 PARAMETERS: Final = (
     "poisson_ratio",
     "normal_compliance",
@@ -35,30 +35,41 @@ PARAMETERS: Final = (
     *ALL_CONTROLS,
     "work_of_adhesion",
 )
+#: Number of parameters of a flat punch.
+_FLAT: Final = 5
 #: What takes the place of Poisson's ratio, the first parameter, in scenes of two bodies.
 KAPPA: Final = "kappa"
-#: What parameters of a layer's law begin with; they follow those.
+#: Prefix of the parameters of a layer's law, which follow `PARAMETERS`.
 _LAW: Final = "layer_"
-#: How many of them a flat punch has.
-_FLAT: Final = 5
+_ALPHA: Final = PARAMETERS.index("normal_compliance")
+_BETA: Final = PARAMETERS.index("tangential_compliance")
+_FRICTION: Final = PARAMETERS.index("friction")
 _UNLOADED: Final = PARAMETERS.index("unloaded_to")
-#: What varies slowest when scenes are solved: alpha, adhesion, beta, nu, friction.
-_SLOWEST: Final = (1, 9, 2, 0, 3, 4, 5, 6, 7, 8)
+#: Parameters in the order in which scenes are sorted to be solved. The first varies slowest: scenes
+#: of the same alpha share the pressure, those of the same alpha and beta the full-stick traction.
+_SLOWEST: Final = tuple(
+    PARAMETERS.index(name)
+    for name in (
+        *("normal_compliance", "work_of_adhesion", "tangential_compliance", "poisson_ratio"),
+        *("friction", "unloaded_to", *ALL_CONTROLS),
+    )
+)
 
 
 class SceneForm(NamedTuple):
-    """What of a scene is no number."""
+    """The fields of a scene that are no column of numbers."""
 
     profile: Profile | None = None
     layer: Layer | None = None
     coupling: bool = False
     #: whether the first parameter is kappa
     by_kappa: bool = False
+    #: which of several states with adhesion that have the same load or approach: `Scene.branch`
     branch: int = 0
 
     @classmethod
     def of(cls, scene: Scene) -> SceneForm:
-        """Return that of a scene."""
+        """Return the form of a scene."""
         by_kappa = scene.mismatch is not None
         return cls(scene.profile, scene.layer, scene.coupling, by_kappa, scene.branch)
 
@@ -70,12 +81,13 @@ class Columns:
     Attributes
     ----------
     values : ndarray, shape (5, scenes) or (10 and more, scenes)
-        In the order of `PARAMETERS`, then those of `law`. NaN stands for None: no friction at all,
-        not given. The first is kappa where the form says so.
+        A row for each parameter, in the order of `PARAMETERS`, then of `law`. NaN stands for None:
+        no friction, or a parameter that is not given. The first row is kappa where `by_kappa` of
+        the form says so.
     forms : tuple of SceneForm
-        Of each, or one that is that of all.
+        One for each scene, or a single one of all scenes.
     law : tuple of str
-        Parameters of the layer's law that vary.
+        Names of the parameters of the layer's law that vary.
     """
 
     values: Array
@@ -92,8 +104,24 @@ class Columns:
         by_kappa = np.broadcast_to([one.by_kappa for one in self.forms], len(self))
         return np.asarray(np.where(by_kappa, nu, (1.0 - 2.0 * nu) / (4.0 * (1.0 - nu))))
 
+    @property
+    def alpha(self) -> Array:
+        """Normal compliance of every scene."""
+        return np.asarray(self.values[_ALPHA])
+
+    @property
+    def beta(self) -> Array:
+        """Tangential compliance of every scene."""
+        return np.asarray(self.values[_BETA])
+
+    @property
+    def friction(self) -> Array:
+        """Friction of every scene: infinite for full stick, NaN without friction."""
+        return np.asarray(self.values[_FRICTION])
+
     def scene(self, index: int) -> Scene:
         """Return one of the scenes."""
+        # a flat punch has fewer rows than there are parameters, a varying law has more
         numbers = zip(PARAMETERS, self.values[:, index].tolist(), strict=False)
         given: dict[str, Any] = {name: one for name, one in numbers if not math.isnan(one)}
         form = self.forms[index if len(self.forms) > 1 else 0]
@@ -126,15 +154,17 @@ class SweepParameters:
     Attributes
     ----------
     fixed : tuple of float
-        What each parameter is where it does not vary.
+        The value of every parameter that does not vary, in the order of `names`.
     axes : dict of str to ndarray
-        What varies, in the order of the dimensions; empty for a list.
+        The values of every parameter that varies, in the order of the dimensions of a grid; empty
+        for a list.
     table : ndarray or None, shape (5, scenes) or (10, scenes)
-        The scenes of a list.
+        The parameters of a list, as `Columns.values`; None for a grid.
     forms : tuple of SceneForm
-        Of each, or one that is that of all.
+        One for each scene, or a single one of all scenes.
     law : tuple of str
-        Parameters of the layer's law that vary; their axes are called ``layer_<name>``.
+        Names of the parameters of the layer's law that vary; their axes are called
+        ``layer_<name>``.
     """
 
     fixed: tuple[float, ...]
@@ -145,13 +175,13 @@ class SweepParameters:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the parameters; the first is kappa if it is that of some scenes of a list."""
+        """Names of the parameters; the first is kappa if some scene is given by its kappa."""
         first = KAPPA if any(one.by_kappa for one in self.forms) else PARAMETERS[0]
         return (first, *PARAMETERS[1 : len(self.fixed)], *(_LAW + name for name in self.law))
 
     @property
     def shaped(self) -> bool:
-        """Whether there are profiles."""
+        """Whether the punches have profiles: those of a list all have one, or none has."""
         return self.forms[0].profile is not None
 
     @property
@@ -195,23 +225,24 @@ class SweepParameters:
     def pairs(self) -> int:
         """Number of different pairs of compliances."""
         if self.table is not None:
-            return int(np.unique(self.table[1:3], axis=1).shape[1])
-        return math.prod(np.size(self.axes.get(PARAMETERS[k], 0.0)) for k in (1, 2))
+            return int(np.unique(self.table[[_ALPHA, _BETA]], axis=1).shape[1])
+        return math.prod(np.size(self.axes.get(PARAMETERS[k], 0.0)) for k in (_ALPHA, _BETA))
 
     def order(self) -> Indices:
-        """Return the scenes in the order in which neighbours share most."""
+        """Return the numbers of the scenes in the order in which they are solved."""
         if self.table is not None:
-            return np.lexsort(self.table[[k for k in _SLOWEST if k < len(self.table)][::-1]])
-        places = {name: i for i, name in enumerate(self.axes)}
+            keys = [k for k in _SLOWEST if k < len(self.table)]
+            return np.lexsort(self.table[keys[::-1]])  # which sorts by the last key first
+        dimensions = {name: i for i, name in enumerate(self.axes)}
         slowest = [*(_LAW + name for name in self.law), *(self._parameter(k) for k in _SLOWEST)]
-        turned = [places[name] for name in slowest if name in places]
-        return np.arange(self.size).reshape(self.shape).transpose(turned).ravel()
+        transposed = [dimensions[name] for name in slowest if name in dimensions]
+        return np.arange(self.size).reshape(self.shape).transpose(transposed).ravel()
 
     def _parameter(self, k: int) -> str:
         return self.names[0] if k == 0 else PARAMETERS[k]
 
     def columns(self, indices: Indices) -> Columns:
-        """Return some of the scenes; the last dimension varies fastest in their numbers."""
+        """Return some of the scenes; in the numbers of a grid the last dimension varies fastest."""
         if self.table is not None:
             return Columns(self.table[:, indices], _chosen(self.forms, indices))
         values = np.empty((len(self.fixed), len(indices)))
@@ -222,7 +253,11 @@ class SweepParameters:
         return Columns(values, self.forms, self.law)
 
     def fingerprint(self) -> str:
-        """Return a digest that differs for other scenes, or the same ones in another order."""
+        """Return a digest that differs for other scenes, or the same ones in another order.
+
+        Of load ratio, coupling, branch and kappa it depends only if some scene has another one than
+        by default.
+        """
         fixed = self.fixed
         table = self.table
         if not self.unloaded and "unloaded_to" not in self.axes:
@@ -253,21 +288,20 @@ def grid(
     base : Scene
         Has the parameters that are not given.
     axes : mapping of str to array_like
-        Values of parameters, out of `PARAMETERS` or kappa, and in their ranges; None for what does
-        not vary.
+        Values of parameters, by names out of `PARAMETERS` or kappa; None for what does not vary.
     law : mapping of str to array_like, optional
-        The same of parameters of the layer's law.
+        Values of parameters of the layer's law, by name.
     """
-    both = [name for name in (KAPPA, PARAMETERS[0]) if axes.get(name) is not None]
-    if len(both) > 1:
+    material = [name for name in (KAPPA, PARAMETERS[0]) if axes.get(name) is not None]
+    if len(material) > 1:
         raise SceneError(KAPPA, axes[KAPPA], "None where poisson_ratio is given")
     given = {
         name: _axis(base, name, axes[name])
         for name in (KAPPA, *PARAMETERS)
         if axes.get(name) is not None
     }
-    if both:
-        base = changed(base, {both[0]: float(given[both[0]][0])})
+    if material:
+        base = changed(base, {material[0]: float(given[material[0]][0])})
     pressed = [name for name in given if name in ALL_CONTROLS]
     if len(pressed) > 1:
         told = f"left out if {pressed[1]} is given: vary one of load, approach, contact radius"
@@ -275,14 +309,14 @@ def grid(
     if pressed:
         base = changed(base, {pressed[0]: float(given[pressed[0]][0])})
     axes_of_law = _axes_of_law(base, {} if law is None else law)
-    whole = alone(base)
-    fixed = whole.fixed + tuple(float(axis[0]) for axis in axes_of_law.values())
+    without_axes = alone(base)
+    fixed = without_axes.fixed + tuple(float(axis[0]) for axis in axes_of_law.values())
     given |= {_LAW + name: axis for name, axis in axes_of_law.items()}
-    return replace(whole, fixed=fixed, axes=given, law=tuple(axes_of_law))
+    return replace(without_axes, fixed=fixed, axes=given, law=tuple(axes_of_law))
 
 
 def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) -> SweepParameters:
-    """Return the scenes of a list, at least one, with changes to all of them."""
+    """Return the scenes of a list, at least one, with the same changes made to each."""
     rows: list[tuple[float, ...]] = []
     forms: list[SceneForm] = []
     for number, scene in enumerate(scenes):
@@ -296,12 +330,13 @@ def listed(scenes: Iterable[Scene], changes: Mapping[str, Any] | None = None) ->
     shaped = forms[0].profile is not None
     count = len(PARAMETERS) if shaped else _FLAT
     table = np.array(rows).T[:count].copy()
-    alike = not shaped and len(set(forms)) == 1
-    return SweepParameters((math.nan,) * count, {}, table, tuple(forms[:1] if alike else forms))
+    same_form = not shaped and len(set(forms)) == 1
+    common = tuple(forms[:1] if same_form else forms)
+    return SweepParameters((math.nan,) * count, {}, table, common)
 
 
 def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
-    """Return a changed scene, in which a load takes the place of an approach, and so on."""
+    """Return a changed scene; a given load, approach, radius or separation replaces the scene's."""
     given = any(changes.get(name) is not None for name in ALL_CONTROLS)
     changes = {**dict.fromkeys(ALL_CONTROLS if given else ()), **changes}
     if scene.physical is None:
@@ -328,6 +363,7 @@ def _row(scene: Scene) -> tuple[float, ...]:
 def _chosen(
     forms: tuple[SceneForm, ...], chosen: slice | Indices | NDArray[np.bool_]
 ) -> tuple[SceneForm, ...]:
+    """Return the forms of some of the scenes; a single form is that of all."""
     if len(forms) == 1:
         return forms
     return tuple(forms[k] for k in np.arange(len(forms))[chosen].tolist())
@@ -348,7 +384,7 @@ def _axes_of_law(base: Scene, law: Any) -> dict[str, Array]:
     found = {}
     for name in (one for one in numbers if one in law):
         found[name] = _numbers(_LAW + name, law[name])
-        for value in {found[name].min(), found[name].max()}:  # its range is an interval
+        for value in {found[name].min(), found[name].max()}:  # the allowed values are an interval
             changed(base, {"layer": replace(kind, **{name: float(value)})})
     return found
 
@@ -356,10 +392,10 @@ def _axes_of_law(base: Scene, law: Any) -> dict[str, Array]:
 def _axis(base: Scene, name: str, values: Any) -> Array:
     """Return the values of one parameter; `Scene` says what is wrong with them."""
     array = _numbers(name, values)
-    # what a scene takes is 0 and an interval: the ends of what is given decide
+    # a scene takes 0 and an interval, so that the ends of the values and the smallest one decide
     size = np.abs(array)
     suspects = [array.min(), array.max(), array[np.argmin(np.where(size > 0.0, size, np.inf))]]
-    for suspect in suspects:  # NaN is all of them
+    for suspect in suspects:  # each of which is NaN if any value is
         changed(base, {name: float(suspect)})
     return array
 

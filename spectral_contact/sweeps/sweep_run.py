@@ -1,4 +1,4 @@
-"""The one entry of a sweep: check, cut in chunks, solve or take from the store, assemble."""
+"""`sweep`: arguments are checked, scenes are solved in chunks, results become a dataset."""
 
 from __future__ import annotations
 
@@ -53,22 +53,23 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
-#: Parameters of scenes in SI units alone, in the order of the arguments.
+#: Parameters that only scenes in SI units have, in the order of the arguments of `sweep`.
 _SI_AXES: Final = (
     *("youngs_modulus", "radius", "reduced_modulus"),
     *("punch_youngs_modulus", "punch_poisson_ratio"),
 )
 #: Scenes of a chunk: some tenths of a second of work.
 _CHUNK: Final = 64
-#: Frictions, times Poisson's ratios, that make no chunk of their own any more.
-_LONGEST: Final = 1024
-#: The same with profiles or coupling: some of these take a hundred times as long.
+#: Scenes of a chunk with profiles or coupling: some of these take a hundred times as long.
 _SLOW_CHUNK: Final = 8
-#: The same where the spectra serve nearly all of them.
+#: Scenes of a chunk where the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
+#: Scenes of a line (`lines`) or of an indentation curve from which on it may be cut by chunks.
+_LONGEST: Final = 1024
 #: The most numbers that the results of a sweep have, 8 bytes each.
 _MOST_VALUES: Final = 10**9
-#: From so many pairs of compliances on the spectra pay, which take a second or two.
+#: From so many pairs of compliances on the spectra are used, which take a second or two to build.
+#: Of a sweep this many scenes are looked at to choose the size of chunks.
 _MANY: Final = 500
 
 
@@ -132,7 +133,7 @@ def sweep(
         The values of these for a scene in SI units. With a profile the radius is that of the
         profile, if it has one, such as a sphere.
     punch_youngs_modulus, punch_poisson_ratio : array_like, optional
-        The same.
+        The values of these for a scene in SI units with an elastic punch.
     table : pandas.DataFrame, mapping or path, optional
         A scene for each row: a table of pandas or a text file (docs/files) with the names of
         parameters, and their units, as headings; or a mapping of names to arrays. The scene has
@@ -193,8 +194,8 @@ def sweep(
     pressed = contact_radius, load, approach, separation, work_of_adhesion
     axes = dict(zip(PARAMETERS, (*given, *pressed), strict=True))
     axes[KAPPA] = kappa
-    of_si = (youngs_modulus, radius, reduced_modulus, punch_youngs_modulus, punch_poisson_ratio)
-    si_axes = dict(zip(_SI_AXES, of_si, strict=True))
+    si_given = (youngs_modulus, radius, reduced_modulus, punch_youngs_modulus, punch_poisson_ratio)
+    si_axes = dict(zip(_SI_AXES, si_given, strict=True))
     if not isinstance(scenes, Scene):
         scenes = _several(scenes)
     _refuse_rivals(axes)
@@ -208,6 +209,7 @@ def sweep(
         every = parameters = _parameters(scenes, axes, layer, coupling)
         which = None
     else:
+        # `parameters` has the scenes that differ, once each; `which` of them each of `every` is
         every, parameters, which = physical.different()
         wanted = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(every))
         quantities = quantities_for(physical, wanted.quantities)
@@ -290,14 +292,14 @@ def _physical_list(
 
 
 def _refuse_kappa(given: Mapping[str, Any]) -> None:
+    """Refuse kappa of scenes in SI units."""
     if KAPPA in given:
         raise SceneError(KAPPA, given[KAPPA], "left out of scenes with SI data, which imply it")
 
 
 def _kind(parameters: SweepParameters) -> dict[str, bool]:
-    """Return of what kind the scenes are, as `requested` needs it."""
-    kinds = "shaped", "adhesive", "unloaded"
-    return {name: getattr(parameters, name) for name in kinds}
+    """Return the arguments of `requested` that say what kinds of scenes there are."""
+    return {name: getattr(parameters, name) for name in ("shaped", "adhesive", "unloaded")}
 
 
 def _check_size(parameters: SweepParameters, request: Request) -> None:
@@ -313,25 +315,29 @@ def _check_size(parameters: SweepParameters, request: Request) -> None:
 
 
 def _chunk(parameters: SweepParameters, request: Request) -> int:
-    """Return how many scenes make some tenths of a second of work."""
+    """Return the number of scenes of a chunk, which take some tenths of a second."""
     sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
     if parameters.shaped or parameters.coupled:
         pressed = pressed_alone(parameters.columns(sample), request)
         return _whole_lines(parameters, ("load", "approach")) if pressed.all() else _SLOW_CHUNK
-    whole = _whole_lines(parameters, ("friction", parameters.names[0]))
+    of_lines = _whole_lines(parameters, ("friction", parameters.names[0]))
     if not request.shared:
-        return whole
-    quick = eligible(parameters.columns(sample), request)
-    slow = frozenset(request.quantities) & {"stick_radius", "total_shear"}
-    if slow and not (parameters.columns(sample).values[3] == np.inf).all():
-        return whole
-    return _QUICK_CHUNK if quick.mean() > 0.99 else whole
+        return of_lines
+    # the spectra do not have these two where anything slips
+    of_slip = frozenset(request.quantities) & {"stick_radius", "total_shear"}
+    if of_slip and not (parameters.columns(sample).friction == np.inf).all():
+        return of_lines
+    served = eligible(parameters.columns(sample), request)
+    return _QUICK_CHUNK if served.mean() > 0.99 else of_lines
 
 
 def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
-    """Return `_CHUNK`, or somewhat more so that scenes which are solved together stay so."""
-    one, other = (int(np.size(parameters.axes.get(name, 0.0))) for name in names)
-    for line in (one * other, one):
+    """Return the number of scenes of a chunk that cuts no line: `_CHUNK`, or somewhat more.
+
+    A line has all values of both parameters, or else all those of the first one.
+    """
+    first, second = (int(np.size(parameters.axes.get(name, 0.0))) for name in names)
+    for line in (first * second, first):
         if LEAST <= line <= _LONGEST:
             return line * -(-_CHUNK // line)
     return _CHUNK
@@ -340,22 +346,23 @@ def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
 def _parameters(
     scenes: Any, axes: dict[str, Any], law: Mapping[str, Any] | None, coupling: bool | None
 ) -> SweepParameters:
-    alone: dict[str, Any] = {
+    """Return the scenes of a grid or of a list; single numbers are changes to all scenes."""
+    changes: dict[str, Any] = {
         name: one for name, one in axes.items() if isinstance(one, numbers.Real)
     }
-    axes = {name: one for name, one in axes.items() if name not in alone}
+    axes = {name: one for name, one in axes.items() if name not in changes}
     if coupling is not None:
-        alone["coupling"] = coupling
+        changes["coupling"] = coupling
     if isinstance(scenes, Scene):
-        return grid(changed(scenes, alone), axes, law)
+        return grid(changed(scenes, changes), axes, law)
     for name, values in [*axes.items(), ("layer", law)]:
         if values is not None:
             raise SceneError(name, values, "None with a list of scenes")
-    return listed(scenes, alone)
+    return listed(scenes, changes)
 
 
 def _refuse_rivals(axes: Mapping[str, Any]) -> None:
-    """Refuse two parameters of which a scene has one, where the other would be left out unsaid."""
+    """Refuse two parameters of which a scene has only one: one of them would be ignored."""
     if axes[KAPPA] is not None and axes[PARAMETERS[0]] is not None:
         raise SceneError(KAPPA, axes[KAPPA], f"None where {PARAMETERS[0]} is given")
     pressed = [name for name in ALL_CONTROLS if axes[name] is not None]
@@ -389,24 +396,28 @@ def _collected(
     executor: Executor | None,
     tell: ProgressLine,
 ) -> Collected:
-    """Do what is not done yet, and return the results of all scenes."""
-    table, order, left = Collected(parameters.size), parameters.order(), dict[int, Indices]()
+    """Solve the chunks that the store does not have, and return the results of all scenes."""
+    collected = Collected(parameters.size)
+    order = parameters.order()
     chunks = [order[i : i + size] for i in range(0, len(order), size)]
+    left: dict[int, Indices] = {}
     for number, scenes in enumerate(chunks):
         if store is not None and store.has(number):
-            table.put(scenes, store.get(number))
+            collected.put(scenes, store.get(number))
         else:
             left[number] = scenes
-    total, todo = parameters.size, sum(map(len, left.values()))
-    begin, done = perf_counter(), 0
+    total = parameters.size
+    todo = sum(map(len, left.values()))
+    done = 0
+    begin = perf_counter()
     tell("the first scenes", (total - todo) / total)
     with closing(outcomes(parameters, left, request, executor, Continuation)) as results:
         for number, outcome in results:
             if store is not None:
                 store.put(number, outcome)
-            table.put(chunks[number], outcome)
+            collected.put(chunks[number], outcome)
             done += len(chunks[number])
             rate = done / max(perf_counter() - begin, 1e-9)
             step = f"{rate:.3g} scenes/s, {(todo - done) / rate:.0f} s left"
             tell(step, (total - todo + done) / total)
-    return table
+    return collected

@@ -1,8 +1,8 @@
-"""Chunks on disk as they are done, so that a sweep that was stopped goes on.
+"""A store keeps the chunks of a sweep on disk, so that a sweep that was stopped can go on.
 
-A store is a folder: ``sweep.json`` says which sweep it is of, and every chunk is a file of its own,
-complete or not there. A chunk says of which sweep it is, which number it has, and what the checksum
-of its contents is: one that was swapped, copied or rewritten is refused.
+It is a folder: ``sweep.json`` describes the sweep, and every chunk is a file of its own, which is
+complete or absent. The file of a chunk has the digest of its sweep, the number of the chunk and a
+checksum of its contents: one that was swapped, copied or rewritten is refused.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What any solution has, and what it lacks or has not computed."""
+"""Attributes of any object that stands for a solution, which may lack or not have computed them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ def computed(solution: Any, name: str, default: Any = None) -> Any:
     Parameters
     ----------
     solution : object
+        This library's or that of another solver.
     name : str
     default : object
     """

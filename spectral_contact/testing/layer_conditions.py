@@ -1,4 +1,4 @@
-"""What a check asks of a contact through a nonlinear layer."""
+"""The conditions that a contact through a nonlinear layer has to meet."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from spectral_contact.layers.scene_layer import endless
 from spectral_contact.profiles import Flat
 from spectral_contact.testing.attributes import computed
 
-#: Where between the edge and the centre a steep law may turn from contact to gap.
+#: Cuts, as distances from the edge, for layer laws without an edge: wherever a steep law turns from
+#: contact to gap, the interval around is short (chosen).
 _CUTS: Final = tuple(k / 30.0 for k in range(1, 30))
+#: A pressure up to this counts as none.
 _TINY: Final = float(np.finfo(float).tiny)
 
 
@@ -28,16 +30,21 @@ class LayerConditions:
     """
 
     def __init__(self, scene: Any) -> None:
-        self.scene, self.law = scene, scene.layer
+        self.scene = scene
+        self.law = scene.layer
         assert isinstance(self.law, Layer)
 
     @property
     def flat(self) -> bool:
-        """Whether the contact is all of a flat punch."""
+        """Whether the punch is flat, so that all of its face is in contact."""
         return isinstance(self.scene.profile, Flat)
 
     def radius(self, solution: Any) -> Any:
-        """Return the radius at s = 1, None if it is not known."""
+        """Return the radius at s = 1, None if it is not known.
+
+        It is that of a flat punch, that of the domain for a layer law without an edge, or that of
+        the contact.
+        """
         if self.flat:
             return self.scene.profile.radius
         if endless(self.scene):
@@ -45,7 +52,15 @@ class LayerConditions:
         return computed(solution, "contact_radius") or self.scene.contact_radius
 
     def cuts(self, largest: float, radius: float) -> list[float]:
-        """Return distances from the edge between which the pressure is smooth."""
+        """Return distances from the edge between which the pressure is smooth.
+
+        Parameters
+        ----------
+        largest : float
+            The largest pressure, at which the layer has its smallest compliance.
+        radius : float
+            What `radius` returns.
+        """
         inner = list(_CUTS) if endless(self.scene) else []
         if not 0.0 < largest < np.inf:
             return inner
@@ -54,23 +69,42 @@ class LayerConditions:
         return [*inner, *(10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0)]
 
     def overclosures(self, p: Array) -> Array:
-        """Return the overclosure of every pressure; where the law begins at none."""
+        """Return the overclosure of every pressure; of none, that at which the law begins."""
         least = self.law.start if not isinf(self.law.start) else self.law._overclosure(_TINY)
-        return np.array([self.law._overclosure(one) if one > _TINY else least for one in p])
+        return np.array([self.law._overclosure(p_i) if p_i > _TINY else least for p_i in p])
 
-    def misfits(self, p: Array, w: Array, off: Array, size: float) -> Array:
-        """Return by how much the surface misses the punch, relative.
+    def misfits(self, p: Array, w: Array, residual: Array, size: float) -> Array:
+        """Return the distance between surface and punch, relative.
 
-        Relative to a displacement, or to how far the layer is compressed by its pressure or their
-        mean: at small pressures a law may turn an error of the one into a large one of the other.
+        It is over the sum of a displacement and of how far the pressure, or the mean pressure if
+        that is larger, compresses the layer at its local stiffness: where the layer is soft, a
+        small error of the pressure is a large one of the overclosure.
+
+        Parameters
+        ----------
+        p, w : ndarray
+            Pressures, and the overclosures by the law.
+        residual : ndarray
+            The distance.
+        size : float
+            The displacement.
         """
         with np.errstate(over="ignore"):
-            slope = np.maximum(self.law._slope(w), _TINY)
-            room = size + np.maximum(p, np.mean(np.abs(p))) / slope
-        return np.asarray(np.abs(off) / room)
+            stiffness = np.maximum(self.law._slope(w), _TINY)
+            scale = size + np.maximum(p, np.mean(np.abs(p))) / stiffness
+        return np.asarray(np.abs(residual) / scale)
 
-    def beyond(self, w: Array, size: float, mean: float) -> Array:
-        """Return how far the surface is in the law's reach where there should be no pressure."""
+    def outside(self, w: Array, size: float, mean: float) -> Array:
+        """Return how far the surface is in the range of the law where there should be no pressure.
+
+        Parameters
+        ----------
+        w : ndarray
+            Overclosures outside the contact.
+        size, mean : float
+            The displacement that they are relative to; and the mean pressure that the pressures
+            there are relative to, if the law has no beginning.
+        """
         if isinf(self.law.start):
             return np.asarray(self.law._pressure(w) / mean)
         return np.asarray(np.maximum(w - self.law.start, 0.0) / size)

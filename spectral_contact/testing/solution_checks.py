@@ -1,4 +1,4 @@
-"""Does a solution solve its scene? Asked of any object with a pressure and a traction."""
+"""Check whether a solution solves its scene: any object with a pressure and a traction."""
 
 from __future__ import annotations
 
@@ -29,31 +29,32 @@ from spectral_contact.testing.layer_conditions import LayerConditions
 
 Field = Callable[[Array], Array]
 
-#: What the quadrature and rounding leave of a residual, measured on solutions right to 1e-13.
+#: Residuals of correct solutions by quadrature and rounding, measured on ones right to 1e-13.
 _FLOOR = 1e-12
-#: So near to a tip or corner a pressure may be infinite; what is left out is below rounding.
+#: A pressure may be infinite so close to a tip or corner, and is replaced by 0 there, which changes
+#: its integrals by less than rounding.
 _CORNER = 1e-14
-#: Distance from the edge at which a root in the denominator of the pressure shows, over that of
-#: the next place where the pressure is not smooth.
+#: Distance from the edge at which the factor of a singularity like ``1/sqrt(1 - s**2)`` is read
+#: off, over the distance of the next place where the pressure is not smooth.
 _EDGE = 1e-13
-#: Distances from the edge where fields are looked at: the bulk, the edge and the centre.
+#: Distances from the edge at which residuals are computed: at the edge, in the bulk, at the centre.
 _PLACES = np.concatenate([10.0 ** -np.linspace(8.0, 1.0, 8), np.linspace(0.15, 0.95, 9), [0.999]])
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One condition and how far it is missed.
+    """One condition, and the error with which it is met.
 
     Attributes
     ----------
     name : str
-        What is asked.
+        The condition in words.
     error : float
-        By how much it is missed, relative.
+        Largest relative error.
     allowed : float
-        How much is allowed.
+        Largest error with which the check passes.
     from_edge : float or None
-        Where it is missed most.
+        Distance from the edge at which the error is largest.
     """
 
     name: str
@@ -75,7 +76,7 @@ class CheckReport:
     ----------
     checks : tuple of Check
     remarks : tuple of str
-        What the solution lacks that the checks make use of.
+        What the solution lacks of what the checks make use of.
     """
 
     checks: tuple[Check, ...]
@@ -106,8 +107,9 @@ def check_solution(
     `rtol` everywhere passes.
 
     With a profile the pressure must carry the load, press the surface against the punch, vanish at
-    the edge (or release the work of adhesion there), and leave the surface below the punch outside,
-    or beyond the range of the layer; the given load, approach or contact radius must be met.
+    the edge (or release the work of adhesion there), and leave the surface outside the contact
+    below the punch, or out of the range of the layer; the given load, approach or contact radius
+    must be met.
     Friction depends on the history of the load, so only the bound ``f p`` and the total shear are
     checked, and that there is no traction if kappa is 0.
 
@@ -159,10 +161,11 @@ def check_solution(
     zones = listed("solution.zones", computed(solution, "zones", ()), "zones")
     ends = [scalar("solution.zones", getattr(zone, "outer_from_edge", None)) for zone in zones]
     boundaries = [*cuts, *(end for end in ends if 0.0 < end < 1.0)]
-    # cuts by decades keep the layers at the edge apart from the bulk
+    # cuts at every decade, as the pressure varies at the edge over the width of the layer
     finest = min([c for c in (scene.normal_compliance, scene.tangential_compliance) if c] or [1.0])
     cuts = [*boundaries, *(10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0)]
-    pressure, rtol = field_of(solution, "pressure"), rtol + _FLOOR
+    pressure = field_of(solution, "pressure")
+    rtol = rtol + _FLOOR
     traction = None if scene.friction is None else field_of(solution, "traction")
     with np.errstate(divide="ignore", invalid="ignore"):  # wrong numbers may be 0 or NaN
         if scene.profile is not None:
@@ -180,7 +183,7 @@ def check_solution(
 
 
 def _remarks(solution: Any, scene: Scene, breaks: Sequence[float]) -> tuple[str, ...]:
-    """Return what is to be known of the checks of a solution that lacks something."""
+    """Return remarks on checks that are less sharp because the solution lacks something."""
     slips = scene.friction is not None and scene.friction < inf
     if slips and not len(breaks) and computed(solution, "zones") is None:
         told = "zones are not known: where slip begins the quadrature sees five digits only"
@@ -262,27 +265,33 @@ def _normal_checks(
     rtol: float,
     cuts: list[float],
 ) -> list[Check]:
-    alpha, p = scene.normal_compliance, pressure(_PLACES)
+    """Return the checks of pressure and approach under a flat punch.
+
+    By reciprocity with the smooth flat punch, whose pressure is ``1/(2 pi sqrt(1 - s**2))`` and
+    whose approach is 1/8, the approach is 1/8 plus what layer and traction add to the
+    displacements, integrated with that pressure.
+    """
+    alpha = scene.normal_compliance
+    p = pressure(_PLACES)
     deflections = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
-    under = alpha * p + deflections
+    displacement = alpha * p + deflections
     excess = alpha * load(lambda d: pressure(d) / np.sqrt(d * (2.0 - d)), breaks=cuts)
     if scene.couples and traction is not None:
         lifts = [shear_lift(traction, scene.kappa, float(d), cuts) for d in _PLACES]
-        under -= np.array(lifts)
+        displacement -= np.array(lifts)
 
-        def share(d: Array) -> Array:
-            """Return ``q (1 - sqrt(1 - s^2))/s``, by which the smooth pressure acts on the lift."""
-            # without cancellation
+        def smooth_load_on_lift(d: Array) -> Array:
+            """Return ``q (1 - sqrt(1 - s^2))/s`` without cancellation."""
             return traction(d) * (1.0 - d) / (1.0 + np.sqrt(d * (2.0 - d)))
 
-        excess -= scene.kappa * load(share, breaks=cuts)
-    approach = _number(solution, "approach", float(np.mean(under)))
+        excess -= scene.kappa * load(smooth_load_on_lift, breaks=cuts)
+    approach = _number(solution, "approach", float(np.mean(displacement)))
     opening = _number(solution, "opening", 0.0)
     negative = np.where(opening > _PLACES, 0.0, np.maximum(-p, 0.0)) / np.mean(np.abs(p))
     return [
         _worst("pressure is not negative", negative, 0.0, _PLACES),
         Check("pressure bears the load", abs(2.0 * pi * load(pressure, breaks=cuts) - 1.0), rtol),
-        _worst("normal equation (3.5)", np.abs(under / approach - 1.0), rtol, _PLACES),
+        _worst("normal equation (3.5)", np.abs(displacement / approach - 1.0), rtol, _PLACES),
         Check("approach, by reciprocity", abs(approach / (0.125 + excess) - 1.0), rtol),
     ]
 
@@ -293,16 +302,21 @@ class _Indented:
     def __init__(self, solution: Any, scene: Scene, rtol: float, cuts: list[float]) -> None:
         profile = scene.profile
         assert profile is not None
-        self.solution, self.scene, self.rtol, self.profile = solution, scene, rtol, profile
+        self.solution = solution
+        self.scene = scene
+        self.rtol = rtol
+        self.profile = profile
         self.layered = LayerConditions(scene) if scene.layer is not None else None
-        self.pinned, self.adhesive = isinstance(profile, Flat), scene.work_of_adhesion is not None
+        self.pinned = isinstance(profile, Flat)  # the edge of the contact is that of the punch
+        self.adhesive = scene.work_of_adhesion is not None
         if self.pinned:
             radius: Any = profile.reach
         elif self.layered is None:
             radius = computed(solution, "contact_radius") or scene.contact_radius
         else:
             radius = self.layered.radius(solution)
-        low, high = profile.flat_part, profile.reach
+        low = profile.flat_part
+        high = profile.reach
         limits: dict[str, Any] = {"low": low, "high": high}
         least_open = not (self.pinned or (self.adhesive and low > 0.0))
         limits |= {"low_open": least_open, "high_open": not self.pinned}
@@ -311,8 +325,9 @@ class _Indented:
         self.cuts = [*cuts, *self._around_breaks()]
 
     def _around_breaks(self) -> list[float]:
-        """Return places around breaks, where the pressure is as layered as at the edge."""
-        profile, a = self.profile, self.radius
+        """Return cuts at every decade around breaks of the profile, as there are at the edge."""
+        profile = self.profile
+        a = self.radius
         finest = (self.scene.normal_compliance or a) / a
         steps = 10.0 ** -np.arange(1.0, 15.0)
         steps = np.append(steps[steps > finest / 30.0], 0.0)
@@ -323,7 +338,10 @@ class _Indented:
         return [float(d) for d in around if 0.0 < d < 1.0]
 
     def _integrable(self, pressure: Field) -> Field:
-        """Return the pressure with 0 where a smooth surface has it infinite, like a logarithm."""
+        """Return the pressure, replaced by 0 at tips and corners where it is infinite.
+
+        On a smooth surface it is, like a logarithm of the distance.
+        """
         if self.scene.normal_compliance or self.layered or not len(self.corners):
             return pressure
 
@@ -337,104 +355,118 @@ class _Indented:
     def checks(self, pressure: Field, traction: Field | None) -> list[Check]:
         """Return all checks."""
         pressure = self._integrable(pressure)
-        scene, a, rtol = self.scene, self.radius, self.rtol
+        scene = self.scene
+        a = self.radius
+        rtol = self.rtol
         p = pressure(_PLACES)
         if self.layered is not None:
             self.cuts += self.layered.cuts(float(p.max()), a)
         cuts = self.cuts
-        moved = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
+        displacement = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
         heights = self.profile.height(a * (1.0 - _PLACES))
-        w = scene.normal_compliance * p
+        w = scene.normal_compliance * p  # compression of the layer
         if self.layered is not None:
             w = self.layered.overclosures(p)
-        under = w + a * moved + heights
-        mean = float(np.mean(under)) if self.layered is None else float(under[np.argmax(p)])
-        approach = _number(self.solution, "approach", mean)
-        size = abs(approach) if self.layered is None else max(abs(approach), a * moved.max())
-        if self.adhesive:
-            size = max(size, a * np.abs(moved).max(), np.abs(w).max())
-        off = np.abs(under - approach) / size
+        # the approach, at every place
+        approaches = w + a * displacement + heights
+        own_approach = float(np.mean(approaches))
         if self.layered is not None:
-            off = self.layered.misfits(p, w, under - approach, size)
-        borne = 2.0 * pi * a**2 * load(pressure, breaks=cuts)
-        told = _number(self.solution, "load", borne)
-        of_load = abs(told)
+            own_approach = float(approaches[np.argmax(p)])
+        approach = _number(self.solution, "approach", own_approach)
+        # what errors of displacements and of the load are relative to
+        size = abs(approach)
+        if self.layered is not None:
+            size = max(size, a * displacement.max())
         if self.adhesive:
-            of_load = 2.0 * pi * a**2 * load(lambda d: np.abs(pressure(d)), breaks=cuts)
+            size = max(size, a * np.abs(displacement).max(), np.abs(w).max())
+        borne_load = 2.0 * pi * a**2 * load(pressure, breaks=cuts)
+        stated_load = _number(self.solution, "load", borne_load)
+        load_size = abs(stated_load)
+        if self.adhesive:
+            load_size = 2.0 * pi * a**2 * load(lambda d: np.abs(pressure(d)), breaks=cuts)
+        misfits = np.abs(approaches - approach) / size
+        if self.layered is not None:
+            misfits = self.layered.misfits(p, w, approaches - approach, size)
+        load_error = abs(borne_load - stated_load) / (load_size or 1.0)
         checks = [
-            Check("pressure bears the load", abs(borne - told) / (of_load or 1.0), rtol),
-            _worst("surface follows the punch", off, rtol, _PLACES),
+            Check("pressure bears the load", load_error, rtol),
+            _worst("surface follows the punch", misfits, rtol, _PLACES),
         ]
         if self.adhesive:
-            checks.append(self._release(pressure, of_load))
+            checks.append(self._release(pressure, load_size))
         else:
-            # a law has it as small as it likes
-            allowed, below = 0.0 if self.layered is None else _FLOOR, np.maximum(-p, 0.0)
-            negative = "pressure is not negative", below / np.mean(np.abs(p))
-            checks.insert(0, _worst(*negative, allowed, _PLACES))
+            # the pressure of a layer law may be arbitrarily small, and rounded below 0
+            allowed = 0.0 if self.layered is None else _FLOOR
+            negative = np.maximum(-p, 0.0) / np.mean(np.abs(p))
+            checks.insert(0, _worst("pressure is not negative", negative, allowed, _PLACES))
         if not self.pinned:
             if self.layered is None and not self.adhesive:
-                checks.append(self._edge(pressure, borne))
-            checks.append(self._outside(pressure, approach, size, borne / (pi * a**2)))
-        found = {"load": borne, "approach": approach, "contact_radius": a}
+                checks.append(self._edge(pressure, borne_load))
+            checks.append(self._outside(pressure, approach, size, borne_load / (pi * a**2)))
+        found = {"load": borne_load, "approach": approach, "contact_radius": a}
         if self.layered is not None:
             found["separation"] = -self.layered.overclosures(pressure(np.ones(1)))[0]
+        scales = {"approach": size, "separation": size, "load": load_size}
         for name in ALL_CONTROLS:
             given = getattr(scene, name)
             if given is not None:
-                of = {"approach": size, "separation": size, "load": of_load}.get(name, given)
-                missed = np.divide(abs(found[name] - given), of)
-                checks.append(Check(f"{name} is the one given", float(missed), rtol))
+                error = np.divide(abs(found[name] - given), scales.get(name, given))
+                checks.append(Check(f"{name} is the one given", float(error), rtol))
         return checks if traction is None else checks + self._friction(pressure, traction)
 
     def _singularity(self, pressure: Field) -> float:
-        """Return ``p sqrt(1 - s**2)`` at the edge, with a layer the pressure there."""
+        """Return ``p sqrt(1 - s**2)`` close to the edge; with a layer, the pressure at the edge."""
         if self.scene.normal_compliance:
             return float(pressure(np.zeros(1))[0])
         ends = [] if self.pinned else [self.profile.reach / self.radius - 1.0]
         d = _EDGE * min([1.0, *ends, *self.corners])
         return float(pressure(np.array([d]))[0]) * sqrt(d * (2.0 - d))
 
-    def _edge(self, pressure: Field, borne: float) -> Check:
-        """Return the check that the pressure falls to zero at an edge that the load has placed."""
-        size = abs(borne) / (pi * self.radius**2)
-        missed = np.divide(abs(self._singularity(pressure)), size)
-        return Check("pressure vanishes at the edge", float(missed), self.rtol)
+    def _edge(self, pressure: Field, borne_load: float) -> Check:
+        """Return the check that the pressure falls to zero at an edge inside that of the punch."""
+        mean = abs(borne_load) / (pi * self.radius**2)
+        error = np.divide(abs(self._singularity(pressure)), mean)
+        return Check("pressure vanishes at the edge", float(error), self.rtol)
 
-    def _release(self, pressure: Field, of_load: float) -> Check:
-        """Return the check of the energy release rate, by the singularity that it belongs to.
+    def _release(self, pressure: Field, load_size: float) -> Check:
+        """Return the check of the energy release rate at the edge, by the pressure there.
 
-        With a layer it is ``alpha p**2 / 2``, on a smooth surface ``pi a p**2 (1 - s**2) / 8``.
-        Under a flat punch it is not more than the work of adhesion.
+        The rate is ``alpha p**2 / 2`` with a layer, and ``pi a p**2 (1 - s**2) / 8`` on a smooth
+        surface. Under a flat punch it is at most the work of adhesion, else it is equal to that.
         """
-        alpha, adhesion = self.scene.normal_compliance, self.scene.work_of_adhesion
+        alpha = self.scene.normal_compliance
+        adhesion = self.scene.work_of_adhesion
         assert adhesion is not None
-        allowed = sqrt(2.0 * adhesion / alpha if alpha else 8.0 * adhesion / (pi * self.radius))
+        suction = sqrt(2.0 * adhesion / alpha if alpha else 8.0 * adhesion / (pi * self.radius))
         # on a smooth surface the rest of the pressure hides a small singularity
-        size = allowed if alpha else max(allowed, of_load / (pi * self.radius**2))
-        off = (-self._singularity(pressure) - allowed) / size
-        missed = max(off, 0.0) if self.pinned else abs(off)
-        return Check("energy release rate is the work of adhesion", missed, self.rtol)
+        size = suction if alpha else max(suction, load_size / (pi * self.radius**2))
+        excess = (-self._singularity(pressure) - suction) / size
+        error = max(excess, 0.0) if self.pinned else abs(excess)
+        return Check("energy release rate is the work of adhesion", error, self.rtol)
 
     def _outside(self, pressure: Field, approach: float, size: float, mean: float) -> Check:
-        room = min(self.profile.reach / self.radius - 1.0, 1.0)
-        beyond = np.array([d * room for d in _PLACES])
-        moved = np.array([outer_displacement(pressure, float(d), self.cuts) for d in beyond])
-        gap = self.profile.height(self.radius * (1.0 + beyond)) - approach + self.radius * moved
+        """Return the check of the gap outside, up to twice the radius or to the profile's end."""
+        width = min(self.profile.reach / self.radius - 1.0, 1.0)
+        beyond = np.array([d * width for d in _PLACES])
+        displacement = np.array([outer_displacement(pressure, float(d), self.cuts) for d in beyond])
+        height = self.profile.height(self.radius * (1.0 + beyond))
+        gap = height - approach + self.radius * displacement
         if self.layered is None:
             overlap = np.maximum(-gap, 0.0) / size
         else:
-            overlap = self.layered.beyond(-gap, size, mean)
+            overlap = self.layered.outside(-gap, size, mean)
         return _worst("surface is below the punch outside", overlap, self.rtol, -beyond)
 
     def _friction(self, pressure: Field, traction: Field) -> list[Check]:
         """Return the checks that need no history."""
-        scene, (p, q) = self.scene, (pressure(_PLACES), traction(_PLACES))
+        scene = self.scene
+        p = pressure(_PLACES)
+        q = traction(_PLACES)
         checks = []
         if scene.friction is not None and scene.friction < inf:
-            largest = scene.friction * np.mean(np.abs(p)) or 1.0
-            beyond = np.maximum(np.abs(q) - scene.friction * p, 0.0) / largest
-            checks.append(_worst("traction within friction", beyond, 2.0 * self.rtol, _PLACES))
+            mean = scene.friction * np.mean(np.abs(p)) or 1.0
+            excess = np.maximum(np.abs(q) - scene.friction * p, 0.0) / mean
+            checks.append(_worst("traction within friction", excess, 2.0 * self.rtol, _PLACES))
         if scene.kappa == 0.0:
             checks.append(_no_traction(traction))
         shear = 2.0 * pi * self.radius**2 * load(traction, breaks=self.cuts)
@@ -450,20 +482,23 @@ def _friction_checks(
     cuts: list[float],
     boundaries: list[float],
 ) -> list[Check]:
+    """Return the checks of the traction under a flat punch."""
     shear = _shear_check(solution, 2.0 * pi * load(traction, breaks=cuts), rtol)
     if scene.kappa == 0.0:
         return [_no_traction(traction), *shear]
     checks: list[Check] = []
-    # at a boundary the conditions of either zone hold to the root of the distance alone
+    # A boundary may be off by rtol. Next to it fields vary like the root of the distance, so that
+    # the conditions of either zone hold to the root of rtol only.
     near = np.array([any(abs(d / b - 1.0) <= sqrt(rtol) for b in boundaries) for d in _PLACES])
-    for where, told, allowed in ((~near, "", rtol), (near, " near a break", sqrt(rtol))):
+    for where, suffix, allowed in ((~near, "", rtol), (near, " near a break", sqrt(rtol))):
         if where.any():
             found = _zone_checks(scene, pressure, traction, allowed, cuts, _PLACES[where])
-            checks += [replace(check, name=check.name + told) for check in found]
+            checks += [replace(check, name=check.name + suffix) for check in found]
     return checks + shear
 
 
 def _no_traction(traction: Field) -> Check:
+    """Return the check that there is no traction."""
     return _worst("no traction at kappa = 0", np.abs(traction(_PLACES)), 0.0, _PLACES)
 
 
@@ -484,17 +519,23 @@ def _zone_checks(
     cuts: list[float],
     places: Array,
 ) -> list[Check]:
-    """Return the checks of the friction law at some places."""
-    friction, beta, kappa = scene.friction, scene.tangential_compliance, scene.kappa
+    """Return the checks of the friction law at some places.
+
+    A place counts as slipping where the traction has the modulus ``f p`` within the tolerance, and
+    as sticking elsewhere.
+    """
+    friction = scene.friction
+    beta = scene.tangential_compliance
+    kappa = scene.kappa
     assert friction is not None
-    p, q = pressure(places), traction(places)
+    p = pressure(places)
+    q = traction(places)
     parts = [tangential_displacement(traction, pressure, kappa, float(d), cuts) for d in places]
     outward, inward = np.array(parts).T
-    displacement = (beta * q + outward - inward) / inward
-    # a share of q/p that misses 1 by less than the tolerance may be either
+    displacement = (beta * q + outward - inward) / inward  # left side of (4.2), relative
     with np.errstate(invalid="ignore"):
-        share = np.abs(q) / (friction * p) if friction else np.full(len(q), inf)
-    slip = share > 1.0 - 4.0 * rtol
+        fraction = np.abs(q) / (friction * p) if friction else np.full(len(q), inf)
+    slip = fraction > 1.0 - 4.0 * rtol
     stick = ~slip  # and where a traction is NaN
     sense = np.sign(q) * np.sign(kappa) if friction else np.ones(len(q))
     checks = [
@@ -507,6 +548,6 @@ def _zone_checks(
         ),
     ]
     if friction < inf:
-        beyond = np.maximum(np.abs(q) - friction * p, 0.0) / np.maximum(friction * p, 1e-300)
-        checks.insert(0, _worst("traction within friction", beyond, 2.0 * rtol, places))
+        excess = np.maximum(np.abs(q) - friction * p, 0.0) / np.maximum(friction * p, 1e-300)
+        checks.insert(0, _worst("traction within friction", excess, 2.0 * rtol, places))
     return checks

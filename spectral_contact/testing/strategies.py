@@ -1,6 +1,6 @@
-"""Hypothesis strategies for scenes, all over the space of parameters (extra ``testing``).
+"""Hypothesis strategies for scenes, which cover the space of parameters (extra ``testing``).
 
-Two corners are left out, as they are slow or ill-conditioned and deserve tests of their own:
+Two corners are left out, as they are slow or ill-conditioned and need tests of their own:
 friction within 1e-6 of the critical, and a normal compliance far below a tangential one below 1e-9.
 """
 
@@ -86,7 +86,8 @@ def scenes(friction: SearchStrategy[float | None]) -> SearchStrategy[Scene]:
 
 @st.composite
 def _scenes(draw: DrawFn, friction: SearchStrategy[float | None]) -> Scene:
-    alpha, beta = draw(compliances()), draw(compliances())
+    alpha = draw(compliances())
+    beta = draw(compliances())
     assume(not (0.0 < beta < 1e-9 and alpha < beta / 10.0))
     return Scene(draw(poisson_ratios()), alpha, beta, draw(friction))
 
@@ -109,8 +110,10 @@ def partial_slip_scenes(draw: DrawFn) -> Scene:
     assume(share < 0.99)
     critical = _critical_friction(scene)
     if not math.isfinite(critical):
-        # without tangential compliance c is about 4 exp(-2 kappa/f), and sought above 1e-54 only
-        critical, share = 5.0 * scene.kappa, max(share, 0.02)
+        # without tangential compliance the stick radius is about 4 exp(-2 kappa/f), and the solver
+        # takes one below 1e-54 for full slip
+        critical = 5.0 * scene.kappa
+        share = max(share, 0.02)
     return Scene(
         scene.poisson_ratio, scene.normal_compliance, scene.tangential_compliance, share * critical
     )

@@ -1,4 +1,4 @@
-"""The cycle of an adhesive contact as a picture: load against approach."""
+"""Picture of the cycle of an adhesive contact: load against approach."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 Mask = NDArray[np.bool_]
 
-#: Of an axis that has no number on it, for a jump that does not end.
-_BEYOND = 0.1
+#: Length of the arrow of a jump that ends in no state, as a share of the axis; chosen.
+_ARROW = 0.1
 
 
 def plot_adhesion_cycle(cycle: AdhesionCycle) -> Figure:
-    """Draw load against approach: stable states, those that are not, and both jumps.
+    """Draw load against approach: stable and unstable states, and the jumps in and out of contact.
 
     Parameters
     ----------
@@ -70,12 +70,13 @@ def _shown(values: Array, kind: Mask) -> Array:
 
 
 def _draw_jump(axes: Axes, states: tuple[CycleState, ...], colour: str, name: str) -> None:
-    """Draw an arrow between two states, or from one that has none after it."""
-    begin, end = states[0], states[-1]
+    """Draw an arrow between two states, or from a single state to smaller approaches."""
+    begin = states[0]
+    end = states[-1]
     place = end.approach, end.load
     if len(states) == 1:
         low, high = axes.get_xlim()
-        place = begin.approach - _BEYOND * (high - low), begin.load
+        place = begin.approach - _ARROW * (high - low), begin.load
     arrow = {"arrowstyle": "->", "color": colour, "linestyle": ":", "linewidth": 1.6}
     axes.annotate("", place, (begin.approach, begin.load), arrowprops=arrow)
     axes.plot([begin.approach], [begin.load], "o", color=colour, markersize=4, label=name or None)

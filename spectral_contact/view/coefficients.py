@@ -1,4 +1,4 @@
-"""Plots of the decay of a solution's Legendre coefficients."""
+"""Plot of the decay of a solution's Legendre coefficients."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ def plot_coefficients(solution: Solution) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Moduli of the coefficients over their degree, dimensionless; the panels from the boundary's
-        far side (dark) to the boundary (light), and the tail panel dashed.
+        Moduli of the coefficients over their degree, dimensionless, a curve for each panel: dark
+        far from the boundary, light next to it, dashed for the tail panel at the boundary.
 
     Raises
     ------
@@ -56,6 +56,7 @@ def plot_coefficients(solution: Solution) -> Figure:
 
 
 def _pressure_series(solution: Solution) -> list[tuple[str, LogSeries]]:
+    """Return the series of the pressure with their titles; none if it is a closed form."""
     field = solution.pressure_field
     if isinstance(field, ZonalField):
         return [
@@ -67,14 +68,16 @@ def _pressure_series(solution: Solution) -> list[tuple[str, LogSeries]]:
 
 
 def _traction_series(solution: Solution) -> list[tuple[str, LogSeries]]:
+    """Return the series of the traction in stick zones with their titles."""
     field = solution.traction_field
     pieces = [p.field for p in field.pieces] if isinstance(field, ZonalField) else [field]
-    # a series without the factor s is a pressure: that is friction times it, in slip
+    # a series without the factor s is one of the pressure: in slip the traction is f times that
     stuck = [one for one in pieces if not isinstance(one, AnnulusSeries) or one.power == 1]
     return [found for one in stuck for found in _piece_series("$q^*$", one, "a stick annulus")]
 
 
 def _piece_series(name: str, piece: object, annulus: str) -> list[tuple[str, LogSeries]]:
+    """Return the series of a disk, or both of an annulus, with their titles."""
     if isinstance(piece, DiskSeries) and piece.series is not None:
         c = piece.outer.value
         place = "$d = 1 - s^2$" if c == 1.0 else rf"$d = 1 - s^2/c^2$, $c = {c:.4g}$"
@@ -86,6 +89,7 @@ def _piece_series(name: str, piece: object, annulus: str) -> list[tuple[str, Log
 
 
 def _why_no_series(solution: Solution) -> str:
+    """Return why no field of a solution is a series."""
     missing = dict(solution.plan.missing)
     if "pressure" not in missing:
         return "the surface is smooth, its pressure a closed form"

@@ -1,4 +1,4 @@
-"""The picture of a fit: loads over depths with the curve, and the residuals below."""
+"""Picture of a fit: measured loads over depths with the fitted curve, and the residuals."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from spectral_contact.view.figures import BLUE, VERMILION, new_figure, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Standard deviations between which most residuals are.
-_MOST = 2.0
+#: Lines are drawn at plus and minus so many standard deviations, within which most residuals are.
+_BAND = 2.0
 
 
 def plot_fit(fitted: IndentationFit) -> Figure:
@@ -47,7 +47,7 @@ def plot_fit(fitted: IndentationFit) -> Figure:
         curve.set_ylabel("load / N")
         curve.legend()
         residuals.plot(depth, fitted.residuals, color=BLUE, **dots)
-        for level in (-_MOST, 0.0, _MOST):
+        for level in (-_BAND, 0.0, _BAND):
             residuals.axhline(level, color=VERMILION, linewidth=0.8 if level else 1.4)
         residuals.set_ylabel("residual / σ")
         residuals.set_xlabel("depth / m")

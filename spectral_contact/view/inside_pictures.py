@@ -16,13 +16,16 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+#: Points along each axis, and levels of the contours; chosen.
 _POINTS = 161
 _LEVELS = 24
-#: Colours end where this share of the points is; next to the edge many stresses are infinite.
-_SHARE = 0.985
-#: What the drawing is accurate to.
+#: The colours cover the values up to this quantile, and down to its complement: next to the edge
+#: many stresses are infinite.
+_QUANTILE = 0.985
+#: Relative tolerance of what is drawn.
 _RTOL = 1e-6
-_LARGEST = {"von_mises": "von_mises", "max_shear": "max_shear"}
+#: Quantities whose largest value is marked.
+_MARKED = ("von_mises", "max_shear")
 #: Units and quantities as axes show them, where they differ from the columns of a table.
 _UNITS = {
     "a": "$a$",
@@ -89,7 +92,7 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
         _draw_surface(top, body, far)
         _draw_contours(figure, main, body, quantity, far)
         main.set_title(QUANTITIES[quantity])
-        if quantity in _LARGEST:
+        if quantity in _MARKED:
             _mark_largest(main, body, quantity, far)
         unit = _bracketed(body.unit_names.place)
         main.set(xlabel=f"$r${unit}", ylabel=f"$z${unit}", aspect="equal")
@@ -98,12 +101,13 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
 
 
 def _draw_contours(figure: Figure, axes: Axes, body: Inside, quantity: str, far: float) -> None:
+    """Draw a quantity over the radius and the depth, both up to `far`."""
     from matplotlib.ticker import MaxNLocator
 
     grid = np.linspace(0.0, far, _POINTS)
     values = body.to_table(*np.meshgrid(grid, grid), rtol=_RTOL)[quantity]
     shown = values[np.isfinite(values)]
-    low, high = np.quantile(shown, [1.0 - _SHARE, _SHARE])
+    low, high = np.quantile(shown, [1.0 - _QUANTILE, _QUANTILE])
     if shown.min() >= 0.0:
         low = 0.0
     # round numbers, which the colour bar can be read by
@@ -119,13 +123,16 @@ def _draw_surface(axes: Axes, body: Inside, far: float) -> None:
     radius = body.radius
     r = np.concatenate([np.linspace(0.0, radius, 101), np.linspace(radius, far, 101)[1:]])
     surface = body.surface(r, rtol=_RTOL)
+    # the face of the punch: inside it is below the surface of the half-space by what the layer is
+    # compressed, outside it is above it by the gap
     if body.flat:
-        r_face, face = np.array([0.0, radius, radius]), surface.z[:1] + surface.gap[:1]
-        face = np.append(np.repeat(face, 2), 0.0)
-    else:  # only what is near the body is drawn
+        r_face = np.array([0.0, radius, radius])
+        face = np.append(np.repeat(surface.z[:1] + surface.gap[:1], 2), 0.0)
+    else:  # only the part near the body is drawn
         face = np.where(r <= radius, surface.z + surface.gap, surface.z - surface.gap)
         near = face > -0.3 * face[0]
-        r_face, face = r[near], face[near]
+        r_face = r[near]
+        face = face[near]
     axes.fill_between(r_face, np.minimum(face.min(), 0.0), face, color=SLIP_GREY, lw=0.0)
     axes.plot(r_face, face, color=BLACK, lw=1.0, label="punch")
     axes.plot(r, surface.z, color=VERMILION, label="surface")
@@ -140,13 +147,14 @@ def _bracketed(unit: str) -> str:
 
 
 def _mark_largest(axes: Axes, body: Inside, quantity: str, far: float) -> None:
-    found = body.largest(_LARGEST[quantity])
-    said = found.remark
+    """Write the largest value of a quantity, and mark its place if that is shown."""
+    found = body.largest(quantity)
+    text = found.remark
     if found.value is not None:
-        said = f"largest: {found.value:.6g}, {'at the cross' if found.attained else said}"
+        text = f"largest: {found.value:.6g}, {'at the cross' if found.attained else text}"
     box = {"facecolor": "white", "alpha": 0.85, "edgecolor": "none"}
     corner: dict[str, Any] = {"transform": axes.transAxes, "ha": "right", "va": "bottom"}
-    axes.text(0.985, 0.015, fill(said, 50), bbox=box, fontsize=8.0, **corner)
+    axes.text(0.985, 0.015, fill(text, 50), bbox=box, fontsize=8.0, **corner)
     if found.value is None:
         return
     if found.r <= far and found.z <= far:

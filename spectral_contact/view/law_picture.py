@@ -28,15 +28,31 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: How far beyond the largest pressure the law is drawn, and how far down without a start.
-_BEYOND, _LEAST = 1.3, 1e-4
+#: Overclosures are drawn up to this many times that of the largest pressure; chosen.
+_BEYOND = 1.3
+#: Pressures are drawn down to this share of the largest one, where the law has no start or the axis
+#: is logarithmic; chosen.
+_LEAST = 1e-4
+#: Points of the curve.
 _POINTS = 400
-#: Letters of a line of the title.
-_WIDE = 90
+#: Most characters of a line of the title.
+_TITLE_WIDTH = 90
 
 
-class _Used(NamedTuple):
-    """What of a law is drawn: its curve, the largest pressure and the mean."""
+class _DrawnLaw(NamedTuple):
+    """What is drawn of a law and of the pressures of a contact.
+
+    Attributes
+    ----------
+    w, p : ndarray
+        Overclosures and pressures of the law.
+    largest, mean : float
+        The largest pressure of the contact, and the mean.
+    slope : float
+        dp/dw at the mean pressure.
+    start : float
+        Overclosure at which the pressure begins; -inf for a law that has a pressure everywhere.
+    """
 
     w: Array
     p: Array
@@ -49,9 +65,9 @@ class _Used(NamedTuple):
 def plot_law(solution: Solution) -> Figure:
     """Plot the law of a nonlinear layer, and mark the pressures that the contact makes use of.
 
-    They are shaded, up to the largest. At the mean pressure the tangent and the secant are drawn
-    that a linear layer in the place of the law may have. Where the contact has no edge the mean is
-    that over the load. In SI units if the scene has SI data.
+    Pressures up to the largest are shaded. At the mean pressure the tangent and the secant are
+    drawn, whose slopes a linear layer in place of the law may have. Where the contact has no edge,
+    pressures are weighted by themselves in the mean. In SI units if the scene has SI data.
 
     Parameters
     ----------
@@ -72,60 +88,63 @@ def plot_law(solution: Solution) -> Figure:
         If matplotlib is not installed.
     """
     instance("solution", solution, Solution)
-    layer, data = solution.scene.layer, solution.scene.physical
+    layer = solution.scene.layer
+    data = solution.scene.physical
     if layer is None:
         raise NotComputedError("a law to plot", "the scene has no nonlinear layer")
     unit = 1.0 if data is None else data.quarter_modulus(solution.scene.poisson_ratio)
-    used = _used(solution, unit)
+    drawn = _drawn_law(solution, unit)
     require()
     named = layer if data is None else data.layer
     with style():
         figure = new_figure(figsize=(8.0, 3.4), layout="constrained")
         for k, scale in enumerate(("linear", "log")):
             axes = figure.add_subplot(1, 2, k + 1)
-            _draw(axes, used, logarithmic=scale == "log")
+            _draw(axes, drawn, logarithmic=scale == "log")
             length, stress = ("L", "E'") if data is None else ("m", "Pa")
             axes.set(xlabel=f"overclosure $w$ [{length}]", ylabel=f"pressure $p$ [{stress}]")
         figure.axes[0].legend(loc="upper left")
-        figure.suptitle(fill(named.brief, _WIDE), fontsize="medium")
+        figure.suptitle(fill(named.brief, _TITLE_WIDTH), fontsize="medium")
     return figure
 
 
-def _used(solution: Solution, unit: float) -> _Used:
-    """Return what is drawn, pressures in a unit of them over E'."""
-    layer, radii = solution.scene.layer, graded_radii(solution)
+def _drawn_law(solution: Solution, unit: float) -> _DrawnLaw:
+    """Return what is drawn; pressures, which are in E', are multiplied by a unit."""
+    layer = solution.scene.layer
     assert layer is not None
+    radii = graded_radii(solution)
     values = solution.pressure(radii.s)
     largest = float(np.max(values))
     mean = solution.load / (pi * solution.domain_radius**2)
-    if isinf(layer.start):  # over what bears the load: the domain ends at no edge
+    if isinf(layer.start):  # there is no edge, within which the mean could be taken
         weight = radii.s * values
         mean = float(trapezoid(weight * values, radii.s) / trapezoid(weight, radii.s))
     first = layer.start if not isinf(layer.start) else layer.overclosure(_LEAST * largest)
     last = layer.overclosure(largest)
     last = min(last + (_BEYOND - 1.0) * (last - first), layer.limit)
-    w, at = np.linspace(first, last, _POINTS), layer.overclosure(mean)
+    w = np.linspace(first, last, _POINTS)
     p = unit * layer.pressure(w)
-    return _Used(w, p, unit * largest, unit * mean, unit * layer.stiffness(at), layer.start)
+    slope = unit * layer.stiffness(layer.overclosure(mean))
+    return _DrawnLaw(w, p, unit * largest, unit * mean, slope, layer.start)
 
 
-def _draw(axes: Axes, used: _Used, *, logarithmic: bool) -> None:
-    """Draw the law, what is used of it, and its lines at the mean pressure."""
-    positive = used.p > 0.0
-    axes.plot(used.w[positive], used.p[positive], color=BLUE, label="law")
-    least = _LEAST * used.largest
-    axes.axhspan(least if logarithmic else 0.0, used.largest, color=SLIP_GREY, lw=0.0, zorder=0.5)
-    at = float(np.interp(used.mean, used.p, used.w))
+def _draw(axes: Axes, law: _DrawnLaw, *, logarithmic: bool) -> None:
+    """Draw the law, the pressures of the contact, and the lines at the mean pressure."""
+    positive = law.p > 0.0
+    axes.plot(law.w[positive], law.p[positive], color=BLUE, label="law")
+    least = _LEAST * law.largest
+    axes.axhspan(least if logarithmic else 0.0, law.largest, color=SLIP_GREY, lw=0.0, zorder=0.5)
+    at_mean = float(np.interp(law.mean, law.p, law.w))
     line: dict[str, Any] = {"color": VERMILION, "lw": 1.0}
-    tangent = used.mean + used.slope * (used.w - at)
-    axes.plot(used.w[tangent > 0.0], tangent[tangent > 0.0], "-.", label="tangent", **line)
-    if not isinf(used.start):
-        secant = used.mean * (used.w - used.start) / (at - used.start)
-        axes.plot(used.w[secant > 0.0], secant[secant > 0.0], ":", label="secant", **line)
-    axes.plot([at], [used.mean], "o", color=BLACK, markersize=4.0, label="mean pressure")
+    tangent = law.mean + law.slope * (law.w - at_mean)
+    axes.plot(law.w[tangent > 0.0], tangent[tangent > 0.0], "-.", label="tangent", **line)
+    if not isinf(law.start):
+        secant = law.mean * (law.w - law.start) / (at_mean - law.start)
+        axes.plot(law.w[secant > 0.0], secant[secant > 0.0], ":", label="secant", **line)
+    axes.plot([at_mean], [law.mean], "o", color=BLACK, markersize=4.0, label="mean pressure")
     if logarithmic:
         axes.set_yscale("log")
-        axes.set_ylim(least, float(used.p[-1]))
+        axes.set_ylim(least, float(law.p[-1]))
     else:
-        axes.set_ylim(0.0, float(used.p[-1]))
+        axes.set_ylim(0.0, float(law.p[-1]))
     axes.margins(x=0.0)

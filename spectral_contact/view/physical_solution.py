@@ -133,7 +133,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def total_shear(self) -> float:
-        """Measure of shear Q [N]."""
+        """Total shear Q [N], a measure of shear, not a resultant force."""
         return float(self._in_si("total_shear"))
 
     @property
@@ -179,7 +179,7 @@ class PhysicalSolution(choices.Suggesting):
         a = self.radius
         if from_edge is None:
             given = checks.lengths("r", r, a, "m")
-            # next to the edge the difference from the radius is exact, and one of quotients is not
+            # next to the edge a - r is exact, and 1 - r/a is not
             outer = given > a / 2.0
             values = np.empty(given.shape)
             values[outer] = evaluate(from_edge=(a - given[outer]) / a)

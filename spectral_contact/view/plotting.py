@@ -71,11 +71,12 @@ __all__ = [
 ]
 
 
+#: Prefixes of units by their powers of ten.
 _PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
 def check(plan: Plan) -> None:
-    """Check, before the work, that a solution of this plan can be plotted.
+    """Check, before anything is solved, that a solution of this plan can be plotted.
 
     Raises
     ------
@@ -96,9 +97,9 @@ def check(plan: Plan) -> None:
 def plot_solution(solution: Solution) -> Figure:
     """Plot p*, q*, f p*, the slip, the zones and the error estimates of a solution.
 
-    A scene that was made from SI data has its axes in SI units: p, q and f p over r. They are
-    dimensionless if their scale is not known: under a flat punch whose approach was given, if that
-    was not asked for; under a profile, if the contact radius is neither given nor asked for.
+    The axes of a scene with SI data are in SI units: p, q and f p over r. They are dimensionless if
+    these units are not known: under a flat punch whose approach was given, if `approach` was not
+    asked for; under a profile, if the contact radius is neither given nor asked for.
 
     The left panels show the fields over the radius; where they are singular, or nearly so, at the
     edge, they are cut off, and a note says so. The right panels show them over the distance from
@@ -147,6 +148,8 @@ def plot_solution(solution: Solution) -> Figure:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Curve:
+    """Values over the radii, and how they are drawn."""
+
     label: str
     values: Array
     colour: str
@@ -155,7 +158,17 @@ class _Curve:
 
 @dataclass(frozen=True, slots=True)
 class _AxisUnits:
-    """What one of a length and of a stress is on the axes, and how they are called."""
+    """Units of the axes.
+
+    Attributes
+    ----------
+    length, stress, slip : float
+        What dimensionless radii, stresses and slips are multiplied by.
+    length_unit, stress_unit, slip_unit : str
+        Names of the units; empty where the axis is dimensionless, in the symbols of the theory.
+    title : tuple of str
+        Lines of the title about profile and SI data.
+    """
 
     length: float
     stress: float
@@ -168,11 +181,12 @@ class _AxisUnits:
     @classmethod
     def of(cls, solution: Solution) -> _AxisUnits:
         """Return the units of the scene; dimensionless if load or contact radius is not known."""
-        profile, data = solution.scene.profile, solution.scene.physical
+        profile = solution.scene.profile
+        data = solution.scene.physical
         domain_radius = None if profile is None else known_radius(solution)
-        given = solution.scene.contact_radius is not None
-        edged = profile is None or given or "contact_radius" in solution.values
-        symbol = "a" if edged else "R"
+        radius_given = solution.scene.contact_radius is not None
+        has_edge = profile is None or radius_given or "contact_radius" in solution.values
+        symbol = "a" if has_edge else "R"
         if profile is not None and (data is None or domain_radius is None):
             layer = solution.scene.layer
             shown = [profile.brief, *([] if layer is None else [layer.brief])]
@@ -180,38 +194,37 @@ class _AxisUnits:
                 shown.append(rf"${symbol} = {math_number(domain_radius)}\,L$")
             title = (",   ".join(shown),)
             return cls(1.0, 1.0, stress_unit="$E'$", slip_unit="$L$", title=title)
-        known = data is not None and (
-            profile or data.load or "approach" in solution.plan.quantities
-        )
-        if data is None or not known:
+        if data is None:
+            return cls(1.0, 1.0)
+        # under a flat punch the unit of stress has the load in it
+        if not (profile or data.load or "approach" in solution.plan.quantities):
             return cls(1.0, 1.0)
         physical = solution.physical
         scales = physical.units
-        moved = scales.displacement if profile is None else 1.0
-        sizes = scales.length, scales.stress, moved
-        length_power, stress_power, slip_power = map(_prefix_power, sizes)
-        named = {
+        slip_scale = scales.displacement if profile is None else 1.0
+        length_power = _prefix_power(scales.length)
+        stress_power = _prefix_power(scales.stress)
+        slip_power = _prefix_power(slip_scale)
+        moduli = {
             "E": data.youngs_modulus,
             "E_2": data.punch_youngs_modulus,
             "E^*": data.reduced_modulus,
         }
-        modulus = ",   ".join(
-            rf"${symbol} = {math_number(one)}$ Pa"
-            for symbol, one in named.items()
-            if one is not None
+        moduli_text = ",   ".join(
+            rf"${name} = {math_number(one)}$ Pa" for name, one in moduli.items() if one is not None
         )
         radius = rf"${symbol} = {math_number(physical.radius)}$ m"
         shown = [one.brief for one in (profile, data.layer) if one is not None]
         load, _ = if_known(lambda: physical.load)
-        told = [] if load is None else [rf"$P = {math_number(load)}$ N"]
+        load_text = [] if load is None else [rf"$P = {math_number(load)}$ N"]
         return cls(
             scales.length / 10.0**length_power,
             scales.stress / 10.0**stress_power,
-            moved / 10.0**slip_power,
+            slip_scale / 10.0**slip_power,
             f"{_PREFIXES[length_power]}m",
             f"{_PREFIXES[stress_power]}Pa",
             f"{_PREFIXES[slip_power]}m",
-            (",   ".join([*shown, modulus, radius, *told]),),
+            (",   ".join([*shown, moduli_text, radius, *load_text]),),
         )
 
     @property
@@ -228,7 +241,7 @@ class _AxisUnits:
 
     @property
     def slip_symbol(self) -> str:
-        """How slip is called."""
+        """The symbol of the slip."""
         return "$u_r$" if self.slip_unit else "$u_r^*$"
 
     @property
@@ -239,7 +252,7 @@ class _AxisUnits:
         return r"$u_r^* = a E u_r / (4 (1 - \nu^2) P)$"
 
     def symbol(self, name: str) -> str:
-        """Return how a curve is called."""
+        """Return the symbol of a stress, with a star where it is dimensionless."""
         return f"${name}$" if self.stress_unit else f"${name}^*$"
 
     def axis(self, name: str) -> str:
@@ -271,9 +284,9 @@ def _field_rows(
         curves = [_Curve(units.symbol("q"), traction, VERMILION, "-")]
         if pressure is not None and friction is not None and 0.0 < friction < np.inf:
             # between bodies of negative kappa the traction is negative, and so is its bound
-            turned = (solution.scene.mismatch or 0.0) < 0.0
-            bound = -friction if turned else friction
-            name = units.symbol("-f p" if turned else "f p")
+            negative = (solution.scene.mismatch or 0.0) < 0.0
+            bound = -friction if negative else friction
+            name = units.symbol("-f p" if negative else "f p")
             curves.append(_Curve(name, bound * pressure, BLACK, "--"))
         rows.append((units.axis("q"), curves))
     if "slip" in present and any(zone.kind == "slip" for zone in known_zones(solution)):
@@ -285,13 +298,14 @@ def _field_rows(
 def _draw_over_radius(
     axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _AxisUnits
 ) -> None:
+    """Draw curves over the radius, slip zones in grey; a peak at the edge is cut off and noted."""
     a = units.length
     for curve in curves:
         axes.plot(a * radii.s, curve.values, curve.line, color=curve.colour, label=curve.label)
     for zone in known_zones(solution):
         if zone.kind == "slip":
             axes.axvspan(a * zone.inner, a * zone.outer, color=SLIP_GREY, lw=0.0, zorder=0.5)
-    # an edge much higher or lower than the rest, or infinite, is left to the other panel
+    # values next to the edge that are much larger than the rest are shown in the other panel
     limits = bulk_limits(radii, [curve.values for curve in curves])
     values = np.concatenate([curve.values for curve in curves])
     places = np.tile(radii.s, len(curves))
@@ -320,7 +334,10 @@ def _peak_text(value: float, place: float) -> str:
 def _draw_over_distance(
     axes: Axes, radii: Radii, curves: list[_Curve], solution: Solution, units: _AxisUnits
 ) -> None:
-    depth, d, a = layer_depth(solution), radii.from_edge, units.length
+    """Draw curves over the distance from the edge, on a logarithmic axis."""
+    depth = layer_depth(solution)
+    d = radii.from_edge
+    a = units.length
     shown = (d > 0.0) & (d < 1.0)
     for curve in curves:
         axes.plot(
@@ -355,9 +372,9 @@ def _zone_patches(solution: Solution) -> list[Any]:
 
 
 def _estimates(solution: Solution) -> list[tuple[str, float]]:
-    """Return the estimates there are, in the order of a report."""
+    """Return the names and values of the error estimates there are, at most 1, in their order."""
     found = [(one.name, getattr(solution.error, one.name)) for one in fields(ErrorEstimates)]
-    # no digit is known from 1 on; NaN is taken for that, too
+    # from 1 on no digit is known, nor is one if the estimate is NaN
     return [
         (name.replace("_", " "), error if error < 1.0 else 1.0)
         for name, error in found
@@ -366,16 +383,18 @@ def _estimates(solution: Solution) -> list[tuple[str, float]]:
 
 
 def _draw_errors(axes: Axes, solution: Solution) -> None:
+    """Draw the error estimates, a row for each, and the tolerance as a line."""
     estimates = _estimates(solution)
-    floor = 3e-17
+    floor = 3e-17  # an error of 0 is drawn here, below all others
     marker: dict[str, Any] = {"color": BLUE, "markersize": 5.0, "clip_on": False, "zorder": 3.0}
     for row, (name, error) in enumerate(estimates):
-        said = "no digit is known" if error >= 1.0 else ""
+        text = "no digit is known" if error >= 1.0 else ""
         if error <= floor:
-            said = "none" if name == "violation" else "exact"
-        place, face = max(error, floor), "white" if said else BLUE
+            text = "none" if name == "violation" else "exact"
+        place = max(error, floor)
+        face = "white" if text else BLUE
         axes.plot([place], [row], "o", markerfacecolor=face, **marker)
-        axes.annotate(said, (place, row), (8, 0), textcoords="offset points", va="center")
+        axes.annotate(text, (place, row), (8, 0), textcoords="offset points", va="center")
     axes.axvline(solution.rtol, color=VERMILION, ls="--", lw=1.0)
     above: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": "center"}
     axes.text(solution.rtol, 1.02, "rtol", color=VERMILION, **above)

@@ -1,4 +1,4 @@
-"""A line of progress on stderr or in a notebook, for work that takes longer than a breath."""
+"""A line of progress on stderr or in a notebook."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from spectral_contact.io.checks import flag
 class ProgressLine:
     """A bar, the share that is done, the time so far and the present step; by tqdm.
 
-    It shows itself with the first step, and is gone when the work is done. As a context manager it
-    goes however the work ends.
+    It appears with the first step, and is removed when the work is done; as a context manager also
+    if the work raises an exception.
 
     Parameters
     ----------
     wanted : bool or None
-        Whether to show anything. None is where somebody watches: on a terminal or in a notebook,
-        if tqdm is installed, and not in a process that works for another.
+        Whether to show anything. None to show it on a terminal and in a notebook, if tqdm is
+        installed, but not in a worker process.
 
     Raises
     ------
@@ -51,15 +51,15 @@ class ProgressLine:
             self._bar = None
 
     def __call__(self, step: str, share: float | None = None) -> None:
-        """Show the step and the share in [0, 1] that is done; 1 ends the line.
+        """Show the step and the share in [0, 1] that is done; a share of 1 removes the line.
 
-        Without a share the one before stays; without any there is no bar.
+        None leaves the share as it was. If the first one is None, there is no bar.
         """
         if self._make is None:
             return
         if self._bar is None:
             bar = "" if share is None else "{percentage:3.0f} %|{bar:20}| "
-            form = bar + "{elapsed}  {desc}"  # steps differ too much to say what is left
+            form = bar + "{elapsed}  {desc}"  # steps differ too much to tell the time left
             self._bar = self._make(total=1.0, bar_format=form, leave=False, file=sys.stderr)
         if share is not None:
             self._bar.n = share
@@ -69,26 +69,27 @@ class ProgressLine:
 
 
 def silent(step: str) -> None:
-    """Tell nobody of a step."""
+    """Do nothing with a step: what is called in place of a `ProgressLine`."""
 
 
 def _watched() -> bool:
-    """Whether somebody sees what this process writes: it may be one of many that work."""
+    """Whether somebody sees what this process writes, which no worker process shows."""
     if multiprocessing.parent_process() is not None:
         return False
     return _in_notebook() or (sys.stderr is not None and sys.stderr.isatty())
 
 
 def _in_notebook() -> bool:
+    """Whether this process runs a notebook."""
     module = sys.modules.get("IPython")
     shell = None if module is None else module.get_ipython()
     return shell is not None and "IPKernelApp" in shell.config
 
 
 def _bars() -> Any:
-    """Return tqdm's bars, without the thread that it has to refresh them: threads hinder forks."""
+    """Return the class of tqdm's bars, without its thread that refreshes them, unsafe at forks."""
     if _in_notebook():
-        with warnings.catch_warnings():  # it has to say that widgets are missing, and does without
+        with warnings.catch_warnings():  # without widgets tqdm warns, and works
             warnings.simplefilter("ignore")
             from tqdm.auto import tqdm
     else:

@@ -14,19 +14,22 @@ from spectral_contact.io.checks import values_at, whole
 from spectral_contact.io.choices import function, instance
 from spectral_contact.solution import Solution, Zone
 
+#: Most radii that may be asked for.
 _MOST: Final = 10_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Radii:
-    """Radii from the centre to the edge, each kept from the side on which it is accurate.
+    """Radii from the centre to the edge: the outer ones as distances from the edge.
+
+    A distance tells places next to the edge apart that round to the same radius.
 
     Attributes
     ----------
     inner : ndarray
         Radii ``s < 1/2``, increasing, dimensionless.
     outer : ndarray
-        Distances ``1 - s <= 1/2`` of the others, decreasing.
+        Distances ``1 - s <= 1/2`` of all others, decreasing.
     """
 
     inner: Array
@@ -101,7 +104,10 @@ def known_zones(solution: Solution) -> tuple[Zone, ...]:
 
 
 def layer_depth(solution: Solution) -> float:
-    """Return the distance from the edge, over the radius, down to which something happens."""
+    """Return a distance from the edge, over the radius, far below all lengths of the solution.
+
+    These are the compliances and the widths of zones at the edge.
+    """
     scene = solution.scene
     # under a profile compliances are lengths; a radius that is not known is taken for their unit
     radius = 1.0 if scene.profile is None else known_radius(solution) or 1.0
@@ -121,12 +127,13 @@ def known_radius(solution: Solution) -> float | None:
 def bulk_limits(radii: Radii, curves: Iterable[Array]) -> tuple[float, float]:
     """Return the limits of an axis for curves over radii.
 
-    An edge that is much higher or lower than the rest, or infinite, is left outside; so is NaN.
+    Values next to the edge that are infinite, or more than 2.5 times those elsewhere, are cut off.
     """
     values = np.concatenate([np.where(np.isnan(one), 0.0, one) for one in curves])
     bulk = values[np.tile(radii.from_edge >= 0.02, len(values) // len(radii.s))]
-    bulk = bulk[np.isfinite(bulk)]  # at a tip it may be infinite, too
-    low, high = values.min(), values.max()
+    bulk = bulk[np.isfinite(bulk)]  # at the tip of a cone the pressure is infinite, too
+    low = values.min()
+    high = values.max()
     return from_zero(
         bulk.min() if low < 2.5 * bulk.min() else low,
         bulk.max() if high > 2.5 * bulk.max() else high,

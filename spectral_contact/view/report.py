@@ -26,22 +26,24 @@ if TYPE_CHECKING:
     from spectral_contact.equations.interior import Inside
     from spectral_contact.view.physical_solution import PhysicalSolution
 
+#: Units of a table of fields, under a flat punch and with a profile.
 _UNITS = "dimensionless: s = r/a, p and q in P/a^2, slip in 4 (1 - nu^2) P / (a E)"
+_PROFILE_UNITS = "s = r/a, lengths in L, p in E' = E / (4 (1 - nu^2)), loads in E' L^2"
+#: Remark on an adhesive contact.
 _RETRACTED = (
     "the approach is negative: adhesion holds the contact while it is taken back; on the way in it "
     "begins at the approach 0"
 )
-_PROFILE_UNITS = "s = r/a, lengths in L, p in E' = E / (4 (1 - nu^2)), loads in E' L^2"
 
 
 def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
-    """Return everything that is printed; only the timings differ from run to run.
+    """Return the report of a solution; only the timings in it differ from run to run.
 
     Parameters
     ----------
     solution : Solution
     remarks : sequence of str
-        What is to be said about the scene besides what its SI data call for.
+        Remarks on the scene, which come before those of the solution.
     """
     parts = [_scene_text(solution), table(quantity_cells(solution))]
     if solution.scene.physical is not None:
@@ -96,9 +98,9 @@ def report_inside(body: Inside) -> str:
         energies = body.energies()
     except NotComputedError as missing:
         return f"{table(cells)}\n{missing}"
-    parts = ("external", "strain", "layer", "friction", "defect")
-    work = [("energy", "value"), *((name, f"{getattr(energies, name):.12g}") for name in parts)]
-    return f"{table(cells)}\n{table(work)}"
+    names = ("external", "strain", "layer", "friction", "defect")
+    rows = [("energy", "value"), *((name, f"{getattr(energies, name):.12g}") for name in names)]
+    return f"{table(cells)}\n{table(rows)}"
 
 
 def write_csv(solution: Solution, path: str | os.PathLike[str]) -> None:
@@ -144,18 +146,19 @@ class _Row:
     value: float | None
     unit: str
     error: float | None
-    #: what the error is relative to, over the value
+    #: what the error is relative to, over the value: 1 for a relative error
     scale: float = 1.0
-    #: a quantity that was not asked for, without which the value is not known in this unit
+    #: the quantity that was not asked for, without which the value is not known in its unit
     takes: str = ""
 
     @property
     def own_error(self) -> float | None:
-        """The error relative to the value, which is told beside it."""
+        """The error relative to the value."""
         return self.error * self.scale if self.error else self.error
 
 
 def _rows(solution: Solution) -> list[_Row]:
+    """Return the dimensionless scalars."""
     rows = _scalars(solution, solution, {})
     if solution.values.get("opening") is not None:
         rows.append(_Row("contact would open within", solution.opening, "", None))
@@ -219,7 +222,7 @@ def _scalars(
             rows.append(_Row(f"{name}, edge", edge, unit, error, takes=takes))
         elif name not in (*FIELDS, "zones"):
             value, takes = if_known(partial(getattr, source, name))
-            scale = _relative_to(name, solution)
+            scale = relative_to(name, solution)
             rows.append(_Row(name.replace("_", " "), value, unit, error, scale, takes))
     return rows
 
@@ -229,7 +232,7 @@ def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
 
 
 def if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:
-    """Return a value, or None and the name of the quantity that it takes and was not asked for."""
+    """Return a value and "", or None and the quantity that it takes, which was not asked for."""
     try:
         return read(), ""
     except NotComputedError as missing:
@@ -237,15 +240,15 @@ def if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:
 
 
 def _has_edge_value(name: str, scene: Scene) -> bool:
-    """Return whether a field is told at the edge; under most profiles the pressure is 0 there."""
+    """Return whether a field is shown at the edge; under most profiles the pressure is 0 there."""
     if scene.profile is None:
         return True
     loaded = isinstance(scene.profile, Flat) or scene.work_of_adhesion is not None
     return name == "pressure" and loaded
 
 
-def _relative_to(name: str, solution: Solution) -> float:
-    """Return what an error is relative to, over the value; 1 unless that may vanish."""
+def relative_to(name: str, solution: Solution) -> float:
+    """Return what an error is relative to, over the value: 1 unless the value may vanish."""
     scale, value = solution.error_scales.get(name), solution.values.get(name)
     if scale is None or value is None or math.isinf(value):
         return 1.0

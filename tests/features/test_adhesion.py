@@ -265,6 +265,20 @@ def test_a_list_may_mix_scenes_with_and_without_it():
     assert np.isfinite(found.stiffness_on_branch.values).tolist() == [True, False]
 
 
+def test_sweeps_tell_errors_relative_to_the_value():
+    # at this radius the load is 0 to seven digits, a difference of two larger parts
+    scene = Scene(None, profile=profiles.Sphere(1.0), work_of_adhesion=0.01, load=0.0)
+    radius = solve(scene, 1e-8).contact_radius
+    scene = scene.replace(load=None, contact_radius=radius)
+    asked = {"quantities": ["load"], "rtol": 1e-8}
+    found = sweep(scene, contact_radius=[radius], progress=False, **asked)
+    one = solve(scene, **asked)
+    scale = one.error_scales["load"]
+    assert abs(one.load) < 1e-7 * scale
+    own = one.error.load * scale / abs(one.load)
+    assert float(found.load_error[0]) == pytest.approx(own, rel=1e-12)
+
+
 def test_sweeps_in_si_units_vary_it_and_have_the_stiffness():
     gel = Scene.from_physical(load=0.0, **GEL)
     found = sweep(gel, work_of_adhesion=["50 uJ/m^2", "0.1 mJ/m^2"])

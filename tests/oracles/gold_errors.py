@@ -47,7 +47,7 @@ def errors(double, true):
         found["edge_ratio"] = relative(double.edge_ratio, true.edge_ratio)
     for name in fields:
         values = getattr(double, name)(from_edge=depths)
-        if double.error_scales:
+        if "load" in double.error_scales:
             mean = double.error_scales["load"] / (math.pi * double.contact_radius**2)
             pairs = zip(values, true.points, strict=True)
             found[name] = worst(against_size(value, point, mean) for value, point in pairs)

@@ -273,6 +273,60 @@ def test_estimates_hold_next_to_pull_off(seed):
                 assert off(getattr(near, name), getattr(true, name), scale) <= allowed
 
 
+RESULTS = (
+    "contact_radius",
+    "load",
+    "approach",
+    "stiffness",
+    "stiffness_on_branch",
+    "indentation_work",
+)
+
+
+def assert_within_estimates(rough, fine):
+    """Check that results of a solution differ from better ones by no more than both estimates."""
+    for name in RESULTS:
+        mine, its = getattr(rough, name), getattr(fine, name)
+        if math.isfinite(its):
+            allowed = getattr(rough.error, name) + getattr(fine.error, name)
+            assert off(mine, its, fine.error_scales.get(name, its)) <= allowed, name
+
+
+@pytest.mark.parametrize(("control", "machine"), [("load", None), ("approach", 2.0)])
+def test_the_work_of_a_pull_off_has_the_error_of_its_radius(control, machine):
+    # along the curve the work grows by P ddelta, which is not 0 where the control has a fold
+    scene = sticky(0.01, 0.2, profiles.Cone(1.3), load=0.0)
+    rough, fine = (
+        pull_off(scene, control, machine_stiffness=machine, rtol=rtol) for rtol in (1e-3, 1e-11)
+    )
+    assert_within_estimates(rough, fine)
+
+
+@pytest.mark.parametrize("find", [solve, pull_off])
+def test_a_profile_with_few_digits_leaves_few_of_adhesive_states(find):
+    # next to the centre of so large a series the slope is rounding from the seventh digit on
+    wide = profiles.Sampled.from_functions(
+        lambda r: r**2 / 2.0, lambda r: 1.0 * r, reach=1e6, rounded=True
+    )
+    exact = sticky(0.0, 0.1, contact_radius=0.6)
+    rough = find(exact.replace(profile=wide), rtol=1e-8, quantities=RESULTS, strict=False)
+    assert_within_estimates(rough, find(exact, quantities=RESULTS))
+
+
+def test_a_cycle_has_the_error_of_the_profile():
+    wide = profiles.Sampled.from_functions(
+        lambda r: r**2 / 2.0, lambda r: 1.0 * r, reach=1e6, rounded=True
+    )
+    exact = sticky(0.0, 0.1, contact_radius=1.0)
+    rough, fine = (
+        adhesion_cycle(one, points=2, rtol=1e-8) for one in (exact.replace(profile=wide), exact)
+    )
+    largest = 0  # the contact radius is given there
+    found = rough.load[largest], fine.load[largest]
+    assert off(*found, found[1]) <= rough.error
+    assert abs(rough.dissipated - fine.dissipated) <= rough.dissipated_error
+
+
 def test_a_fold_that_rates_to_some_digits_misplace_is_found():
     # under this tip, on a layer 160 times as wide as the contact, they are 17 % off
     blunt = profiles.PowerLaw(0.15290724572851577, 1.2)

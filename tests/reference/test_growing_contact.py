@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles.growing_rings import march
+from scipy.integrate import quad
 
 from spectral_contact import NotComputedError, Scene, Solution, plan, profiles, solve
 from spectral_contact.solving.stages import Stages
@@ -25,6 +26,32 @@ def solved(profile, alpha, beta, friction, rtol=1e-4, radius=1.0):
 
 
 CASES = [(0.2, 0.2, math.inf), (0.2, 0.2, 0.05), (0.2, 0.1, 0.1)]
+
+
+TWO_POWERS = profiles.Sum(profiles.Cone(1.56), PARABOLA)
+
+
+@pytest.mark.parametrize("compliance", [100.0, 1e6])
+@pytest.mark.parametrize(
+    ("profile", "radius"), [(TWO_POWERS, 1.0), (profiles.Sphere(1.0), 0.99)], ids=["sum", "sphere"]
+)
+def test_a_thick_layer_takes_all_of_the_displacement(profile, radius, compliance):
+    """Then p = (h(a) - h)/alpha, and q is kappa r/(2 beta) times that, as all sticks (G.9)."""
+    scene = Scene(NU, compliance, compliance, math.inf, profile=profile, contact_radius=radius)
+    solution = solve(scene, 1e-8)
+    assert solution.converged
+    for found, power, factor in (
+        (solution.load, 1, 2.0 * math.pi),
+        (solution.total_shear, 2, math.pi * KAPPA / compliance),
+    ):
+        integral, _ = quad(
+            lambda r, power=power: r**power * (profile.height(radius) - profile.height(r)),
+            0.0,
+            radius,
+            epsrel=1e-10,
+        )
+        # the elastic body yields a little, in proportion to 1/alpha
+        assert found == pytest.approx(factor * integral / compliance, rel=5.0 / compliance)
 
 
 @pytest.mark.parametrize(("alpha", "beta", "friction"), CASES)

@@ -6,12 +6,12 @@ import math
 import numpy as np
 import pytest
 from oracles.growing_rings import march
+from oracles.self_similar import superposed
 from oracles.spence import Collocation
 
 from spectral_contact import NotComputedError, Scene, plan, profiles, solve
 from spectral_contact.equations import residuals
 from spectral_contact.solving.outside import outside_displacement, reached
-from spectral_contact.spectral.jacobi import graded_rule
 
 PARABOLA, CONE = profiles.Parabola(1.0), profiles.Cone(1.0)
 TABLE = profiles.Sampled.from_points((0.0, 0.3, 0.6, 1.3), (0.0, 0.04, 0.2, 1.2))
@@ -235,26 +235,7 @@ def test_a_history_under_a_cone_does_not_begin_where_no_flat_punch_is_a_scene():
         assert error <= getattr(found.error, name) + getattr(closer.error, name) < 0.1
 
 
-def superposed(flat, name, load, power, r):
-    """Return a field of a self-similar history, by quadrature over the flat punch's radius."""
-    points, weights = graded_rule(20, 50, 0.2)
-    stick = flat.stick_radius
-    friction = flat.scene.friction if name == "traction" else 1.0
-    total = 0.0
-    for low, high in ((r, stick), (stick, 1.0)):
-        own = name if high == stick else "pressure"  # a traction in slip is friction times that
-        half = (high - low) / 2.0
-        for s, from_edge in (
-            (low + half * points, 1.0 - low - half * points),
-            (high - half * points, 1.0 - high + half * points),
-        ):
-            values = getattr(flat, f"{own}_field")(s, from_edge)
-            factor = friction if own != name else 1.0
-            total += factor * half * float(weights @ (values * (r / s) ** (power - 2) / s))
-    return power * load * total
-
-
-@pytest.mark.parametrize(("profile", "power"), [(PARABOLA, 3), (profiles.Cone(1.2), 2)])
+@pytest.mark.parametrize(("profile", "power"), [(PARABOLA, 2), (profiles.Cone(1.2), 1)])
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9])
 def test_fields_on_a_smooth_surface_are_superposed_to_the_stick_radius(profile, power, rtol):
     """The pressure has a root there, from the side that slips; it was off by 1e-5."""
@@ -263,7 +244,7 @@ def test_fields_on_a_smooth_surface_are_superposed_to_the_stick_radius(profile, 
     flat = solve(Scene(0.0, 0.0, 0.0, friction, coupling=True), 1e-11)
     for name in ("pressure", "traction"):
         for r in (1e-3, 0.1, 0.3, 0.49):
-            truth = superposed(flat, name, found.load, power, r)
+            truth = found.load * superposed(flat, name, power, r)
             # a pressure's estimate is relative to itself, a traction's to its largest value
             size = truth if name == "pressure" else float(found.traction(found.stick_radius))
             off = abs(float(getattr(found, name)(r)) - truth) / size

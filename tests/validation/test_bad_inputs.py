@@ -24,7 +24,7 @@ def study():
         import bad_inputs
 
         yield bad_inputs
-    for name in ("bad_inputs", "bad_input_callables", "bad_input_cases", "bad_input_examples"):
+    for name in ("bad_inputs", "bad_input_callables", "bad_input_examples"):
         sys.modules.pop(name, None)
 
 
@@ -35,8 +35,7 @@ def callables(study):
 
 def test_a_sample_of_bad_inputs_is_refused_by_name(study):
     record = study.study(every=101)
-    assert record["summary"]["every public callable"]["cases"] > 200
-    assert record["summary"]["numbers out of range"]["cases"] > 1000
+    assert record["cases"] > 200
     assert record["violations"] == []
 
 

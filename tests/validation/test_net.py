@@ -29,6 +29,7 @@ import net_speed
 from honesty_errors import compare, unexplained, violates
 from honesty_scenes import outcome
 from net import Section
+from net_baseline import Baseline
 from net_kept import Kept, scene_of
 
 KEPT = net_kept.load()
@@ -89,7 +90,7 @@ def test_an_infinite_estimate_of_slip_explains_nothing(changed, known, found):
 
 @pytest.mark.parametrize("coupled", [False, True])
 def test_the_honesty_study_has_a_truth_for_every_kind_of_scene(coupled):
-    row = outcome(1, 1, exact=False, coupled=coupled)
+    row = outcome(1, 1, coupled)
     assert "raised" not in row
     assert flat_punches.violations_of(row) == []
 
@@ -183,7 +184,7 @@ def test_the_added_case_of_slip_inside_has_it(place):
 def test_speed_alone_does_not_fail(monkeypatch, capsys):
     slow = net_speed.Row("slow", "normal", "warm", old=1.0, new=3.0)
     monkeypatch.setattr(net, "speed", lambda commit, quick: [slow])
-    finding = net_checks.Finding("a", True, [], {}, "right")
+    finding = net_checks.Finding("a", True)
     monkeypatch.setattr(net, "sections", lambda kept, every: [("coupled thresholds", [finding])])
     monkeypatch.setattr(sys, "argv", ["net.py", "--quick"])
     assert net.main() == 0
@@ -191,7 +192,7 @@ def test_speed_alone_does_not_fail(monkeypatch, capsys):
     assert "**3.00**" in printed.out
     assert "All gates hold. **1 rows are slower than their limits.**" in printed.out
     assert "slow, warm: 3.00, SLOWER than its limit 1.1" in printed.err
-    finding.verdict = "refused"
+    finding.converged = False
     assert net.main() == 1
 
 
@@ -202,37 +203,38 @@ def test_all_coupled_thresholds_are_listed():
     assert len({row["name"] for row in rows}) == len(rows)
 
 
-@pytest.mark.parametrize(("zones", "verdict"), [(1e-9, "right"), (1.0, "refused")])
-def test_coupled_thresholds_have_all_their_zones(monkeypatch, zones, verdict):
+@pytest.mark.parametrize(("zones", "converged"), [(1e-9, True), (1.0, False)])
+def test_coupled_thresholds_have_all_their_zones(monkeypatch, zones, converged):
     solution = solve(SLIPPING, 1e-9)
     solution = replace(solution, error=replace(solution.error, zones=zones))
     monkeypatch.setattr(net_checks, "solve", lambda *args, **kwargs: solution)
     row = {"name": "a", "scene": ROW["scene"], "rtol": 1e-9, "zones": [], "slow": False}
     [finding] = net_checks.threshold_scenes([row], 1, zones_known=True)
-    assert (finding.converged, finding.verdict) == (True, verdict)
+    assert (finding.converged, finding.violations) == (converged, [])
     [finding] = net_checks.threshold_scenes([row], 1)
-    assert finding.verdict == "right"
+    assert finding.converged
 
 
-def test_records_of_the_commit_are_stored_as_they_are_loaded(monkeypatch, tmp_path):
-    commit, before = net_baseline.load()
-    assert set(before) >= {"gold", "hard", "honesty", "thresholds"}
+def test_the_baseline_is_stored_as_it_is_loaded(monkeypatch, tmp_path):
+    baseline = net_baseline.load()
+    assert set(baseline.unconverged) >= {"gold", "hard", "honesty", "thresholds"}
+    assert len(baseline.estimates) == 19
     kept = net_baseline.FILE.read_text(encoding="utf-8")
     monkeypatch.setattr(net_baseline, "FILE", tmp_path / "before.json")
-    net_baseline.save(commit, before)
+    net_baseline.save(baseline)
     assert net_baseline.FILE.read_text(encoding="utf-8") == kept
 
 
 def test_the_net_is_rebased_by_one_command(monkeypatch, tmp_path):
     monkeypatch.setattr(net_baseline, "FILE", tmp_path / "before.json")
-    findings = {"gold": [net_checks.Finding("a", True)], "hard": [net_checks.Finding("b", False)]}
+    findings = {
+        "gold": [net_checks.Finding("a", True), net_checks.Finding("b", False)],
+        "hard": [net_checks.Finding("c", True, [], {"zones": 1e-9})],
+    }
     monkeypatch.setattr(net, "sections", lambda kept, every: findings.items())
     net.record("1234567")
-    before = {
-        section: {finding.name: finding.to_row() for finding in some}
-        for section, some in findings.items()
-    }
-    assert net_baseline.load() == ("1234567", before)
+    found = net_baseline.load()
+    assert found == Baseline("1234567", {"gold": ["b"], "hard": []}, {"c": {"zones": 1e-9}})
     called = []
     monkeypatch.setattr(net_baseline, "checked_out", lambda _: nullcontext(tmp_path))
     monkeypatch.setattr(net_baseline, "git", lambda *words: f"{words[-1]} in full\n".encode())
@@ -244,17 +246,19 @@ def test_the_net_is_rebased_by_one_command(monkeypatch, tmp_path):
     assert more["env"]["PYTHONPATH"].startswith(str(tmp_path))
 
 
-def test_what_converged_has_to_converge():
+def test_all_have_to_converge_but_those_that_never_did():
     findings = [net_checks.Finding("a", True), net_checks.Finding("b", False)]
-    before = {"a": {"converged": False}, "b": {"converged": False}}
+    before = Baseline("", {"honesty": ["b"], "thresholds": ["b"]})
     assert Section("honesty", findings, before).failures == []
-    before["b"]["converged"] = True
-    assert Section("honesty", findings, before).failures == ["b: does not converge any more"]
+    # at a threshold there is no excuse
+    for section in ("thresholds", "gold"):
+        assert Section(section, findings, before).failures == ["b: does not converge"]
 
 
 def test_a_hard_case_may_not_have_a_much_larger_estimate():
-    before = {"converged": True, "estimates": {"zones": 1e-9, "pressure": 1e-16}}
+    before = Baseline("", {}, {"a": {"zones": 1e-9, "pressure": 1e-16}})
     for estimates, count in (({"zones": 9e-9, "pressure": 9e-13}, 0), ({"zones": 2e-8}, 1)):
         finding = net_checks.Finding("a", True, [], estimates)
-        assert len(Section("hard", [finding], {"a": before}).failures) == count
-    assert net_checks.worse(net_checks.Finding("a", True, [], {"zones": np.nan}), before)
+        assert len(Section("hard", [finding], before).failures) == count
+    finding = net_checks.Finding("a", True, [], {"zones": np.nan})
+    assert net_checks.worse(finding, before.estimates["a"])

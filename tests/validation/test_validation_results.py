@@ -104,15 +104,15 @@ def test_some_truths_of_the_honesty_study_have_twenty_digits():
     assert record("honesty_coupled")["by_reference"] >= 20
 
 
-# groups are parts of all cases, quantities are seen in the same scenes
-@pytest.mark.parametrize(
-    ("study", "counted", "total"),
-    [("bad_inputs", "cases", sum), ("honesty", "scenes", max), ("honesty_coupled", "scenes", max)],
-)
-def test_results_are_without_violations(study, counted, total):
+@pytest.mark.parametrize("study", ["bad_inputs", "honesty", "honesty_coupled"])
+def test_results_are_without_violations(study):
+    assert record(study)["violations"] == []
+
+
+@pytest.mark.parametrize("study", ["honesty", "honesty_coupled"])
+def test_quantities_are_seen_in_the_same_scenes(study):
     found = record(study)
-    assert found[counted] == total(group[counted] for group in found["summary"].values())
-    assert found["violations"] == []
+    assert found["scenes"] == max(group["scenes"] for group in found["summary"].values())
 
 
 def test_estimates_are_sharp_at_the_tightest_tolerance():
@@ -138,7 +138,6 @@ def test_costs_are_those_of_today():
         # exact counts are the study's; here they say that it is of about this library
         assert own.work.unknowns == pytest.approx(row["unknowns"], rel=0.1)
         assert [row["failure"], row["estimates"]["approach"] >= 0.0] == ["", True]
-    assert found["exceeded"] == []
 
 
 def test_no_accuracy_of_the_cost_study_needs_more_unknowns_than_the_next_tighter_one():

@@ -23,7 +23,7 @@ def main(arguments: list[str]) -> int:
     if len(arguments) != 1 or arguments[0] not in GROUPS:
         print("\n".join(f"{name:12}{group['what']}" for name, group in GROUPS.items()))
         return 2
-    import_module(GROUPS[arguments[0]]["module"]).main(f"bench_{arguments[0]}")
+    import_module(GROUPS[arguments[0]]["module"]).main(arguments[0])
     return 0
 
 

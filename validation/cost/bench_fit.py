@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import numpy as np
-from timed import TABLE, Case, run
+from timed import TABLE, Case, Row, report, timed_rows
 
 from spectral_contact import Scene, fit, layers, profiles, pull_off
 from spectral_contact.calibration import IndentationData
@@ -51,22 +50,17 @@ def start(layer: str) -> Scene:
     return Scene.from_physical(**known, normal_compliance=5e-11 * ("linear" in layer))
 
 
-def main(name: str) -> None:
+def work(place: float, row: Row) -> partial[object]:
+    """Return the fit of a curve, whose noise is another at each place."""
+    data = curve(row["points"], row["layer"], int(place))
+    begin = start(row["layer"])
+    return partial(fit, begin, data, row["free"], rtol=row["rtol"], progress=False)
+
+
+def main(group: str) -> None:
     """Time all fits, and write the table."""
-
-    def work(place: float, row: dict[str, Any]) -> partial[object]:
-        data = curve(row["points"], row["layer"], int(place))
-        begin = start(row["layer"])
-        return partial(fit, begin, data, row["free"], rtol=row["rtol"], progress=False)
-
-    cases = (
-        Case(
-            (row["points"], row["layer"], len(row["free"]), f"{row['rtol']:g}"),
-            partial(work, row=row),
-            GOAL,
-            ROUNDS,
-            fill=False,
-        )
+    cases = [
+        Case(row | {"count": len(row["free"])}, partial(work, row=row), GOAL, ROUNDS, fill=False)
         for row in TABLE["fit"]
-    )
-    run(name, cases)
+    ]
+    report(group, timed_rows(cases))

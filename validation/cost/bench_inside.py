@@ -1,21 +1,24 @@
 """Stress in the body: group ``inside`` of bench.py.
 
-Many points to two tolerances, all digits, and one point; the best of some rounds, with U measured
-before and after. True errors are against all digits, at some points.
+Many points to two tolerances, all digits, and one point. True errors are against all digits, at
+some points.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import tracemalloc
+from functools import partial
 
 import numpy as np
-from timed import seconds, table, unit, write
+from timed import Case, report, warm
 
 from spectral_contact import Scene, solve
 
 SEED, COUNT, ROUNDS, CHECKED = 20, 100_000, 3, 200
-TOLERANCES = (1e-8, 1e-10)
+#: Of many points, by the name in bench.toml.
+TOLERANCES = {"loose": 1e-8, "tight": 1e-10}
 SCENES = {
     "smooth, no friction": Scene(0.3),
     "slip": Scene(0.3, 0.2, 0.2, 0.1),
@@ -39,52 +42,39 @@ def places(rng):
     }
 
 
-def in_units(call, repeats=1):
-    """Return the best time of a call in U."""
-    times = []
-    for _ in range(ROUNDS):
-        before = unit()
-        spent = seconds(lambda: [call() for _ in range(repeats)]) / repeats
-        times.append(spent / min(before, unit()))
-    return min(times)
-
-
-def row_of(name, scene, where, from_edge, z, rng):
-    """Return the row of one scene and one set of points."""
+def row_of(scene, from_edge, z, rng):
+    """Return the figures of one scene and one set of points."""
     body = solve(scene, rtol=1e-11).inside
     some = rng.choice(len(z), CHECKED, replace=False)
     exact = body.stress(from_edge=from_edge[some], z=z[some])
-    cells = [name, where]
-    for rtol in TOLERANCES:
-        body.stress(0.5, 0.5, rtol=rtol)  # panels are prepared once
+
+    def in_units(chosen, **options):
+        call = partial(body.stress, from_edge=from_edge[chosen], z=z[chosen], **options)
+        return warm(Case({}, lambda _: call, math.inf, ROUNDS))[1]
+
+    row = {"one_of_100": in_units(some[:100]) / 100, "alone": in_units(0)}
+    for name, rtol in TOLERANCES.items():
         found = body.stress(from_edge=from_edge, z=z, rtol=rtol)
         parts = ("rr", "tt", "zz", "rz")
         apart = [np.abs(getattr(found, one)[some] - getattr(exact, one)) for one in parts]
-        error = (np.max(apart, axis=0) / exact.norm).max()
-        many = in_units(lambda rtol=rtol: body.stress(from_edge=from_edge, z=z, rtol=rtol))
-        cells += [f"{many:.0f}", f"{error:.0e}", f"{found.error.max():.1e}"]
+        row[name] = in_units(slice(None), rtol=rtol)
+        row[f"{name}_error"] = (np.max(apart, axis=0) / exact.norm).max()
+        row[f"{name}_estimate"] = found.error.max()
     tracemalloc.start()
-    body.stress(from_edge=from_edge, z=z, rtol=TOLERANCES[0])
-    cells.append(f"{tracemalloc.get_traced_memory()[1] / 1e6:.0f}")
+    body.stress(from_edge=from_edge, z=z, rtol=TOLERANCES["loose"])
+    row["megabytes"] = tracemalloc.get_traced_memory()[1] / 1e6
     tracemalloc.stop()
-    part = from_edge[some[:100]], z[some[:100]]
-    hundred = in_units(lambda: body.stress(from_edge=part[0], z=part[1])) / 100
-    one = in_units(lambda: body.stress(from_edge=from_edge[0], z=z[0]), 20)
-    return [*cells, f"{hundred:.3f}", f"{one:.3f}"]
+    return row
 
 
-def main(name):
+def rows():
+    """Yield the rows of all scenes and points."""
+    rng = np.random.default_rng(SEED)
+    for name, scene in SCENES.items():
+        for where, points in places(rng).items():
+            yield {"scene": name, "points": where, **row_of(scene, *points, rng)}
+
+
+def main(group):
     """Measure and write."""
-    rng, rows = np.random.default_rng(SEED), []
-    for scene_name, scene in SCENES.items():
-        for where, (from_edge, z) in places(rng).items():
-            rows.append(row_of(scene_name, scene, where, from_edge, z, rng))
-            print(*rows[-1], flush=True)
-    each = " | ".join(f"{rtol:.0e} | true error | estimate" for rtol in TOLERANCES)
-    about = (
-        f"{COUNT} points of stress with rtol {' and '.join(f'{one:.0e}' for one in TOLERANCES)}, "
-        f"times in U, the load of the machine was {os.getloadavg()[0]:.1f}; and one point of 100, "
-        "and one alone, with all digits."
-    )
-    heading = f"scene | points | {each} | MB | one of 100 | alone"
-    write(name, f"{about}\n\n{table(heading, rows)}")
+    report(group, rows(), load=os.getloadavg()[0], count=COUNT, **TOLERANCES)

@@ -7,7 +7,6 @@ library, too, which it imports itself.
 
 from __future__ import annotations
 
-import platform
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -15,9 +14,7 @@ from functools import partial
 from importlib import import_module
 from statistics import median
 
-import numpy as np
-import scipy
-from timed import TABLE, Case, fresh, goal, seconds, table, unit, warm, write
+from timed import TABLE, VERSIONS, Case, fresh, goal, report, seconds, unit, warm
 
 NU = 0.1
 KAPPA = 0.8 / 3.6
@@ -38,8 +35,13 @@ class Solve:
 
     @property
     def name(self) -> str:
-        """The problem with its compliances; one if both are the same."""
-        return ", ".join([self.problem, *(f"{one:g}" for one in dict.fromkeys(self.compliances))])
+        """The problem with its compliances."""
+        return f"{self.problem}, {self.shown}"
+
+    @property
+    def shown(self) -> str:
+        """Its compliances; one if both are the same."""
+        return ", ".join(f"{one:g}" for one in dict.fromkeys(self.compliances))
 
     def scene(self, place: float):
         """Return its scene, varied by so many hundredths."""
@@ -94,23 +96,20 @@ def import_time() -> tuple[float, float]:
     return median(r[0] for r in runs), median(r[1] for r in runs)
 
 
-def main(name: str) -> None:
+def measured(case: Solve) -> dict[str, object]:
+    """Return the figures of a case."""
+    time, ratio = warm(Case({}, case.work, 0.0, ROUNDS))
+    runs = [fresh(cold, case) for _ in range(PROCESSES)]
+    first, anew = (median(column) for column in zip(*runs, strict=True))
+    return {
+        **{"problem": case.problem, "compliances": case.shown, "rtol": case.rtol},
+        "unknowns": case.work(0.5)().work.unknowns,
+        **{"milliseconds": 1e3 * time, "warm": ratio, "warm_goal": goal(case.warm_goal)},
+        **{"cold": first, "cold_goal": goal(case.cold_goal), "anew": anew},
+    }
+
+
+def main(group: str) -> None:
     """Measure and write."""
-    numpy_import, own_import = import_time()
-    rows = []
-    for case in SOLVES[name.removeprefix("bench_")]:
-        time, ratio = warm(Case((), case.work, 0.0, ROUNDS))
-        unknowns = case.work(0.5)().work.unknowns
-        runs = [fresh(cold, case) for _ in range(PROCESSES)]
-        first, anew = (f"{median(column):.2f}" for column in zip(*runs, strict=True))
-        both = ", ".join(f"{c:g}" for c in dict.fromkeys(case.compliances))
-        begin = case.problem, both, f"{case.rtol:g}", unknowns
-        times = f"{1e3 * time:.2f}", f"{ratio:.3f}", goal(case.warm_goal)
-        rows.append((*begin, *times, first, goal(case.cold_goal), anew))
-        print(*rows[-1], flush=True)
-    about = (
-        f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}, "
-        f"one BLAS thread; import {own_import:.2f} s over numpy's {numpy_import:.2f} s."
-    )
-    heading = "problem | α* = β* | rtol | unknowns | warm [ms] | warm [U] | goal | cold [U] | goal"
-    write(name, f"{about}\n\n{table(f'{heading} | anew [U]', rows)}")
+    imports = dict(zip(("numpy", "library"), import_time(), strict=True))
+    report(group, map(measured, SOLVES[group]), versions=VERSIONS, **imports)

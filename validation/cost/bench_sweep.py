@@ -19,7 +19,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from timed import TABLE, fresh, seconds, table, unit, write
+from timed import TABLE, fresh, report, seconds, unit
 
 TOLERANCES = (1e-8, 1e-12)
 CHECKED, LATER, PAIRS = 8, 2, 5
@@ -109,10 +109,11 @@ def gain() -> dict[str, float]:
                 sweep(case.scene(), **arguments, executor=pool)
                 times.append(perf_counter())
             ratios.append((times[1] - times[0]) / (times[2] - times[1]))
-    return {"median": median(ratios), "best": max(ratios), "load": os.getloadavg()[0]}
+    known = {"median": median(ratios), "best": max(ratios), "load": os.getloadavg()[0]}
+    return known | {"pairs": PAIRS}
 
 
-def main(name: str) -> None:
+def main(group: str) -> None:
     """Measure and write."""
     from spectral_contact.studies import this_machine
 
@@ -123,30 +124,11 @@ def main(name: str) -> None:
             print(rows[-1], flush=True)
     gained = gain()
     machine = ", ".join(f"{key} {one}" for key, one in this_machine().items())
-    cells = (
-        (
-            row["case"],
-            f"{row['rtol']:g}",
-            f"{row['scenes']:,}",
-            *(_rounded(row[key]) for key in ("first", "again")),
-            f"{row['again'] * row['unit']:,.3g}",
-            _rounded(row["goal"]),
-            f"{row['deviation']:.0e}",
-            f"{row['estimate']:.0e}",
-        )
+    shown = (
+        row
+        | {key: float(f"{row[key]:.2g}") for key in ("first", "again", "goal")}
+        | {"again_in_u": row["again"] * row["unit"]}
         for row in rows
     )
-    heading = "quantities | rtol | scenes | first [1/s] | again [1/s] | again [1/U] | goal [1/s] | "
-    heading += "off `solve` by | estimate"
-    about = (
-        f"Two processes instead of one: {gained['median']:.2f} times faster in the median of "
-        f"{PAIRS} pairs of runs, {gained['best']:.2f} at best; load average of the machine "
-        f"{gained['load']:.1f}. {machine}."
-    )
     record = {"machine": machine, "rows": rows, "gain": gained}
-    write(name, f"{table(heading, cells)}\n\n{about}", record)
-
-
-def _rounded(rate: float) -> str:
-    """Return a rate with two digits."""
-    return f"{float(f'{rate:.2g}'):,.0f}"
+    report(group, shown, record, machine=machine, **gained)

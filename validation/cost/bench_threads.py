@@ -12,7 +12,6 @@ import os
 
 os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = str(os.cpu_count())
 
-import platform
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -22,10 +21,8 @@ from time import perf_counter, sleep, thread_time
 from timeit import repeat, timeit
 from unittest import mock
 
-import numpy as np
-import scipy
 from threadpoolctl import threadpool_info
-from timed import table, write
+from timed import VERSIONS, report
 
 from spectral_contact import Scene, solve
 from spectral_contact.solving import solver
@@ -113,22 +110,13 @@ def row(name: str, scene: Scene, busy: int) -> dict:
     }
 
 
-def main(name: str) -> None:
+def main(group: str) -> None:
     """Measure and write."""
     before, cost = os.getloadavg()[0], price()
     rows = []
     for busy in (0, BUSY):
         with load(busy):
             rows += [row(*case, busy) for case in CASES.items()]
-    about = (
-        f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}, "
-        f"{os.cpu_count()} processors, load average {before:.1f} before. The hold costs "
-        f"{cost['first_us']:.1f} µs a solve, {cost['inside_us']:.1f} µs inside another."
-    )
     count = max(one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas")
-    heading = f"problem | busy processes | one thread [ms] | {count} threads [ms] | ratio"
-    cells = (
-        (r["case"], r["busy"], f"{r['held_ms']:.1f}", f"{r['free_ms']:.1f}", f"{r['ratio']:.2f}")
-        for r in rows
-    )
-    write(name, f"{about}\n\n{table(heading, cells)}", {"price": cost, "rows": rows})
+    known = {"versions": VERSIONS, "processors": os.cpu_count(), "load": before, "threads": count}
+    report(group, rows, {"price": cost, "rows": rows}, **known, **cost)

@@ -35,7 +35,6 @@ from spectral_contact import Scene, Solution, clear_caches, gold, solve
 from spectral_contact.studies import (
     OwnSolver,
     Point,
-    Truth,
     convergence,
     this_machine,
     truth_of,
@@ -43,7 +42,6 @@ from spectral_contact.studies import (
 from spectral_contact.studies.timing import times_of
 
 STORE = Path(tempfile.gettempdir()) / "spectral_contact_costs"
-EPS = 2.0**-52
 
 NU, FRICTION = 0.1, 0.1
 #: Problems, by their friction.
@@ -77,22 +75,17 @@ def points_of(problem: str, compliance: float, repeats: int) -> list[Record]:
     truth = truth_of(scene, true_solution(scene) if repeats < REPEATS else None)
     study = convergence(OwnSolver(), scene, TOLERANCES, truth, repeats=repeats)
     named = {"problem": problem, "compliance": compliance, "truth": truth.source}
-    return [named | row_of(point, truth) for point in study.points]
+    return [named | row_of(point) for point in study.points]
 
 
-def row_of(point: Point, truth: Truth) -> Record:
-    """Return a point with the unknowns of every step, and the errors above their estimates."""
+def row_of(point: Point) -> Record:
+    """Return a point with the unknowns of every step."""
     work = OwnSolver()(point.scene, point.resolution).work
     assert work.unknowns == point.unknowns
     return asdict(point) | {
         "scene": point.scene.to_dict(),
         "systems": {step.name: step.unknowns for step in work.steps if step.unknowns},
         "refinements": work.refinements,
-        "exceeded": [
-            name
-            for name, estimate in point.estimates.items()
-            if point.errors[name] > estimate + truth.error[name] + EPS
-        ],
     }
 
 
@@ -228,7 +221,6 @@ def record(store: Path, repeats: int) -> Record:
         "machine": this_machine(),
         "dense_solve_seconds": done["rest"]["dense solve"],
         "truths": sorted({point["truth"] for point in points}),
-        "exceeded": [point | {"quantity": q} for point in points for q in point["exceeded"]],
         "fits": {problem: fits(points, problem) for problem in PROBLEMS},
         "monotony": {
             "scenes": len(scenes),

@@ -6,10 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from matplotlib.figure import Figure
-from reporting import table
-
-from spectral_contact.view.plotting import save, style
+import pandas as pd
+from reporting import picture, table
 
 #: What `rtol` bounds; the edge is one of the places of the pressure.
 BOUNDED = ("approach", "pressure", "traction", "total_shear")
@@ -33,31 +31,24 @@ def all_unknowns(point: Record) -> int:
     return sum(point["systems"].values())
 
 
-def worst(point: Record, kind: str) -> float:
-    """Return the largest of the errors, or estimates, that `rtol` bounds."""
-    return max(float(point[kind][name]) for name in BOUNDED if name in point[kind])
+def frame(record: Record) -> pd.DataFrame:
+    """Return the points as rows: unknowns, times in ms, the worst error and the worst estimate."""
+    rows = []
+    for point in record["points"]:
+        warm, cold = _milliseconds(point["times"])
+        known = {key: point[key] for key in ("problem", "compliance", "resolution")}
+        known |= {"unknowns": all_unknowns(point), "warm": warm, "cold": cold}
+        for kind in ("errors", "estimates"):
+            known[kind] = max(float(point[kind][one]) for one in BOUNDED if one in point[kind])
+        rows.append(known)
+    return pd.DataFrame(rows)
 
 
-def series(record: Record, problem: str, compliance: float) -> list[Record]:
-    """Return the points of one scene, tolerance by tolerance."""
-    case = problem, compliance
-    return [p for p in record["points"] if (p["problem"], p["compliance"]) == case]
-
-
-def _cases(record: Record) -> tuple[list[str], list[float]]:
-    problems = dict.fromkeys(point["problem"] for point in record["points"])
-    return list(problems), list(dict.fromkeys(point["compliance"] for point in record["points"]))
-
-
-def _warm(point: Record) -> float:
-    """Return the warm time in ms."""
-    return 1e3 * float(point["times"]["warm"]["median"])
-
-
-def _cold(point: Record) -> float:
-    """Return the cold time in ms, nan if there is none."""
-    cold = point["times"]["cold"]
-    return math.nan if cold is None else 1e3 * float(cold["median"])
+def _milliseconds(times: Record) -> tuple[float, float]:
+    """Return warm and cold times; nan if there is none."""
+    found = (times[state] for state in ("warm", "cold"))
+    warm, cold = (math.nan if one is None else 1e3 * float(one["median"]) for one in found)
+    return warm, cold
 
 
 def _number(value: float, digits: int = 2) -> str:
@@ -71,74 +62,62 @@ def _number(value: float, digits: int = 2) -> str:
 
 def tables(record: Record) -> str:
     """Return the Markdown tables, each after a comment by which a page can quote it."""
+    points = frame(record)
     parts = {
-        "about": _about,
-        "digits": _digits,
-        "roughness": _roughness,
-        "growth": _growth,
-        "monotony": _monotony,
-        "prices": _prices,
+        "about": _about(record, points),
+        "digits": _digits(points),
+        "roughness": _roughness(points),
+        "growth": _growth(record),
+        "monotony": _monotony(record["monotony"]),
+        "prices": _prices(record),
     }
     text = f"{record['count']} solves.\n\n"
-    return text + "\n".join(f"<!-- {name} -->\n\n{make(record)}\n" for name, make in parts.items())
+    return text + "\n".join(f"<!-- {name} -->\n\n{part}\n" for name, part in parts.items())
 
 
-def _about(record: Record) -> str:
+def _about(record: Record, points: pd.DataFrame) -> str:
     machine = record["machine"]
-    problems, compliances = _cases(record)
-    over = record["exceeded"]
     taken = "**Times are rough**: one repeat on a busy machine."
     if record["repeats"] > 1:
         taken = (
             f"Warm: the median of {record['repeats']} repeats or more of the same solve; cold: "
             "that of solves with empty caches."
         )
-    about = (
-        f"{len(problems)} problems at {len(compliances)} compliances, {record['count']} solves. "
-        f"{taken} One BLAS thread. {machine['processor']}, "
+    return (
+        f"{points.problem.nunique()} problems at {points.compliance.nunique()} compliances, "
+        f"{len(points)} solves. {taken} One BLAS thread. {machine['processor']}, "
         f"Python {machine['python']}, numpy {machine['numpy']}; U, one `numpy.linalg.solve` of "
         f"1000 dense equations there, takes {1e3 * record['dense_solve_seconds']:.0f} ms. Truth: "
         f"{'; '.join(record['truths'])}."
     )
-    lines = [about, "", f"True errors above their estimates: {len(over) or 'none'}."]
-    lines += [
-        f"{p['problem']} at {p['compliance']:g}, `rtol={p['resolution']:g}`: {p['quantity']}, "
-        f"error {p['errors'][p['quantity']]:.1e}, estimate {p['estimates'][p['quantity']]:.1e}."
-        for p in over
-    ]
-    return "\n".join(lines)
 
 
-def _digits(record: Record) -> str:
+def _digits(points: pd.DataFrame) -> str:
     """Return unknowns and times by tolerance, and what a digit adds."""
-    problems, compliances = _cases(record)
-    heading = ["problem", "α* = β*", *(f"{rtol:g}" for rtol in SHOWN), "a digit adds"]
     rows = []
-    for problem in problems:
-        for compliance in compliances:
-            points = {p["resolution"]: p for p in series(record, problem, compliance)}
-            cells = [f"{all_unknowns(points[r])}, {_number(_warm(points[r]))} ms" for r in SHOWN]
-            count = math.log10(FROM / TO)
-            more = (all_unknowns(points[TO]) - all_unknowns(points[FROM])) / count
-            longer = (_warm(points[TO]) - _warm(points[FROM])) / count
-            added = f"{more:.0f}, {_number(longer)} ms" if more else "nothing"
-            rows.append([problem, f"{compliance:g}", *cells, added])
+    for (problem, compliance), group in points.groupby(["problem", "compliance"], sort=False):
+        known = group.set_index("resolution")
+        cells = (
+            f"{one.unknowns}, {_number(one.warm)} ms" for one in known.loc[[*SHOWN]].itertuples()
+        )
+        columns = ["unknowns", "warm"]
+        more, longer = (known.loc[TO, columns] - known.loc[FROM, columns]) / math.log10(FROM / TO)
+        added = f"{more:.0f}, {_number(longer)} ms" if more else "nothing"
+        rows.append([problem, f"{compliance:g}", *cells, added])
+    heading = ["problem", "α* = β*", *(f"{rtol:g}" for rtol in SHOWN), "a digit adds"]
     return table(" | ".join(heading), rows)
 
 
-def _roughness(record: Record) -> str:
+def _roughness(points: pd.DataFrame) -> str:
     """Return what the default tolerance costs, by compliance."""
-    problems, compliances = _cases(record)
+    default = points[points.resolution == DEFAULT]
     heading = ["α* = β*"]
-    for problem in problems:
+    for problem in default.problem.unique():
         heading += [f"{problem}: unknowns", "warm [ms]", "cold [ms]"]
     rows = []
-    for compliance in compliances:
-        row = [f"{compliance:g}"]
-        for problem in problems:
-            [point] = [p for p in series(record, problem, compliance) if p["resolution"] == DEFAULT]
-            row += [str(all_unknowns(point)), _number(_warm(point)), _number(_cold(point))]
-        rows.append(row)
+    for compliance, group in default.groupby("compliance", sort=False):
+        cells = ((one.unknowns, _number(one.warm), _number(one.cold)) for one in group.itertuples())
+        rows.append([f"{compliance:g}", *(cell for three in cells for cell in three)])
     return table(" | ".join(heading), rows)
 
 
@@ -162,25 +141,25 @@ def _span(line: Record) -> str:
     return f"{line['slope']:.3g} [{low:.3g}, {high:.3g}]"
 
 
-def _monotony(record: Record) -> str:
+def _monotony(found: Record) -> str:
     """Return where a tighter tolerance had fewer unknowns, or was not met."""
-    found = record["monotony"]
-    falls = [(one["scene"], *fall) for one in found["findings"] for fall in one["falls"]]
-    unmet = [one for one in found["findings"] if one["unmet"]]
-    pairs = found["scenes"] * (len(found["tolerances"]) - 1)
-    largest = sum(name == "largest" for _, name, *_ in falls)
+    rows, largest = [], 0
+    for one in found["findings"]:
+        for name, rtol, before, size in one["falls"]:
+            largest += name == "largest"
+            finding = f"`rtol={rtol:g}`: {before} → {size} unknowns"
+            rows.append([_scene(one["scene"]), name, finding])
+    falls = len(rows)
+    for one in found["findings"]:
+        if one["unmet"]:
+            tolerances = ", ".join(f"{rtol:g}" for rtol in one["unmet"])
+            rows.append([_scene(one["scene"]), "all", f"not met: `rtol` {tolerances}"])
     text = (
-        f"{found['scenes']} gold scenes at {len(found['tolerances'])} tolerances each, {pairs} "
+        f"{found['scenes']} gold scenes at {len(found['tolerances'])} tolerances each, "
+        f"{found['scenes'] * (len(found['tolerances']) - 1)} "
         f"pairs of neighbours. The largest system is smaller at the tighter tolerance in "
-        f"{largest or 'none'} of them, that of a single step in {len(falls) - largest}."
+        f"{largest or 'none'} of them, that of a single step in {falls - largest}."
     )
-    rows = [
-        [_scene(scene), name, f"`rtol={rtol:g}`: {before} → {size} unknowns"]
-        for scene, name, rtol, before, size in falls
-    ]
-    for one in unmet:
-        tolerances = ", ".join(f"{rtol:g}" for rtol in one["unmet"])
-        rows.append([_scene(one["scene"]), "all", f"not met: `rtol` {tolerances}"])
     return f"{text}\n\n{table('scene | system | finding', rows)}" if rows else text
 
 
@@ -193,22 +172,23 @@ def _scene(scene: Record) -> str:
 
 
 def _prices(record: Record) -> str:
-    heading = ["what", "unknowns", "warm", "warm [U]", "cold"]
-    unit = record["dense_solve_seconds"]
     rows = []
     for price in record["prices"]:
-        warm, cold = _price_seconds(price)
-        unknowns = "–" if price["unknowns"] is None else str(price["unknowns"])
-        cells = [_seconds(warm), _number(warm / unit), _seconds(cold)]
-        rows.append([price["item"], unknowns, *cells])
-    return table(" | ".join(heading), rows)
+        # many digits have one time
+        warm, cold = math.nan, 1e3 * price.get("seconds", math.nan)
+        if "times" in price:
+            warm, cold = _milliseconds(price["times"])
+        unknowns = "–" if price["unknowns"] is None else price["unknowns"]
+        in_u = _number(warm / (1e3 * record["dense_solve_seconds"]))
+        rows.append([price["item"], unknowns, _time(warm), in_u, _time(cold)])
+    return table("what | unknowns | warm | warm [U] | cold", rows)
 
 
-def _price_seconds(price: Record) -> tuple[float, float]:
-    """Return warm and cold seconds, nan if there are none; many digits have one time."""
-    if "seconds" in price:
-        return math.nan, float(price["seconds"])
-    return _warm(price) / 1e3, _cold(price) / 1e3
+def _time(milliseconds: float) -> str:
+    if math.isnan(milliseconds):
+        return "–"
+    short = milliseconds < 1e3
+    return f"{_number(milliseconds)} ms" if short else f"{_number(milliseconds / 1e3)} s"
 
 
 # --- the figure -----------------------------------------------------------------------------------
@@ -222,36 +202,29 @@ def _power(number: float) -> str:
 
 def draw_errors(record: Record, path: Path) -> None:
     """Draw true errors and estimates over the tolerance: a row a problem, a column a compliance."""
-    problems, compliances = _cases(record)
-    with style():
-        figure = Figure(figsize=(11.0, 5.8), layout="constrained")
-        rows = figure.subplots(len(problems), len(compliances), sharex=True, sharey=True)
-        for row, problem in zip(rows, problems, strict=True):
-            for axes, compliance in zip(row, compliances, strict=True):
-                points = series(record, problem, compliance)
-                rtol = [p["resolution"] for p in points]
-                axes.plot(rtol, rtol, color="0.6", lw=0.8)
-                estimates = [max(worst(p, "estimates"), LEAST) for p in points]
-                axes.plot(rtol, estimates, "s--", color="0.35", mfc="white", ms=4.0, lw=0.8)
-                errors = [max(worst(p, "errors"), LEAST) for p in points]
-                axes.plot(rtol, errors, "o-", color="black", ms=3.5, lw=0.8)
-                axes.set(xscale="log", yscale="log", xlim=(3e-2, 3e-13), ylim=(2e-17, 1.0))
-                axes.set_xticks([1e-2, 1e-7, 1e-12])
-                axes.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1.0])
-                axes.minorticks_off()
-            row[0].set_ylabel(problem)
+    points = frame(record)
+    problems, compliances = points.problem.unique(), points.compliance.unique()
+    shape = len(problems), len(compliances)
+    with picture(path, (11.0, 5.8), *shape, sharex=True, sharey=True) as rows:
+        groups = points.groupby(["problem", "compliance"], sort=False)
+        for axes, (_, known) in zip(rows.flat, groups, strict=True):
+            rtol = known.resolution
+            axes.plot(rtol, rtol, color="0.6", lw=0.8)
+            estimates = known.estimates.clip(lower=LEAST)
+            axes.plot(rtol, estimates, "s--", color="0.35", mfc="white", ms=4.0, lw=0.8)
+            axes.plot(rtol, known.errors.clip(lower=LEAST), "o-", color="black", ms=3.5, lw=0.8)
+            axes.set(xscale="log", yscale="log", xlim=(3e-2, 3e-13), ylim=(2e-17, 1.0))
+            axes.set_xticks([1e-2, 1e-7, 1e-12])
+            axes.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1.0])
+            axes.minorticks_off()
+        for axes, problem in zip(rows[:, 0], problems, strict=True):
+            axes.set_ylabel(problem)
         for axes, compliance in zip(rows[0], compliances, strict=True):
             axes.set_title(rf"$\alpha^* = \beta^* =$ {_power(compliance)}")
         for axes in rows[-1]:
             axes.set_xlabel("rtol")
+        figure = rows[0, 0].figure
         names = ["tolerance asked", "estimate"]
         names.append("true relative error, at the worst place (0 at $10^{-16}$)")
-        figure.legend(rows[0][0].get_lines(), names, loc="outside lower center", ncols=3)
+        figure.legend(rows[0, 0].get_lines(), names, loc="outside lower center", ncols=3)
         figure.supylabel("the worst of $\\delta^*$, $p^*$, $q^*$, $Q^*$", fontsize=9.0)
-    save(figure, str(path))
-
-
-def _seconds(seconds: float) -> str:
-    if math.isnan(seconds):
-        return "–"
-    return f"{_number(1e3 * seconds)} ms" if seconds < 1.0 else f"{_number(seconds)} s"

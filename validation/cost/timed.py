@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import platform
 import sys
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from math import isfinite
@@ -15,12 +16,17 @@ from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1]))
 
+import numpy as np
+import scipy
 from reporting import seconds, table, unit, write
 
 #: The groups, and what is timed of some.
 TABLE = tomllib.loads((Path(__file__).parent / "bench.toml").read_text(encoding="utf-8"))
+VERSIONS = f"Python {platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}"
 #: Scenes that differ, before they are repeated.
 SCENES = 9
+
+Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -29,8 +35,8 @@ class Case:
 
     Attributes
     ----------
-    cells : tuple
-        What its row begins with.
+    row : mapping
+        What its row in the table begins with, by the names of bench.toml.
     work : callable
         From a place of 0 ... `SCENES`, which varies the scene a little, to the work.
     goal : float
@@ -40,7 +46,7 @@ class Case:
         Whether other scenes fill the caches before. Solutions are never cached.
     """
 
-    cells: tuple[object, ...]
+    row: Row
     work: Callable[[float], Callable[[], object]]
     goal: float
     rounds: int = 9
@@ -62,16 +68,26 @@ def goal(value: float | None) -> str:
     return "–" if value is None or not isfinite(value) else f"{value:g}"
 
 
-def run(name: str, cases: Iterable[Case]) -> None:
-    """Time the cases of a group that bench.toml has a text of, and write their table."""
-    group = TABLE["group"][name.removeprefix("bench_")]
-    heading = f"{group['columns']} | warm [ms] | warm [U] | goal"
-    rows = []
+def timed_rows(cases: Iterable[Case]) -> Iterator[Row]:
+    """Time cases, and yield the rows of their table."""
     for case in cases:
         time, ratio = warm(case)
-        rows.append((*case.cells, f"{1e3 * time:.3g}", f"{ratio:.3g}", goal(case.goal)))
-        print(*rows[-1], flush=True)
-    write(name, f"{group['about']}\n\n{table(heading, rows)}")
+        yield {**case.row, "milliseconds": 1e3 * time, "units": ratio, "goal": goal(case.goal)}
+
+
+def report(
+    group: str, rows: Iterable[Row], record: dict[str, Any] | None = None, **known: object
+) -> None:
+    """Write a group as bench.toml has it: the text, and what its columns have of each row."""
+    texts = TABLE["group"][group]
+    texts = TABLE["group"][texts.get("as", group)]
+    heading = " | ".join(name for name, _ in texts["columns"]).format(**known)
+    cells = []
+    for row in rows:
+        cells.append([cell.format(**row) for _, cell in texts["columns"]])
+        print(*cells[-1], flush=True)
+    text = texts["text"].format(table=table(heading, cells), **known)
+    write(f"bench_{group}", text, record)
 
 
 def fresh(function: Callable[..., Any], *arguments: object) -> Any:

@@ -42,6 +42,8 @@ import precise_unloading
 
 TABLES = Path(__file__).parents[2] / "spectral_contact" / "gold" / "tables"
 SCHEMA, VERSION, SCRIPT = "spectral_contact.gold", 1, "validation/gold/make_gold.py"
+SIDES = ("inner", "outer", "inner_from_edge", "outer_from_edge")
+FIELDS = ("pressure", "traction")
 DIGITS = 27
 LARGEST_ERROR = 1e-25
 #: The first unloading takes two to five times as long, and fewer digits are asked for.
@@ -132,7 +134,6 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
     worst = max(e for e in errors.values() if e is not None)
     if not worst <= (10.0**-digits if unloaded_below else LARGEST_ERROR):
         raise ConvergenceError(f"the error is {worst:.1e}", "leave the scene out")
-    sides = "inner", "outer", "inner_from_edge", "outer_from_edge"
     coupled = {"opening": text(solution.opening)} if scene.coupling else {}
     return {
         "name": named(scene),
@@ -143,7 +144,7 @@ def solved(scene: Scene, digits: int) -> dict[str, Any]:
         "total_shear": text(solution.total_shear),
         "zones": [
             {"kind": zone.kind}
-            | {side: text(getattr(zone, side)) for side in sides}
+            | {side: text(getattr(zone, side)) for side in SIDES}
             | ({"sense": zone.sense, "memory": zone.memory} if unloaded_below else {})
             for zone in solution.zones
         ],
@@ -172,29 +173,30 @@ def layout(value: Any, indent: str = "") -> str:
     return f"{opening}\n" + ",\n".join(lines) + f"\n{indent}{closing}"
 
 
-def numbers(entry: dict[str, Any]) -> list[tuple[float, Any]]:
-    """Return the numbers of an entry with the relative error of their kind."""
-    error, sides = entry["error"], ("inner", "outer", "inner_from_edge", "outer_from_edge")
-    found = [(error[name], entry[name]) for name in ("approach", "total_shear", "edge_ratio")]
-    found += [(error[name], entry[name]) for name in PROFILE_QUANTITIES if name in entry]
-    found += [(error["zones"], zone[side]) for zone in entry["zones"] for side in sides]
+def numbers(entry: dict[str, Any]) -> dict[str, tuple[float, str]]:
+    """Return the numbers of an entry by what they are, each with the relative error of its kind."""
+    error = entry["error"]
+    names = "approach", "total_shear", "edge_ratio", *PROFILE_QUANTITIES
+    found = {name: (error[name], entry[name]) for name in names if name in entry}
+    for k, zone in enumerate(entry["zones"]):
+        found |= {f"zone {k} {zone['kind']} {side}": (error["zones"], zone[side]) for side in SIDES}
     for point in entry["points"]:
-        found += [(error[name], point[name]) for name in ("pressure", "traction")]
-    return [(size, value) for size, value in found if value is not None]
+        at = point["from_edge"]["hex"]
+        found |= {f"{name} at {at}": (error[name], point[name]) for name in FIELDS}
+    return {name: (size, value) for name, (size, value) in found.items() if value is not None}
 
 
 def difference(entry: dict[str, Any], other: dict[str, Any] | None) -> str:
     """Return in words how two entries of a scene differ."""
     if other is None:
         return "new"
-    kinds = [[zone["kind"] for zone in one["zones"]] for one in (entry, other)]
     mine, its = numbers(entry), numbers(other)
-    places = [[point["from_edge"]["hex"] for point in one["points"]] for one in (entry, other)]
-    if kinds[0] != kinds[1] or places[0] != places[1] or len(mine) != len(its):
+    if mine.keys() != its.keys():
         return "OTHER ZONES OR PLACES"
     worst, limit = mp.zero, mp.zero
     with mp.workdps(60):
-        for (size, a), (other_size, b) in zip(mine, its, strict=True):
+        for name, (size, a) in mine.items():
+            other_size, b = its[name]
             if a != b:
                 shift = abs(mp.mpf(a) / mp.mpf(b) - 1) if mp.mpf(b) else mp.inf
                 worst, limit = max(worst, shift), max(limit, shift / (size + other_size))

@@ -11,8 +11,8 @@ scene of ten is a power law on a smooth surface, whose pull-off is a closed form
 from __future__ import annotations
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade, in_turn, largest
-from profiles import LEAST, MOST, ROUNDING, Better, compared, drawn
+from profiles import LEAST, MOST, ROUNDING, Better, as_solution, compared, drawn
+from strata import Outcome, decade, largest
 
 from spectral_contact import Scene, closed_forms, pull_off
 from spectral_contact import profiles as shapes
@@ -20,14 +20,13 @@ from spectral_contact.contact.adhesion import BY_APPROACH, BY_LOAD, AdhesiveCurv
 from spectral_contact.contact.contact_radius import Contact, value_of
 from spectral_contact.contact.indented import solve_indentation
 from spectral_contact.contact.on_parts import Indentation
-from spectral_contact.contact.refine import Refinement, refine
-from spectral_contact.solving.adhesive import Stability, stability_on
+from spectral_contact.contact.refine import refine
+from spectral_contact.solving.adhesive import stability
 
 #: Each such scene is on a smooth surface, and each such one is followed to pull-off.
 SMOOTH, PULLED = 10, 3
 #: Of scenes with breaks each such one is followed along the curve.
 BROKEN = 40
-NONE = Stability((), None)
 #: Of the pull over the approach without adhesion, decades.
 PULL = 2.0
 #: The truth's own tolerance.
@@ -65,8 +64,8 @@ def on_its_branch(
     return None
 
 
-def ratios(rng: np.random.Generator, number: int) -> Outcome:
-    """Return the largest true errors over estimates of a scene."""
+def rough(rng: np.random.Generator, number: int) -> Outcome:
+    """Return what becomes of a scene with a layer."""
     profile, radius = drawn(rng)
     compliance = 10.0 ** rng.uniform(LEAST, MOST) * radius
     tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
@@ -76,44 +75,60 @@ def ratios(rng: np.random.Generator, number: int) -> Outcome:
     label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, w = {adhesion:.3g}"
     label += f", rtol = {tolerance:.1e}"
     given = profile, compliance, adhesion, tolerance, 20_000
-    curve, better = AdhesiveCurve(*given), Truth(*given)
+    curve = AdhesiveCurve(*given)
+    better = Truth(*given)
     solved = curve.at(radius, pointwise=True)
     truth = value_of(better.at(radius, pointwise=True))
-    worst = [compared(value_of(solved), truth)]
+    exact = as_solution(truth)
+    worst = [compared(as_solution(value_of(solved)), exact)]
     # every radius has operators of its own under a profile with breaks
     whole = not profile.breaks or number % BROKEN == 0
-    for control in (BY_LOAD, BY_APPROACH)[: 2 if whole else 1]:
+    for control in (BY_LOAD, BY_APPROACH) if whole else (BY_LOAD,):
         searched = on_its_branch(curve, control, truth)
         if searched is not None:
             found, off = value_of(searched[0]), searched[1]
-            worst.append(compared(found, truth))
-            worst[-1]["radius"] = abs(found.radius / radius - 1.0) / (off + ROUNDING)
+            moved = abs(found.radius / radius - 1.0) / (off + ROUNDING)
+            worst.append(compared(as_solution(found), exact) | {"radius": moved})
+    if whole:
+        worst.append(stiffness_on_branch(curve, value_of(solved), better, truth))
+        if number % PULLED == 0:
+            worst += [at_pull_off(curve, better, control) for control in (BY_LOAD, BY_APPROACH)]
     label += "" if whole else ", in part"
-    known = stability_on(better, truth) if whole else NONE
-    along = stability_on(curve, value_of(solved)) if whole else NONE
-    if along.stiffness is not None and known.stiffness is not None:
-        size = max(abs(known.stiffness), truth.stiffness)
-        off = abs(along.stiffness - known.stiffness) / size
-        worst.append({"stiffness on branch": off / (along.error + known.error)})
-    for control in (BY_LOAD, BY_APPROACH) if whole and number % PULLED == 0 else ():
-        try:
-            first = next(curve.folds(control), None)
-            last = next(better.folds(control), None)
-        except NoState:  # adhesion pulls the contact to the end of the profile
-            continue
-        if first is not None and last is not None:
-            moved = abs(first.radius / last.radius - 1.0) / (first.error + last.error + ROUNDING)
-            off = abs(control.value(first.state) - control.value(last.state))
-            room = control.error(first.state) + control.error(last.state)
-            if first.curve is not None:  # what `pull_off` adds for the radius
-                room += abs(control.rate(curve.rates(first.state))) * first.error
-            worst.append({"pull-off radius": moved, "pull-off value": off / room})
-    assert isinstance(solved, Refinement)
     return Outcome(largest(worst), label, solved.best.error <= tolerance)
 
 
-def smooth_ratios(rng: np.random.Generator) -> Outcome:
-    """Return likewise of the pull-off of a power law on a smooth surface."""
+def stiffness_on_branch(
+    curve: AdhesiveCurve, found: Indentation, better: AdhesiveCurve, truth: Indentation
+) -> dict[str, float]:
+    """Return the ratio of the stiffness along the curve, if there is one, at a given radius."""
+    along = stability(curve, found, 0.0)
+    known = stability(better, truth, 0.0)
+    if along.stiffness is None or known.stiffness is None:
+        return {}
+    size = max(abs(known.stiffness), truth.stiffness)
+    off = abs(along.stiffness - known.stiffness) / size
+    return {"stiffness on branch": off / (along.error + known.error)}
+
+
+def at_pull_off(curve: AdhesiveCurve, better: AdhesiveCurve, control: Control) -> dict[str, float]:
+    """Return the ratios of the first end of stability, if both curves have one."""
+    try:
+        first = next(curve.folds(control), None)
+        last = next(better.folds(control), None)
+    except NoState:  # adhesion pulls the contact to the end of the profile
+        return {}
+    if first is None or last is None:
+        return {}
+    moved = abs(first.radius / last.radius - 1.0) / (first.error + last.error + ROUNDING)
+    off = abs(control.value(first.state) - control.value(last.state))
+    room = control.error(first.state) + control.error(last.state)
+    if first.curve is not None:  # what `pull_off` adds for the radius
+        room += abs(control.rate(curve.rates(first.state))) * first.error
+    return {"pull-off radius": moved, "pull-off value": off / room}
+
+
+def smooth(rng: np.random.Generator) -> Outcome:
+    """Return what becomes of the pull-off of a power law on a smooth surface."""
     exponent = float(rng.choice([1.0, 1.5, 2.0, 3.0, 4.0, 8.0]))
     coefficient, adhesion = decade(rng, -2.0, 2.0), decade(rng, -6.0, 2.0)
     profile = shapes.PowerLaw(coefficient, exponent)
@@ -130,13 +145,9 @@ def smooth_ratios(rng: np.random.Generator) -> Outcome:
             moved = abs(getattr(found, name) - getattr(true, name)) / found.error_scales[name]
             one[name] = moved / (getattr(found.error, name) + ROUNDING)
         worst.append(one)
-    label = f"{profile.brief}, w = {adhesion:.3g}, smooth"
-    return Outcome(largest(worst), label)
+    return Outcome(largest(worst), f"{profile.brief}, w = {adhesion:.3g}, smooth")
 
 
-def measured(rng: np.random.Generator, number: int) -> Outcome:
+def adhesion(rng: np.random.Generator, number: int) -> Outcome:
     """Return what becomes of a random scene."""
-    return smooth_ratios(rng) if number % SMOOTH == 1 else ratios(rng, number)
-
-
-STRATA = {"adhesion": Stratum("Honesty of adhesive contacts", 300, in_turn(measured), every=10)}
+    return smooth(rng) if number % SMOOTH == 1 else rough(rng, number)

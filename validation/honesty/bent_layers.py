@@ -11,18 +11,17 @@ that contradict each other are violations, too.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from math import pi
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade
 from scipy.interpolate import PchipInterpolator, PPoly
+from strata import Outcome, decade, largest, over_estimates
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
 
@@ -30,7 +29,7 @@ from bent_collocation import FINER_MESHES, MESHES, STILL, BentContact, Law, solv
 
 from spectral_contact import Scene, Solution, layers, profiles, solve
 
-NAMES = ("approach", "load", "contact_radius", "indentation_work", "stiffness", "pressure")
+NAMES = ("approach", "load", "contact_radius", "indentation_work", "stiffness")
 #: The tighter of the two tolerances of a scene.
 TIGHTER = 1e-11
 #: Relative error of the truth that its two meshes do not show: its bends come to rest to `STILL`.
@@ -41,17 +40,21 @@ CLOSE = (-9.0, -0.5)
 
 
 @dataclass(frozen=True)
-class Drawn:
-    """A law and a profile for both sides, and the disk.
+class Shape:
+    """A profile, with the heights and breaks of the function that the library samples."""
 
-    The heights are those of the function that the library samples.
-    """
+    profile: profiles.Profile
+    height: Callable[[Any], Any]
+    breaks: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A law and a shape for both sides, and the disk."""
 
     layer: layers.Layer
     law: Law
-    profile: profiles.Profile
-    height: Callable[[Any], Any]
-    breaks: tuple[float, ...]
+    shape: Shape
     radius: float
     approach: float | None
     about: str
@@ -100,97 +103,108 @@ def bent_polynomial(
     return layer, law
 
 
-def table_law(w: list[float], p: list[float]) -> tuple[layers.Layer, Law]:
-    """Return a table, and SciPy's interpolant of it."""
-    return layers.Table(w, p), law_of(PchipInterpolator(w, p))
+def sampled(
+    height: Callable[[Any], Any], slope: Callable[[Any], Any], breaks: tuple[float, ...] = ()
+) -> Shape:
+    """Return a shape that is given by functions."""
+    profile = profiles.Sampled.from_functions(height, slope, reach=6.0, breaks=breaks, rounded=True)
+    return Shape(profile, height, breaks)
 
 
-def _bent_height(bend: float, more: float, r: Any) -> Any:
-    return r**2 / 2.0 + more * np.maximum(r - bend, 0.0) ** 2 / 2.0
-
-
-def _bowl_height(r: Any) -> Any:
-    return r**2 / 2.0 + r**4 / 8.0
-
-
-def _sampled(
-    height: Callable[[Any], Any], slope: Callable[[Any], Any], breaks: tuple[float, ...]
-) -> profiles.Profile:
-    return profiles.Sampled.from_functions(height, slope, reach=6.0, breaks=breaks, rounded=True)
-
-
-def drawn(rng: np.random.Generator) -> Drawn:
-    """Return a scene."""
+def shape_of(rng: np.random.Generator) -> Shape:
+    """Return a shape."""
     kind = rng.integers(6)
-    breaks: tuple[float, ...] = ()
-    profile: profiles.Profile
-    height: Callable[[Any], Any]
-    if kind == 0:
-        profile = profiles.Flat(1.0)
-        height = profile._height
-    elif kind <= 2:
-        profile = profiles.Parabola(1.0)
-        height = profile._height
-    elif kind == 3:
+    if kind == 4:
+        bend, more = float(rng.uniform(0.2, 0.8)), decade(rng, -1.0, 1.0)
+        return sampled(
+            lambda r: r**2 / 2.0 + more * np.maximum(r - bend, 0.0) ** 2 / 2.0,
+            lambda r: r + more * np.maximum(r - bend, 0.0),
+            (bend,),
+        )
+    if kind == 5:
+        return sampled(lambda r: r**2 / 2.0 + r**4 / 8.0, lambda r: r + r**3 / 2.0)
+    profile = profiles.Flat(1.0) if kind == 0 else profiles.Parabola(1.0)
+    if kind == 3:
         profile = profiles.Cone(float(rng.uniform(0.6, 1.4)))
-        height = profile._height
-    elif kind == 4:
-        bend = float(rng.uniform(0.2, 0.8))
-        more = decade(rng, -1.0, 1.0)
-        breaks = (bend,)
-        height = partial(_bent_height, bend, more)
-        profile = _sampled(height, lambda r: r + more * np.maximum(r - bend, 0.0), breaks)
-    else:
-        height = _bowl_height
-        profile = _sampled(height, lambda r: r + r**3 / 2.0, breaks)
-    flat = isinstance(profile, profiles.Flat)
-    radius = 1.0 if flat else 0.3 + decade(rng, -1.0, 0.3)
-    size = 1.0 if flat else float(profile.height(radius))
-    start = float(rng.choice([0.0, -0.3 * size, 0.1 * size]))
-    approach = start + size * decade(rng, -1.0, 0.5) if flat else None
-    strength = decade(rng, -1.0, 2.0) / size
-    linear = strength
-    quadratic = strength / size * float(rng.choice([0.0, 0.3, 2.0]))
-    # no overclosure is larger
-    limit = start + 1.5 * (size if approach is None else approach - start)
-    smooth, law = bent_polynomial(start, limit, linear, quadratic, [])
-    given = {"contact_radius": radius} if approach is None else {"approach": approach}
-    found = solve(Scene(0.3, layer=smooth, profile=profile, **given), rtol=1e-6)
-    pressures = found.pressure(np.linspace(0.0, 1.0, 201))
-    ends = [
-        float(smooth.overclosure(p)) if p > 0.0 else start
-        for p in (pressures.min(), pressures.max())
-    ]
-    extent = ends[1] - ends[0]
-    if rng.integers(3) == 0:
-        count = int(rng.integers(3, 9))
-        w = np.append(0.0, np.cumsum(rng.uniform(0.2, 1.0, count)))
-        w = start + w / w[-1] * (ends[1] - start) * float(rng.uniform(0.6, 2.0))
-        w = np.append(w, max(limit, float(w[-1]) + size))
-        steps = np.diff(w) * strength * 10.0 ** rng.uniform(-0.7, 0.7, count + 1)
-        p = np.append(0.0, np.cumsum(steps))
-        layer, law = table_law(w.tolist(), p.tolist())
-        return Drawn(layer, law, profile, height, breaks, radius, approach, f"table of {count + 2}")
-    jumps, places = [], []
+    return Shape(profile, profile._height)
+
+
+def table_of(
+    rng: np.random.Generator, start: float, top: float, limit: float, size: float, strength: float
+) -> tuple[layers.Layer, Law, str]:
+    """Return a table up to the largest overclosure or beyond, as SciPy's interpolant, too."""
+    count = int(rng.integers(3, 9))
+    w = np.append(0.0, np.cumsum(rng.uniform(0.2, 1.0, count)))
+    w = start + w / w[-1] * (top - start) * float(rng.uniform(0.6, 2.0))
+    w = np.append(w, max(limit, float(w[-1]) + size))
+    steps = np.diff(w) * strength * 10.0 ** rng.uniform(-0.7, 0.7, count + 1)
+    p = np.append(0.0, np.cumsum(steps))
+    table = layers.Table(w.tolist(), p.tolist())
+    return table, law_of(PchipInterpolator(w, p)), f"table of {count + 2}"
+
+
+def bends_of(
+    rng: np.random.Generator,
+    ends: tuple[float, float],
+    within: tuple[float, float],
+    size: float,
+    linear: float,
+) -> tuple[list[tuple[float, float, int]], str]:
+    """Return jumps of the slope or of the second derivative next to the overclosures at the ends.
+
+    All lie between the overclosures `within`. What they are is returned, too.
+    """
+    least, top = ends
+    extent = top - least
+    jumps: list[tuple[float, float, int]] = []
+    about = []
     for _ in range(int(rng.integers(1, 4))):
         place = str(rng.choice(["anywhere", "below the top", "above the top", "next to the least"]))
         off = decade(rng, *CLOSE)
         knot = {
-            "anywhere": ends[0] + float(rng.uniform(0.0, 1.2)) * extent,
-            "below the top": ends[1] - off * extent,
-            "above the top": ends[1] + off * extent,
-            "next to the least": ends[0] + off * extent,
+            "anywhere": least + float(rng.uniform(0.0, 1.2)) * extent,
+            "below the top": top - off * extent,
+            "above the top": top + off * extent,
+            "next to the least": least + off * extent,
         }[place]
-        if not start < knot < limit or any(abs(knot - one[0]) < 1e-7 * extent for one in jumps):
+        apart = all(abs(knot - other) >= 1e-7 * extent for other, _, _ in jumps)
+        if not (within[0] < knot < within[1] and apart):
             continue
-        n = int(rng.integers(1, 3))
-        factor = float(rng.choice([-0.5, 1.0, 4.0])) if n == 1 else float(rng.choice([1.0, 4.0]))
-        if factor < 0.0 and any(one[1] < 0.0 for one in jumps):
+        power = int(rng.integers(1, 3))
+        factor = float(rng.choice([-0.5, 1.0, 4.0] if power == 1 else [1.0, 4.0]))
+        if factor < 0.0 and any(jump < 0.0 for _, jump, _ in jumps):
             continue
-        jumps.append((knot, factor * linear / (1.0 if n == 1 else size), n))
-        places.append(f"{'kink' if n == 1 else 'bend'} {place} ({off:.0e})")
-    layer, law = bent_polynomial(start, limit, linear, quadratic, jumps)
-    return Drawn(layer, law, profile, height, breaks, radius, approach, ", ".join(places))
+        jumps.append((knot, factor * linear / (1.0 if power == 1 else size), power))
+        about.append(f"{'kink' if power == 1 else 'bend'} {place} ({off:.0e})")
+    return jumps, ", ".join(about)
+
+
+def drawn(rng: np.random.Generator) -> Drawn:
+    """Return a scene; its law bends next to the overclosures of a contact without bends."""
+    shape = shape_of(rng)
+    flat = isinstance(shape.profile, profiles.Flat)
+    radius = 1.0 if flat else 0.3 + decade(rng, -1.0, 0.3)
+    size = 1.0 if flat else float(shape.profile.height(radius))
+    start = float(rng.choice([0.0, -0.3 * size, 0.1 * size]))
+    approach = start + size * decade(rng, -1.0, 0.5) if flat else None
+    linear = decade(rng, -1.0, 2.0) / size
+    quadratic = linear / size * float(rng.choice([0.0, 0.3, 2.0]))
+    # no overclosure is larger
+    limit = start + 1.5 * (approach - start if flat else size)
+    smooth, _ = bent_polynomial(start, limit, linear, quadratic, [])
+    given = {"approach": approach} if flat else {"contact_radius": radius}
+    found = solve(Scene(0.3, layer=smooth, profile=shape.profile, **given), rtol=1e-6)
+    pressures = found.pressure(np.linspace(0.0, 1.0, 201))
+    least, top = (
+        float(smooth.overclosure(p)) if p > 0.0 else start
+        for p in (pressures.min(), pressures.max())
+    )
+    if rng.integers(3) == 0:
+        layer, law, about = table_of(rng, start, top, limit, size, linear)
+    else:
+        jumps, about = bends_of(rng, (least, top), (start, limit), size, linear)
+        layer, law = bent_polynomial(start, limit, linear, quadratic, jumps)
+    return Drawn(layer, law, shape, radius, approach, about)
 
 
 def truth_of(one: Drawn, meshes: Sequence[tuple[int, int]] = MESHES) -> BentContact:
@@ -198,79 +212,65 @@ def truth_of(one: Drawn, meshes: Sequence[tuple[int, int]] = MESHES) -> BentCont
     given = {"start": one.layer.start} if one.approach is None else {"approach": one.approach}
     return solved(
         one.law,
-        one.height,
+        one.shape.height,
         one.radius,
-        breaks=[b for b in one.breaks if b < one.radius],
-        pointed=one.profile.pointed,
+        breaks=[b for b in one.shape.breaks if b < one.radius],
+        pointed=one.shape.profile.pointed,
         meshes=meshes,
         **given,
     )
 
 
-def ratios(rng: np.random.Generator) -> tuple[dict[str, float], str, bool]:
-    """Return true errors over estimates for a scene, what it is, and whether it converged."""
+def bent_layers(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a scene, by the larger ratios of two tolerances."""
     one = drawn(rng)
     controls = ["load", "approach"] + ["contact_radius"] * (one.approach is None)
     control = str(rng.choice(controls))
     rtol = 10.0 ** rng.uniform(-11.0, -4.0)
-    asked = None if rng.integers(2) else [*NAMES[:-1]]
-    worst, converged = _solved_and_compared(one, truth_of(one), control, rtol, asked)
-    if max(worst.values()) > 1.0:
-        # the error of a truth is the difference of its two meshes, which may agree by chance
-        truth = truth_of(one, FINER_MESHES)
-        worst, converged = _solved_and_compared(one, truth, control, rtol, asked)
-    label = f"{one.profile.brief[:60]}, {one.about}, {control}, rtol {rtol:.1e}"
-    label += ", pressure" * (asked is None)
-    return worst, label, converged
+    asked = None if rng.integers(2) else [*NAMES]
+    # the error of a truth is the difference of its two meshes, which may agree by chance
+    for meshes in (MESHES, FINER_MESHES):
+        truth = truth_of(one, meshes)
+        value = one.radius if control == "contact_radius" else getattr(truth, control)
+        scene = Scene(0.3, layer=one.layer, profile=one.shape.profile, **{control: value})
+        found, tight = (solve(scene, r, asked, strict=False) for r in (rtol, min(rtol, TIGHTER)))
+        worst = largest([compared(found, truth, one), compared(tight, truth, one)])
+        if max(worst.values()) <= 1.0:
+            break
+    label = f"{one.shape.profile.brief[:60]}, {one.about}, {control}, rtol {rtol:.1e}"
+    return Outcome(worst, label + ", pressure" * (asked is None), bool(found.converged))
 
 
-def _solved_and_compared(
-    one: Drawn, truth: BentContact, control: str, rtol: float, asked: list[str] | None
-) -> tuple[dict[str, float], bool]:
-    """Return the larger ratios of two tolerances, and whether the looser solution converged."""
-    values = {"load": truth.load, "approach": truth.approach, "contact_radius": one.radius}
-    scene = Scene(0.3, layer=one.layer, profile=one.profile, **{control: values[control]})
-    found = solve(scene, rtol, asked, strict=False)
-    tight = solve(scene, min(rtol, TIGHTER), asked, strict=False)
-    worst = _compared(found, truth, one)
-    for name, ratio in _compared(tight, truth, one).items():
-        worst[name] = max(worst[name], ratio)
-    return worst, bool(found.converged)
-
-
-def _compared(found: Solution, truth: BentContact, one: Drawn) -> dict[str, float]:
-    exact = {
-        "approach": truth.approach,
-        "load": truth.load,
-        "indentation_work": truth.work,
-        "stiffness": truth.stiffness,
-        "contact_radius": one.radius,
-    }
-    known = {**truth.error, "indentation_work": truth.error["work"], "contact_radius": 0.0}
+def compared(found: Solution, truth: BentContact, one: Drawn) -> dict[str, float]:
+    """Return true errors over estimates."""
+    known = dict(truth.error)
     # errors of the load at a given radius or approach are those of what is found under that load
-    known["contact_radius"] = max(truth.error["load"], truth.error["approach"])
+    known["contact_radius"] = max(known["load"], known["approach"])
+    known["indentation_work"] = known["work"]
+    size = max(abs(truth.approach), one.radius * 1e-3)
     if found.scene.load is not None:
-        size = max(abs(truth.approach), one.radius * 1e-3)
-        known["approach"] += truth.error["load"] * truth.load / (truth.stiffness * size)
-    known["stiffness"] += _slope_difference(one, truth)
-    ratio = dict.fromkeys(NAMES, 0.0)
-    for name, value in exact.items():
-        own = getattr(found, name)
-        size = abs(value) if name != "approach" else max(abs(value), one.radius * 1e-3)
-        room = getattr(found.error, name) * size + (known[name] + ROUNDING) * size
-        ratio[name] = abs(own - value) / room
+        known["approach"] += known["load"] * truth.load / (truth.stiffness * size)
+    known["stiffness"] += slope_difference(one, truth)
+    exact = SimpleNamespace(
+        approach=truth.approach,
+        load=truth.load,
+        contact_radius=one.radius,
+        indentation_work=truth.work,
+        stiffness=truth.stiffness,
+        error=SimpleNamespace(**known),
+    )
+    ratios = over_estimates(found, exact, NAMES, ROUNDING, {"approach": size})
     if "pressure" in found.plan.quantities:
         # the disk is as large as the oracle's but for the error of its radius
-        s = truth.r / one.radius
-        own = np.asarray(found.pressure(s))
+        own = np.asarray(found.pressure(truth.r / one.radius))
         mean = truth.load / (pi * one.radius**2)
         room = found.error.pressure * np.maximum(truth.pressure, mean)
-        room = room + (truth.error["pressure"] + 10.0 * ROUNDING) * truth.pressure.max()
-        ratio["pressure"] = float((np.abs(own - truth.pressure) / room).max())
-    return ratio
+        room = room + (known["pressure"] + 10.0 * ROUNDING) * truth.pressure.max()
+        ratios["pressure"] = float((np.abs(own - truth.pressure) / room).max())
+    return ratios
 
 
-def _slope_difference(one: Drawn, truth: BentContact) -> float:
+def slope_difference(one: Drawn, truth: BentContact) -> float:
     """Return the largest relative difference in the contact of the two slopes of the law.
 
     The layer of the library samples a law that is given as functions, and its slope is a derivative
@@ -284,29 +284,3 @@ def _slope_difference(one: Drawn, truth: BentContact) -> float:
     slope = one.law.slope(overclosures)
     difference = np.abs(one.layer._slope(overclosures) - slope)[slope > 0.0] / slope[slope > 0.0]
     return float(difference.max(initial=0.0))
-
-
-def scene_of(seed: int, scene: int) -> Outcome | None:
-    """Return what becomes of a scene; None where the oracle does not know the bends."""
-    try:
-        return Outcome(*ratios(np.random.default_rng([seed, scene])))
-    except AssertionError:
-        return None
-
-
-def outcomes(seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
-    """Yield what becomes of each scene, in order."""
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(partial(scene_of, seed), range(scenes))
-
-
-STRATA = {
-    "bent_layers": Stratum(
-        "Honesty of contacts through layers that bend",
-        1000,
-        outcomes,
-        refused="of {} the oracle does not know the bends",
-        compared="true error over its estimate, the larger of two tolerances",
-        every=5,
-    )
-}

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade, in_turn
+from strata import Outcome, decade, over_estimates
 
-from spectral_contact import NotComputedError, Scene, Solution, solve, steady_cycle
+from spectral_contact import Scene, Solution, SteadyCycle, solve, steady_cycle
 
 #: Gauss points of the truth of what is dissipated, and of the one that it is compared with.
 POINTS, FEWER = 14, 10
@@ -54,7 +55,6 @@ def dissipated(
 ) -> tuple[float, float]:
     """Return what is dissipated while the load falls, and while it rises."""
     f = scene.friction
-    assert f is not None
     x, w = np.polynomial.legendre.leggauss(points)
     v = (x + 1.0) / 2.0
     weight = 3.0 * v**2 * w / 2.0
@@ -86,49 +86,41 @@ def drawn(rng: np.random.Generator, number: int) -> tuple[Scene, float, float]:
     return stick.scene.replace(friction=friction), critical, lowest
 
 
-def ratios(rng: np.random.Generator, number: int) -> Outcome:
-    """Return the largest true errors over estimates of a loop."""
+def cycles(rng: np.random.Generator, number: int) -> Outcome:
+    """Return what becomes of a loop."""
     scene, critical, lowest = drawn(rng, number)
     rtol = decade(rng, -7.0, -2.0)
     label = f"{scene!r}, lowest = {lowest:.6g}, rtol = {rtol:.1e}"
     found = steady_cycle(scene, lowest, rtol=rtol, strict=False)
     close = scene.replace(friction=scene.friction * (1.0 + lowest) / (1.0 - lowest))
     truth = solve(close, CLOSE, ASKED, strict=False)
-    known: dict[float, float] = {}
-
-    def mean(friction: float) -> float:
-        if friction not in known:
-            one = solve(scene.replace(friction=friction), CLOSE, ASKED, strict=False)
-            known[friction] = mean_slip(one)
-        return known[friction]
-
-    compared: dict[str, float] = {}
-    compared["stick_radius"] = abs(found.stick_radius / truth.stick_radius - 1.0) / (
-        (found.error.stick_radius or 0.0) + (truth.error.stick_radius or 0.0) + ROUNDING
-    )
+    ratios = over_estimates(found, truth, ("stick_radius",), ROUNDING)
     slip, exact = found.slip_amplitude(RADII), (1.0 - lowest) * np.abs(truth.slip(RADII))
     if exact.max() > 0.0:
         room = (found.error.slip_amplitude or 0.0) + (truth.error.slip or 0.0) + ROUNDING
         size = (1.0 - lowest) * np.abs(truth.slip(np.linspace(0.0, 1.0, 400))).max()
-        compared["slip_amplitude"] = float(np.abs(slip - exact).max()) / (size * room)
+        ratios["slip_amplitude"] = float(np.abs(slip - exact).max()) / (size * room)
     if found.reloading_dissipation == 0.0:
-        compared["nothing_is_lost"] = 0.0 if exact.max() == 0.0 else 2.0
-        return Outcome(compared, label, found.converged)
-    if number % DISSIPATED:
-        return Outcome(compared, label, found.converged)
-    close_ones = dissipated(scene, lowest, critical, POINTS, mean)
-    others = dissipated(scene, lowest, critical, FEWER, mean)
-    for name, value, other in zip(("unloading", "reloading"), close_ones, others, strict=True):
-        of_found = getattr(found, f"{name}_dissipation")
-        estimate = getattr(found.error, f"{name}_dissipation")
-        if of_found is not None:
-            room = estimate + abs(other / value - 1.0) + 10.0 * CLOSE
-            compared[f"{name}_dissipation"] = abs(of_found / value - 1.0) / room
-    return Outcome(compared, label, found.converged)
+        ratios["nothing_is_lost"] = 0.0 if exact.max() == 0.0 else 2.0
+    elif number % DISSIPATED == 0:
+        ratios |= dissipation_ratios(found, lowest, critical)
+    return Outcome(ratios, label, found.converged)
 
 
-STRATA = {
-    "cycles": Stratum(
-        "Honesty of steady loops of the load", 60, in_turn(ratios, (NotComputedError,)), every=5
+def dissipation_ratios(found: SteadyCycle, lowest: float, critical: float) -> dict[str, float]:
+    """Return the ratios of what is dissipated while the load falls, and while it rises."""
+
+    @cache
+    def mean(friction: float) -> float:
+        return mean_slip(solve(found.scene.replace(friction=friction), CLOSE, ASKED, strict=False))
+
+    close, other = (
+        dissipated(found.scene, lowest, critical, points, mean) for points in (POINTS, FEWER)
     )
-}
+    ratios = {}
+    for k, name in enumerate(("unloading_dissipation", "reloading_dissipation")):
+        value = getattr(found, name)
+        if value is not None:
+            room = getattr(found.error, name) + abs(other[k] / close[k] - 1.0) + 10.0 * CLOSE
+            ratios[name] = abs(value / close[k] - 1.0) / room
+    return ratios

@@ -17,13 +17,9 @@ of the scenes is of two elastic bodies with negative kappa.
 from __future__ import annotations
 
 import json
-import multiprocessing
-import signal
-import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator, Sequence, Set
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Sequence
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -32,12 +28,13 @@ import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
 from reporting import RESULTS, json_lines, options, table, write
+from strata import in_order
 
 import spectral_contact
 from spectral_contact.view.progress import ProgressLine
 
-#: Scenes that a process is given at once; truths of many digits.
-CHUNK, REFERENCES = 10, 200
+#: How many truths have many digits.
+REFERENCES = 200
 
 
 def sources() -> str:
@@ -46,26 +43,6 @@ def sources() -> str:
     for path in sorted(Path(spectral_contact.__file__).parent.rglob("*.py")):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:12]
-
-
-def solved(seed: int, exact: Set[int], coupled: bool, number: int) -> dict:
-    """Return the outcome of a scene; the truth of those in `exact` has many digits."""
-    return outcome(seed, number, number in exact, coupled)
-
-
-def outcomes(
-    seed: int, numbers: Sequence[int], exact: Set[int], coupled: bool, workers: int
-) -> Iterator[dict]:
-    """Yield the outcomes of all scenes, in order."""
-    work = partial(solved, seed, exact, coupled)
-    if workers == 1:
-        yield from map(work, numbers)
-        return
-    # ended from outside, the processes end, too
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped; the same command goes on"))
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
-        yield from pool.map(work, numbers, chunksize=CHUNK)
 
 
 def violations_of(row: dict) -> list[dict]:
@@ -90,7 +67,8 @@ def undecided(row: dict) -> bool:
 def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) -> list[dict]:
     """Run what the store does not hold yet, and return the rows of all scenes."""
     current = sources()
-    exact = set([n for n in range(count) if by_reference(seed, n)][:REFERENCES])
+    exact = frozenset([n for n in range(count) if by_reference(seed, n)][:REFERENCES])
+    work = partial(outcome, seed=seed, coupled=coupled, exact=exact)
     rows = {
         row["number"]: row
         for row in json_lines(store)
@@ -102,7 +80,7 @@ def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) ->
     violations = sum(len(violations_of(row)) for row in rows.values())
     store.parent.mkdir(parents=True, exist_ok=True)
     with store.open("a", encoding="utf-8") as file, ProgressLine(None) as tell:
-        for row in outcomes(seed, missing, exact, coupled, workers):
+        for row in in_order(work, missing, workers):
             row |= {"seed": seed, "sources": current}
             file.write(json.dumps(row) + "\n")
             file.flush()

@@ -23,26 +23,17 @@ import numpy as np
 sys.path.append(str(Path(__file__).parents[1]))
 sys.path.append(str(Path(__file__).parents[2] / "tests"))
 
-from hard_report import draw, tables
+from hard_report import SHORT, draw, tables
 from hard_truths import HOW, truth_of
-from oracles.hard_cases import (
-    CASES,
-    EPS,
-    HardCase,
-    numbers,
-    outputs,
-    perturbations,
-    shifts,
-    true_errors,
-)
+from oracles import hard_cases as hard
+from oracles.hard_cases import HardCase
 from oracles.hard_inside import condition_numbers, overrefined
 from reporting import RESULTS, options, stored, write
 
 from spectral_contact import Scene, Solution, solve
 
-INTEGRAL = ("approach", "total_shear", "stick_radius")
-COLUMNS = ("approach", "pressure", "traction", "total_shear", "zones")
-INPUTS = ("poisson_ratio", "normal_compliance", "tangential_compliance", "friction")
+#: Integral quantities, by the names of their truths.
+INTEGRAL = {"approach": "approach", "total_shear": "Q", "stick_radius": "b1"}
 
 
 def conditioning(solution: Solution) -> dict[str, dict[str, float]]:
@@ -50,9 +41,9 @@ def conditioning(solution: Solution) -> dict[str, dict[str, float]]:
 
     By `Solution.sensitivity`; inputs that are 0 or infinite are left out.
     """
-    scene, values = solution.scene, outputs(solution)
+    scene, values = solution.scene, hard.outputs(solution)
     inputs = [
-        name for name in INPUTS if getattr(scene, name) and math.isfinite(getattr(scene, name))
+        name for name in hard.INPUTS if getattr(scene, name) and math.isfinite(getattr(scene, name))
     ]
     with np.errstate(all="ignore"):  # where an edge zone is too narrow for its rates
         rates = solution.sensitivity(inputs, from_edge=[0.0], progress=False)
@@ -76,15 +67,15 @@ def moved_by_ulps(
     The ratio is the shift to that which conditioning asks for: of that input times its ulp, and of
     any compliance or friction times a rounding, as a solve rounds those, too.
     """
-    before, rows = outputs(base), []
-    for name, change, scene in all_at_once(case) if case.slow else perturbations(case.scene):
-        after = outputs(solve(scene, 1e-12, strict=False))
-        for key, moved in shifts(after, before).items():
+    before, rows = hard.outputs(base), []
+    for name, change, scene in all_at_once(case) if case.slow else hard.perturbations(case.scene):
+        after = hard.outputs(solve(scene, 1e-12, strict=False))
+        for key, moved in hard.shifts(after, before).items():
             rounded = max(
                 [1.0, *(v.get(key, 0.0) for k, v in sensitivity.items() if k != "poisson_ratio")]
             )
             own = [v.get(key, 0.0) for k, v in sensitivity.items() if name in (k, "all")]
-            explained = sum(own) * change + rounded * EPS
+            explained = sum(own) * change + rounded * hard.EPS
             row = {"input": name, "output": key, "moved": moved, "explained": explained}
             rows.append(row | {"ratio": moved / explained})
     return rows
@@ -92,21 +83,29 @@ def moved_by_ulps(
 
 def all_at_once(case: HardCase) -> list[tuple[str, float, Scene]]:
     """Return the scene with every input an ulp larger."""
-    values = {name: scene for name, _, scene in perturbations(case.scene)}
+    values = {name: scene for name, _, scene in hard.perturbations(case.scene)}
     fresh = {name: getattr(scene, name) for name, scene in values.items()}
-    return [("all", EPS, replace(case.scene, **fresh))]
+    return [("all", hard.EPS, replace(case.scene, **fresh))]
 
 
 def at_the_limit(case: HardCase, exact: dict[str, float]) -> dict[str, list[float]] | None:
     """Return errors and estimates of the integral quantities at the least rtol."""
     if case.slow:
         return None
-    solution = solve(case.scene, 1e-13, INTEGRAL, strict=False)
-    keys = {"approach": "approach", "total_shear": "Q", "stick_radius": "b1"}
+    solution = solve(case.scene, 1e-13, tuple(INTEGRAL), strict=False)
     return {
         name: [abs(getattr(solution, name) / exact[key] - 1.0), getattr(solution.error, name)]
-        for name, key in keys.items()
+        for name, key in INTEGRAL.items()
         if key in exact
+    }
+
+
+def accuracy(solution: Solution, truth: dict[str, Any]) -> dict[str, Any]:
+    """Return the errors of a solution, their estimates, and what it took."""
+    return {
+        "errors": hard.true_errors(solution, truth),
+        "estimates": {name: getattr(solution.error, name) for name in SHORT},
+        "unknowns": max(step.unknowns for step in solution.work.steps),
     }
 
 
@@ -121,12 +120,7 @@ def measure(case: HardCase, truth: dict[str, Any]) -> dict[str, Any]:
     larger = None
     if not case.slow:
         with overrefined():
-            fine = solve(case.scene, 1e-12, strict=False)
-        larger = {
-            "errors": true_errors(fine, truth),
-            "estimates": {name: getattr(fine.error, name) for name in COLUMNS},
-            "unknowns": max(step.unknowns for step in fine.work.steps),
-        }
+            larger = accuracy(solve(case.scene, 1e-12, strict=False), truth)
     sensitivity = conditioning(solution)
     return {
         "name": case.name,
@@ -137,10 +131,8 @@ def measure(case: HardCase, truth: dict[str, Any]) -> dict[str, Any]:
         "converged": solution.converged,
         "ending": solution.ending.name,
         "seconds": seconds,
-        "unknowns": max(step.unknowns for step in solution.work.steps),
-        "errors": true_errors(solution, truth),
-        "estimates": {name: getattr(solution.error, name) for name in COLUMNS},
-        "integral": at_the_limit(case, numbers(truth)),
+        **accuracy(solution, truth),
+        "integral": at_the_limit(case, hard.numbers(truth)),
         "matrices": matrices,
         "conditioning": sensitivity,
         "ulps": moved_by_ulps(case, solution, sensitivity),
@@ -155,7 +147,7 @@ def main() -> None:
     known = {} if options(__doc__, fresh=False).fresh else stored("hard_cases")
     old = {row["name"]: row for row in known.get("cases", [])}
     rows, begin = [], perf_counter()
-    for case in CASES:
+    for case in hard.CASES:
         row = old.get(case.name)
         print(f"{perf_counter() - begin:4.0f} s  {case.name}", file=sys.stderr, flush=True)
         same = row is not None and Scene.from_dict(row["scene"]) == case.scene

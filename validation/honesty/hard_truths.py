@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from mpmath import isnan
 from oracles.hard_cases import HardCase
 from oracles.hard_inside import overrefined
 
-from spectral_contact import Scene, Solution, solve
+from spectral_contact import Scene, solve
 from spectral_contact.fields.series import Radius
 from spectral_contact.precise import reference
 from spectral_contact.precise.reference_solution import ReferenceSolution
@@ -26,6 +27,9 @@ DIGITS = 20
 #: Distances from the edge at which fields are compared.
 DISTANCES = [0.97, 0.7, 0.4, 0.15, 0.03]
 DISTANCES += [10.0**-k for k in (2, 3, 4, 5, 6, 8, 10, 12, 13, 14, 16)]
+EDGE_TOO = [("from_edge", d) for d in (*DISTANCES, 0.0)]
+#: And in a small stick disk, over its radius.
+INSIDE = (0.25, 0.75, 0.999)
 HOW = {
     "reference": f"`reference`, {DIGITS} digits",
     "one disk": f"`reference`, {DIGITS} digits, without the stick zone at the edge, which changes "
@@ -40,47 +44,41 @@ def truth_of(case: HardCase) -> dict[str, Any]:
     """Return the outputs and the fields of a case as decimal numbers."""
     if case.truth == "finer":
         with overrefined(28, 4):
-            return _double(solve(case.scene, 1e-12, strict=False))
+            solution = solve(case.scene, 1e-12, strict=False)
+            return _record(solution, EDGE_TOO, lambda value: repr(float(value)))
     if case.truth == "full stick":
         return _inside(case.scene)
     if case.truth == "one disk":
-        return _record(_without_edge_zone(case.scene))
-    return _record(reference(case.scene, DIGITS))
+        return _exact_record(_without_edge_zone(case.scene))
+    return _exact_record(reference(case.scene, DIGITS))
 
 
-def _double(solution: Solution) -> dict[str, Any]:
-    """Return what a solution in double precision has."""
-    return {
-        "approach": repr(solution.approach),
-        "Q": repr(solution.total_shear),
-        "boundaries": [[repr(z.outer), repr(z.outer_from_edge)] for z in solution.zones[:-1]],
-        "points": [["from_edge", d] for d in (*DISTANCES, 0.0)],
-        "pressure": [repr(float(solution.pressure(from_edge=d))) for d in (*DISTANCES, 0.0)],
-        "traction": [repr(float(solution.traction(from_edge=d))) for d in (*DISTANCES, 0.0)],
-    }
-
-
-def _record(exact: ReferenceSolution) -> dict[str, Any]:
+def _exact_record(exact: ReferenceSolution) -> dict[str, Any]:
     """Return what a solution to 20 digits has; points inside a small stick disk, too."""
-    points: list[tuple[str, float]] = [("from_edge", d) for d in (*DISTANCES, 0.0)]
+    points = EDGE_TOO
     if isnan(exact.pressure(from_edge=0.0)):  # without a limit there
-        del points[-1]
+        points = points[:-1]
     if exact.stick_radius is not None and exact.stick_radius < 0.9:
-        points += [("s", share * float(exact.stick_radius)) for share in (0.25, 0.75, 0.999)]
-    return {
-        "approach": _digits(exact, exact.approach),
-        "Q": _digits(exact, exact.total_shear),
-        "boundaries": [
-            [_digits(exact, z.outer), _digits(exact, z.outer_from_edge)] for z in exact.zones[:-1]
-        ],
-        "points": [list(point) for point in points],
-        "pressure": [_digits(exact, exact.pressure(**{k: v})) for k, v in points],
-        "traction": [_digits(exact, exact.traction(**{k: v})) for k, v in points],
-    }
+        points = points + [("s", share * float(exact.stick_radius)) for share in INSIDE]
+    return _record(exact, points, lambda value: _digits(exact, value))
 
 
 def _digits(exact: ReferenceSolution, value: Any) -> str:
     return str(exact._run.fixed.mp.nstr(value, DIGITS + 2))
+
+
+def _record(
+    solution: Any, points: list[tuple[str, float]], text: Callable[[Any], str]
+) -> dict[str, Any]:
+    """Return what is kept of a solution."""
+    return {
+        "approach": text(solution.approach),
+        "Q": text(solution.total_shear),
+        "boundaries": [[text(z.outer), text(z.outer_from_edge)] for z in solution.zones[:-1]],
+        "points": [list(point) for point in points],
+        "pressure": [text(solution.pressure(**{kind: at})) for kind, at in points],
+        "traction": [text(solution.traction(**{kind: at})) for kind, at in points],
+    }
 
 
 def _without_edge_zone(scene: Scene) -> ReferenceSolution:
@@ -108,6 +106,6 @@ def _inside(scene: Scene) -> dict[str, Any]:
         mp.findroot(excess, (middle + k * width, middle + 0.4 * k * width), solver="anderson")
         for k in (-0.7, 0.7)
     ]
-    record = _record(stuck)
+    record = _exact_record(stuck)
     record["boundaries"] = [[_digits(stuck, b), _digits(stuck, 1 - b)] for b in ends]
     return record

@@ -9,17 +9,16 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade, in_turn
-from profiles import Larger, compared
+from profiles import Larger, as_solution, compared
+from strata import Outcome, decade
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 from oracles.user_laws import Hardening, Softplus
 
-from spectral_contact import SceneError, layers
+from spectral_contact import layers as laws
 from spectral_contact import profiles as shapes
 from spectral_contact.contact.layered_contact import CellProblem, LayeredProblem, solve_layered
 from spectral_contact.contact.layered_newton import LayeredSetting
@@ -39,7 +38,6 @@ class BetterCells(CellProblem):
     """The problem with eight degrees more, and every cell in two."""
 
     def __init__(self, setting: LayeredSetting, tolerance: float, *, pointwise: bool) -> None:
-        assert setting.cells is not None
         ends = np.array(setting.cells.offsets)
         halved = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2.0]))
         cells = replace(setting.cells, offsets=tuple(halved.tolist()))
@@ -47,7 +45,7 @@ class BetterCells(CellProblem):
         self._degree += 8
 
 
-def user_law(rng: np.random.Generator, size: float, strength: float) -> layers.Layer:
+def user_law(rng: np.random.Generator, size: float, strength: float) -> laws.Layer:
     """Return one of the laws that a user might write.
 
     None has a knot, at which the truth would have to end panels, too: see bent_layers.py.
@@ -56,7 +54,7 @@ def user_law(rng: np.random.Generator, size: float, strength: float) -> layers.L
     return [Hardening(strength, size, begin), Softplus(strength, size)][rng.integers(2)]
 
 
-def drawn(rng: np.random.Generator, *, of_users: bool) -> LayeredSetting:
+def drawn(rng: np.random.Generator, *, of_user: bool) -> LayeredSetting:
     """Return what is to be solved, in units of some radius of curvature."""
     profile = [
         shapes.Parabola(1.0),
@@ -68,47 +66,43 @@ def drawn(rng: np.random.Generator, *, of_users: bool) -> LayeredSetting:
     ][rng.integers(6)]
     size, strength = decade(rng, -2.0, 0.5), decade(rng, -2.0, 3.0)
     law = [
-        layers.PowerLaw(strength / size ** (m := float(rng.uniform(1.0, 5.0))), m),
-        layers.Exponential(strength, size),
-        layers.CalculixExponential(strength, size),
-        layers.GreenwoodWilliamson(strength / size**2, size, size),
-        layers.Linear(size / strength),
+        laws.PowerLaw(strength / size ** (m := float(rng.uniform(1.0, 5.0))), m),
+        laws.Exponential(strength, size),
+        laws.CalculixExponential(strength, size),
+        laws.GreenwoodWilliamson(strength / size**2, size, size),
+        laws.Linear(size / strength),
     ][rng.integers(5)]
-    if of_users:
+    if of_user:
         law = user_law(rng, size, strength)
     if has_edge(profile, law):
         return setting_at_radius(profile, law, 0.5 + decade(rng, -2.0, 0.5))
     return setting_at_approach(profile, law, max(law.start, -size) + decade(rng, -1.5, 0.3))
 
 
-def measured(rng: np.random.Generator, _: int, *, of_users: bool = False) -> Outcome:
-    """Return what becomes of a random scene."""
-    setting = drawn(rng, of_users=of_users)
+def measured(rng: np.random.Generator, *, of_user: bool) -> Outcome:
+    """Return what becomes of a contact through a law of the library, or of a user."""
+    setting = drawn(rng, of_user=of_user)
     if setting.approach is not None and rng.integers(2):  # under a load
         load = solve_layered(setting, 1e-2, 4_000, pointwise=False).best.value.load
         setting = replace(setting, load=load)
-    tolerance, pointwise = 10.0 ** rng.uniform(-11.0, -4.0), bool(rng.integers(2))
+    tolerance = 10.0 ** rng.uniform(-11.0, -4.0)
+    pointwise = bool(rng.integers(2))
     solved = solve_layered(setting, tolerance, 4_000, pointwise=pointwise)
     kind = BetterPanels if setting.cells is None else BetterCells
-    better = kind(setting, 1e-13, pointwise=True)
-    truth = refine(better, 1e-11, 20_000).best.value
+    truth = refine(kind(setting, 1e-13, pointwise=True), 1e-11, 20_000).best.value
     label = f"{setting.profile.brief}, {setting.layer.brief}, radius {setting.radius:.6g}, "
     label += f"approach {truth.approach:.6g}{' under a load' * (setting.load is not None)}, "
     label += f"rtol {tolerance:.1e}{', pressure' * pointwise}"
-    converged = solved.best.error <= tolerance
     found = solved.best.value if pointwise else replace(solved.best.value, pressure=None)
-    return Outcome(compared(found, truth), label, converged)
+    ratios = compared(as_solution(found), as_solution(truth))
+    return Outcome(ratios, label, solved.best.error <= tolerance)
 
 
-STRATA = {
-    "layers": Stratum(
-        "Honesty of contacts through nonlinear layers",
-        1000,
-        in_turn(measured, (SceneError,)),  # the profile ends before the pressure does
-    ),
-    "user_layers": Stratum(
-        "Honesty of contacts through laws that users write",
-        300,
-        in_turn(partial(measured, of_users=True), (SceneError,)),
-    ),
-}
+def layers(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a contact through a law of the library."""
+    return measured(rng, of_user=False)
+
+
+def user_layers(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a contact through a law that a user wrote."""
+    return measured(rng, of_user=True)

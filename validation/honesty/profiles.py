@@ -10,28 +10,26 @@ truth is `reference`.
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade, in_turn, largest
+from strata import Outcome, decade, fields_over_estimates, largest, over_estimates
 
-from spectral_contact import ConvergenceError, Scene, profiles, reference
+from spectral_contact import Scene, reference, solve
+from spectral_contact import profiles as shapes
 from spectral_contact.contact import indented
-from spectral_contact.contact.contact_radius import find_radius
-from spectral_contact.contact.indented import solve_indentation, values_only
 from spectral_contact.contact.on_parts import Indentation
-from spectral_contact.contact.refine import Refinement, refine
+from spectral_contact.contact.refine import refine
 from spectral_contact.spectral.panels import DiscreteSpace
 
+SCALARS = ("approach", "load", "indentation_work", "stiffness")
 LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
 #: Of a radius that was given, and of a load or approach found from it.
 ROUNDING = 1e-15
 #: Each such scene is on a smooth surface.
 SMOOTH = 10
-TINY = float(np.finfo(float).tiny)
 
 
 class Larger:
@@ -52,125 +50,94 @@ class Better(Larger, indented._IndentationProblem):
     """The problem itself, in a larger space."""
 
 
-def drawn(rng: np.random.Generator) -> tuple[profiles.Profile, float]:
+def drawn(rng: np.random.Generator) -> tuple[shapes.Profile, float]:
     """Return a profile and a contact radius."""
     kind, angle = rng.integers(7), float(rng.uniform(0.1, 1.5))
     size, other = decade(rng, -1.0, 1.0), decade(rng, -1.0, 1.0)
     if kind == 0:
-        return profiles.Parabola(size), decade(rng, -2.0, 2.0)
+        return shapes.Parabola(size), decade(rng, -2.0, 2.0)
     if kind == 1:
-        return profiles.Sphere(size), size * (1.0 - decade(rng, -3.0, -0.02))
+        return shapes.Sphere(size), size * (1.0 - decade(rng, -3.0, -0.02))
     if kind == 2:
-        return profiles.Cone(angle), decade(rng, -2.0, 2.0)
+        return shapes.Cone(angle), decade(rng, -2.0, 2.0)
     if kind == 3:
         power = float(rng.choice([1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0]))
-        return profiles.PowerLaw(size, power), decade(rng, -1.0, 1.0)
+        return shapes.PowerLaw(size, power), decade(rng, -1.0, 1.0)
     if kind == 4:
-        return profiles.RoundedFlat(size, other), size * (1.0 + decade(rng, -4.0, 1.5))
+        return shapes.RoundedFlat(size, other), size * (1.0 + decade(rng, -4.0, 1.5))
     if kind == 5:
-        return profiles.TruncatedCone(size, angle), size * (1.0 + decade(rng, -4.0, 1.5))
+        return shapes.TruncatedCone(size, angle), size * (1.0 + decade(rng, -4.0, 1.5))
     c, d = rng.uniform(0.2, 2.0, 2)
-    bowl = profiles.Sampled.from_functions(
+    bowl = shapes.Sampled.from_functions(
         lambda r: c * (np.cosh(d * r) - 1.0), lambda r: c * d * np.sinh(d * r), reach=3.0
     )
     return replace(bowl, rounded=True), decade(rng, -1.0, 0.47)
 
 
-def ratios(rng: np.random.Generator) -> Outcome:
-    """Return the largest true errors over estimates for a radius, its load and its approach."""
+def rough(rng: np.random.Generator) -> Outcome:
+    """Return what becomes of a radius, its load and its approach, through a layer."""
     profile, radius = drawn(rng)
     compliance = 10.0 ** rng.uniform(LEAST, MOST) * radius
     tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
-    solved = solve_indentation(profile, radius, compliance, tolerance, 20_000)
-    assert isinstance(solved, Refinement)
     better = Better(profile, radius, compliance, 1e-13, pointwise=True)
-    found, truth = solved.best.value, refine(better, 1e-11, 20_000).best.value
-    label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, rtol = {tolerance:.1e}"
-    worst = [compared(found, truth)]
-
-    def at(radius: float, rtol: float, pointwise: bool) -> Indentation | Refinement[Indentation]:
-        return solve_indentation(profile, radius, compliance, rtol, 20_000, pointwise=pointwise)
-
-    for load, approach in ((truth.load, None), (None, truth.approach)):
-        searched, off = find_radius(
-            profile,
-            at,
-            tolerance,
-            load=load,
-            approach=approach,
-            pointwise=True,
-            first=lambda a: values_only(profile, a, compliance, tolerance, 20_000),
+    truth = as_solution(refine(better, 1e-11, 20_000).best.value)
+    found = [
+        solve(Scene(0.3, compliance, profile=profile, **given), tolerance, strict=False)
+        for given in (
+            {"contact_radius": radius},
+            {"load": truth.load},
+            {"approach": truth.approach},
         )
-        value = searched.best.value if isinstance(searched, Refinement) else searched
-        radius_ratio = abs(value.radius / truth.radius - 1.0) / (off + ROUNDING)
-        worst.append({"radius": radius_ratio} | compared(value, truth))
-    return Outcome(largest(worst), label, solved.best.error <= tolerance)
+    ]
+    ratios = [compared(one, truth) for one in found]
+    ratios += [over_estimates(one, truth, ("contact_radius",), ROUNDING) for one in found[1:]]
+    label = f"{profile.brief}, a = {radius:.6g}, alpha = {compliance:.3g}, rtol = {tolerance:.1e}"
+    return Outcome(largest(ratios), label, found[0].converged)
 
 
-def smooth_truth(profile: profiles.Profile, radius: float) -> SimpleNamespace:
-    """Return the numbers of a contact on a smooth surface, of `reference` to 20 digits."""
-    exact = reference(Scene(0.3, profile=profile, contact_radius=radius), 20, progress=False)
-    approach, load = float(exact.approach), float(exact.load)
-
-    def pressure(_: object, from_edge: np.ndarray) -> np.ndarray:
-        return exact.pressure(from_edge=from_edge).astype(float)
-
-    return SimpleNamespace(
-        radius=radius,
-        approach=approach,
-        approach_size=approach,
-        load=load,
-        load_size=load,
-        work=float(exact.indentation_work),
-        stiffness=float(exact.stiffness),
-        pressure=pressure,
-    )
-
-
-def smooth_ratios(rng: np.random.Generator) -> Outcome:
-    """Return likewise of a contact on a smooth surface."""
+def smooth(rng: np.random.Generator) -> Outcome:
+    """Return what becomes of a contact on a smooth surface, against `reference` to 20 digits."""
     profile, radius = drawn(rng)
-    while isinstance(profile, profiles.Sampled):  # it is not the shape that it samples
+    while isinstance(profile, shapes.Sampled):  # it is not the shape that it samples
         profile, radius = drawn(rng)
-    found = solve_indentation(profile, radius, 0.0, 1e-10, 20_000)
-    assert isinstance(found, Indentation)
+    scene = Scene(0.3, profile=profile, contact_radius=radius)
+    found = solve(scene, 1e-10, strict=False)
+    exact = reference(scene, 20, progress=False)
     # at the tip of a cone the pressure is infinite
-    ratios = compared(found, smooth_truth(profile, radius), FROM_EDGE[FROM_EDGE < 1.0])
-    label = f"{profile.brief}, a = {radius:.6g}, smooth"
-    return Outcome(ratios, label, found.pressure_error <= 1e-10)
+    ratios = compared(found, exact, FROM_EDGE[FROM_EDGE < 1.0])
+    return Outcome(ratios, f"{profile.brief}, a = {radius:.6g}, smooth", found.converged)
 
 
-def compared(found: Indentation, truth: Any, from_edge: np.ndarray = FROM_EDGE) -> dict[str, float]:
-    """Return true errors over their estimates of all but the radius; the truth is not exact."""
-    sizes = {
-        "approach": truth.approach_size,
-        "load": truth.load_size,
-        "work": truth.work,
-        "stiffness": truth.stiffness,
-    }
-    off = {name: abs(getattr(found, name) - getattr(truth, name)) / sizes[name] for name in sizes}
-    if found.pressure is not None and truth.pressure is not None:
-        s = 1.0 - from_edge
-        exact = truth.pressure(s, from_edge)
-        size = np.maximum(np.abs(exact), truth.load_size / (pi * truth.radius**2))
-        off["pressure"] = float((np.abs(found.pressure(s, from_edge) - exact) / size).max())
-    ratios = {}
-    for name, error in off.items():
-        room = getattr(found, f"{name}_error") + getattr(truth, f"{name}_error", 0.0)
-        ratios[name] = error / max(room, TINY)  # what is given has no error
-    return ratios
-
-
-def measured(rng: np.random.Generator, number: int) -> Outcome:
-    """Return what becomes of a random scene."""
-    return (smooth_ratios if number % SMOOTH == 0 else ratios)(rng)
-
-
-STRATA = {
-    "profiles": Stratum(
-        "Honesty of contacts under profiles",
-        300,
-        in_turn(measured, (ConvergenceError,)),
-        refused="of {} `reference` does not reach 20 digits",
+def as_solution(one: Indentation) -> SimpleNamespace:
+    """Return a contact with the names that it has in a `Solution`."""
+    error = SimpleNamespace(
+        approach=one.approach_error,
+        load=one.load_error,
+        indentation_work=one.work_error,
+        stiffness=one.stiffness_error,
+        pressure=None if one.pressure is None else one.pressure_error,
+        contact_radius=0.0,
     )
-}
+    return SimpleNamespace(
+        approach=one.approach,
+        load=one.load,
+        indentation_work=one.work,
+        stiffness=one.stiffness,
+        pressure=lambda *, from_edge: one.pressure(1.0 - from_edge, from_edge),
+        contact_radius=one.radius,
+        sizes={"approach": one.approach_size, "load": one.load_size},
+        error=error,
+    )
+
+
+def compared(found: Any, truth: Any, from_edge: np.ndarray = FROM_EDGE) -> dict[str, float]:
+    """Return true errors over their estimates of all but the radius."""
+    sizes = getattr(truth, "sizes", {})
+    ratios = over_estimates(found, truth, SCALARS, 0.0, sizes)
+    load = sizes.get("load")
+    return ratios | fields_over_estimates(found, truth, ("pressure",), from_edge, 0.0, load)
+
+
+def profiles(rng: np.random.Generator, number: int) -> Outcome:
+    """Return what becomes of a random scene."""
+    return (smooth if number % SMOOTH == 0 else rough)(rng)

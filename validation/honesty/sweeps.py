@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from honesty_table import Outcome, Stratum, in_turn, largest
 from profiles import drawn
+from strata import Outcome, largest, over_estimates
 
 from spectral_contact import Scene, Solution, solve
 from spectral_contact.sweeps import sweep
@@ -42,15 +43,12 @@ def shares(
     found: Mapping[str, Any], i: int, truth: Solution, names: Sequence[str]
 ) -> dict[str, float]:
     """Return errors over their estimates in a scene of a sweep, against its solution."""
-    each = {}
-    for name in names:
-        true, value = getattr(truth, name), float(found[name][i])
-        allowed = float(found[f"{name}_error"][i]) + getattr(truth.error, name) + 1e-15
-        each[name] = abs(value - true) / (abs(true) or 1.0) / allowed
-    return each
+    error = SimpleNamespace(**{name: float(found[f"{name}_error"][i]) for name in names})
+    one = SimpleNamespace(**{name: float(found[name][i]) for name in names}, error=error)
+    return over_estimates(one, truth, names)
 
 
-def line(rng: np.random.Generator, _: int) -> Outcome:
+def lines(rng: np.random.Generator, _: int) -> Outcome:
     """Return what becomes of a line of frictions."""
     alpha, beta = 10.0 ** rng.uniform(-5.0, 2.0, 2) * (rng.random(2) > 0.1)
     base = Scene(rng.uniform(-0.3, 0.45), float(alpha), float(beta), math.inf)
@@ -64,7 +62,7 @@ def line(rng: np.random.Generator, _: int) -> Outcome:
     return Outcome(largest(each), f"{base!r}, {len(frictions)} frictions")
 
 
-def curve(rng: np.random.Generator, _: int) -> Outcome:
+def curves(rng: np.random.Generator, _: int) -> Outcome:
     """Return what becomes of an indentation curve."""
     profile, radius = drawn(rng)
     alpha = radius * 10.0 ** rng.uniform(-6.0, 3.0) * (rng.random() > 0.15)
@@ -82,7 +80,7 @@ def curve(rng: np.random.Generator, _: int) -> Outcome:
     return Outcome(largest(each), label)
 
 
-def full_stick_map(rng: np.random.Generator, _: int) -> Outcome:
+def maps(rng: np.random.Generator, _: int) -> Outcome:
     """Return what becomes of a map of full stick."""
     alpha, beta = 10.0 ** rng.uniform(-8.0, 8.0, (2, SIZE))
     base, rtol = Scene(0.3, 1.0, 1.0, math.inf), 10.0 ** rng.uniform(-12.0, -4.0)
@@ -95,10 +93,3 @@ def full_stick_map(rng: np.random.Generator, _: int) -> Outcome:
         )
         each.append(shares(here, 0, solve(scene, 1e-12, MAP, strict=False), MAP))
     return Outcome(largest(each), f"rtol {rtol:.0e}")
-
-
-STRATA = {
-    "lines": Stratum("Honesty of sweeps over frictions", 80, in_turn(line)),
-    "curves": Stratum("Honesty of sweeps over loads and approaches", 80, in_turn(curve)),
-    "maps": Stratum("Honesty of maps of full stick", 20, in_turn(full_stick_map)),
-}

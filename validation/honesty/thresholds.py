@@ -25,14 +25,15 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from time import perf_counter, process_time
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from honesty_errors import unexplained
+from honesty_errors import unexplained, zones_alike, zones_error
 from reporting import options, stored, table, unit, write
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, reference, solve
-from spectral_contact.equations.residuals import tangential_displacement
+from spectral_contact.testing.solution_checks import _zone_checks, field_of
 
 SEED, SECONDS = 18, 540.0
 VERDICTS = "right", "room", "refused", "wrong"
@@ -57,10 +58,8 @@ def second_threshold(base: tuple[float, float, float], coupled: bool) -> float:
     low, high = found.edge_ratio, 0.5 * (found.critical_friction + found.edge_ratio)
     for _ in range(HALVINGS[coupled]):
         middle = 0.5 * (low + high)
-        scene = Scene(*base, middle, coupling=coupled)
-        low, high = (
-            (low, middle) if len(solve(scene, 1e-6, strict=False).zones) == 3 else (middle, high)
-        )
+        zones = solve(Scene(*base, middle, coupling=coupled), 1e-6, strict=False).zones
+        low, high = (low, middle) if len(zones) == 3 else (middle, high)
     return 0.5 * (low + high)
 
 
@@ -112,22 +111,10 @@ def broken(solution: Solution, rtol: float) -> float:
     cuts = [z.outer_from_edge for z in solution.zones[:-1]]
     layers = [c for c in (scene.normal_compliance, scene.tangential_compliance) if c]
     cuts += [10.0**-k for k in range(1, 15) if 10.0**-k > min([*layers, 1.0]) / 30.0]
-    d = places(solution, rtol)
-
-    def field(name: str) -> Any:
-        return lambda x: getattr(solution, name)(from_edge=x)
-
-    p, q = solution.pressure(from_edge=d), solution.traction(from_edge=d)
-    parts = [
-        tangential_displacement(field("traction"), field("pressure"), scene.kappa, float(x), cuts)
-        for x in d
-    ]
-    outward, inward = np.array(parts).T
-    moved = (scene.tangential_compliance * q + outward - inward) / inward
-    share = np.abs(q) / (scene.friction * p)
-    slips = share > 1.0 - 4.0 * rtol
-    wrong = np.where(slips, np.maximum(moved * np.sign(q), 0.0), np.abs(moved))
-    return float(max(wrong.max(), share.max() - 1.0, -p.min()))
+    pressure, traction = (field_of(solution, name) for name in ("pressure", "traction"))
+    at = places(solution, rtol)
+    checks = _zone_checks(scene, pressure, traction, rtol, cuts, at)
+    return max(-float(pressure(at).min()), *(check.error for check in checks))
 
 
 def verdict(drawn: Record, solution: Solution) -> str:
@@ -158,19 +145,25 @@ def verdict(drawn: Record, solution: Solution) -> str:
 def judged(number: int) -> Record:
     """Return a scene with its verdict, and the time of the processor in U."""
     drawn = draw(number)
-    scene = Scene(*drawn["scene"], coupling=drawn["coupled"])
+    solution = None
     begin = process_time()
     try:
+        scene = Scene(*drawn["scene"], coupling=drawn["coupled"])
         solution = solve(scene, drawn["rtol"], strict=False)
     except NotComputedError as missing:
-        drawn["verdict"], drawn["why"] = "refused", str(missing)[:200]
+        drawn |= {"verdict": "refused", "why": str(missing)[:200]}
     except Exception as error:
-        drawn["verdict"], drawn["why"] = "wrong", f"{type(error).__name__}: {error!s:.200}"
-    else:
-        drawn["u"] = (process_time() - begin) / unit()
+        drawn |= {"verdict": "wrong", "why": f"{type(error).__name__}: {error!s:.200}"}
+    drawn["u"] = (process_time() - begin) / unit()
+    if solution is not None:
         drawn["verdict"] = verdict(drawn, solution)
-    drawn.setdefault("u", (process_time() - begin) / unit())
     return drawn
+
+
+def counted(rows: list[Record]) -> list[int]:
+    """Return how many scenes there are, and how many of each verdict."""
+    counts = Counter(row["verdict"] for row in rows)
+    return [len(rows), *(counts[name] for name in VERDICTS)]
 
 
 def counts_table(rows: list[Record]) -> str:
@@ -178,10 +171,8 @@ def counts_table(rows: list[Record]) -> str:
     cells = []
     for kind, coupled in itertools.product(KINDS, (False, True)):
         own = [row for row in rows if row["kind"] == kind and row["coupled"] == coupled]
-        counts = Counter(row["verdict"] for row in own)
-        each = [counts[name] for name in VERDICTS]
         slow = sum(row["u"] > SLOW for row in own)
-        cells.append((kind, "yes" if coupled else "no", len(own), *each, slow))
+        cells.append((kind, "yes" if coupled else "no", *counted(own), slow))
     heading = f"threshold | coupled | scenes | {' | '.join(VERDICTS)} | above {SLOW:g} U"
     return (
         f"{len(rows)} scenes at relative distances 10^-2 ... 10^-14 from a threshold. *Room*: the "
@@ -189,17 +180,16 @@ def counts_table(rows: list[Record]) -> str:
     )
 
 
-def measured(seconds: float) -> bool:
-    """Judge as many scenes as the time allows, print and store; return whether one is wrong."""
+def judged_for(seconds: float) -> list[Record]:
+    """Judge as many scenes as the time allows, print and store them."""
     rows: list[Record] = []
-    begin = perf_counter()
-    while perf_counter() - begin < seconds:
+    end = perf_counter() + seconds
+    while perf_counter() < end:
         rows.append(judged(len(rows)))
         print(json.dumps(rows[-1]), flush=True)
-    write(
-        "honesty_thresholds", counts_table(rows), {"seed": SEED, "scenes": len(rows), "rows": rows}
-    )
-    return any(row["verdict"] == "wrong" for row in rows)
+    record = {"seed": SEED, "scenes": len(rows), "rows": rows}
+    write("honesty_thresholds", counts_table(rows), record)
+    return rows
 
 
 # --- against `reference` --------------------------------------------------------------------------
@@ -215,23 +205,21 @@ def with_truth(drawn: Record) -> Record:
 
 def judged_precisely(drawn: Record) -> Record:
     """Return a scene that has its zones with the verdict of the solver."""
-    truth, found = drawn["truth"], solve(Scene(*drawn["scene"]), drawn["rtol"], strict=False)
-    zones = [(z.kind, z.outer_from_edge) for z in found.zones]
-    estimate = found.error.zones
-    off = max(
-        (
-            abs(mine / other - 1.0) if other < 0.5 else abs(mine - other) / (1.0 - other)
-            for (_, mine), (_, other) in zip(zones[:-1], truth[:-1], strict=False)
-        ),
-        default=0.0,
+    found = solve(Scene(*drawn["scene"]), drawn["rtol"], strict=False)
+    truth = SimpleNamespace(
+        zones=[
+            SimpleNamespace(kind=kind, outer=1.0 - from_edge, outer_from_edge=from_edge)
+            for kind, from_edge in drawn["truth"]
+        ]
     )
-    same = [kind for kind, _ in zones] == [kind for kind, _ in truth]
+    off, estimate = zones_error(found, truth), found.error.zones
     if not found.converged:
         verdict = "refused"
     elif estimate is None or estimate >= 1.0:
         verdict = "room"
     else:
-        verdict = "right" if same and off <= estimate else "wrong"
+        verdict = "right" if zones_alike(found, truth) and off <= estimate else "wrong"
+    zones = [(z.kind, z.outer_from_edge) for z in found.zones]
     return drawn | {"zones": zones, "estimate": estimate, "off": off, "verdict": verdict}
 
 
@@ -240,10 +228,8 @@ def precise_table(rows: list[Record], unknown: int) -> str:
     cells = []
     for kind in KINDS[:2]:
         own = [row for row in rows if row["kind"] == kind]
-        counts = Counter(row["verdict"] for row in own)
         ratios = [row["off"] / row["estimate"] for row in own if row["verdict"] == "right"]
-        each = [counts[name] for name in VERDICTS]
-        cells.append((kind, len(own), *each, f"{max(ratios):.2g}" if ratios else ""))
+        cells.append((kind, *counted(own), f"{max(ratios):.2g}" if ratios else ""))
     heading = f"slip begins | scenes | {' | '.join(VERDICTS)} | largest error over estimate"
     return (
         f"{len(rows)} scenes below the onset of slip by 10^-{NEAR + 1} ... 10^-14, against "
@@ -252,8 +238,8 @@ def precise_table(rows: list[Record], unknown: int) -> str:
     )
 
 
-def measured_precisely(scenes: int) -> bool:
-    """Judge scenes, print and store; return whether one is wrong."""
+def precise_rows(scenes: int) -> list[Record]:
+    """Judge so many scenes, print and store them."""
     kept = stored("thresholds_precise") or {"rows": []}
     rows, unknown = [judged_precisely(row) for row in kept["rows"]], kept.get("unknown", [])
     begin = max([*(row["number"] for row in rows), *unknown], default=-1) + 1
@@ -262,7 +248,7 @@ def measured_precisely(scenes: int) -> bool:
         record = {"rows": rows, "unknown": unknown}
         write("thresholds_precise", precise_table(rows, len(unknown)), record)
         if len(rows) >= scenes:
-            break
+            return rows
         number = next(numbers)
         try:
             drawn = draw(number)
@@ -272,12 +258,10 @@ def measured_precisely(scenes: int) -> bool:
         except (NotComputedError, ConvergenceError) as missing:
             unknown.append(number)
             print(number, missing, flush=True)
-    return any(row["verdict"] == "wrong" for row in rows)
 
 
 def main(stratum: str, arguments: Sequence[str]) -> bool:
     """Run a stratum: the first for so many seconds, the precise one for so many scenes."""
     asked = options(__doc__, arguments, seconds=SECONDS, scenes=SCENES)
-    if stratum == "thresholds":
-        return measured(asked.seconds)
-    return measured_precisely(asked.scenes)
+    rows = judged_for(asked.seconds) if stratum == "thresholds" else precise_rows(asked.scenes)
+    return any(row["verdict"] == "wrong" for row in rows)

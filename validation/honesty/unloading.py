@@ -19,7 +19,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from honesty_table import Outcome, Stratum, decade, in_turn
+from strata import Outcome, decade
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
@@ -68,7 +68,6 @@ def truth_of(
     scene: Scene, found: Solution, fineness: graded_elements.Fineness
 ) -> graded_elements.ZonesOnElements:
     """Return the truth on zones of the same states."""
-    assert scene.friction is not None
     given = scene.normal_compliance, scene.tangential_compliance, scene.friction / scene.kappa
     largest = solve(scene.replace(unloaded_to=1.0), 1e-8, ["zones"])
     guess = [zone.outer for zone in largest.zones[:-1]]
@@ -81,7 +80,6 @@ def truth_of(
 
 def traction_off(scene: Scene, found: Solution, truth: Solution) -> float:
     """Return the largest error of the traction, relative as its estimate is."""
-    assert scene.friction is not None
     largest = 0.0
     for zone, exact in zip(found.zones, truth.zones, strict=True):
         places, true_places = (
@@ -93,8 +91,8 @@ def traction_off(scene: Scene, found: Solution, truth: Solution) -> float:
     return largest
 
 
-def ratios(rng: np.random.Generator, _: int) -> Outcome:
-    """Return the largest true errors over estimates of a scene."""
+def unloading(rng: np.random.Generator, _: int) -> Outcome:
+    """Return what becomes of a random scene."""
     scene, tolerance = drawn(rng)
     label = f"{scene!r}, rtol = {tolerance:.1e}"
     asked = "traction", "pressure", "zones", "stick_radius", "total_shear"
@@ -121,7 +119,7 @@ def ratios(rng: np.random.Generator, _: int) -> Outcome:
     return Outcome(own, label, found.converged)
 
 
-def refusal(rng: np.random.Generator, _: int) -> Outcome:
+def unloaded_too_far(rng: np.random.Generator, _: int) -> Outcome:
     """Return 0 of a load below the turning ratio that is refused, and 2 of another."""
     loaded, shakedown = punch(rng)
     between = loaded.replace(unloaded_to=(1.0 + shakedown) / 2.0)
@@ -133,22 +131,3 @@ def refusal(rng: np.random.Generator, _: int) -> Outcome:
     except NotComputedError:
         return Outcome({"refused": 0.0}, label)
     return Outcome({"refused": 2.0}, label)
-
-
-STRATA = {
-    "unloaded_too_far": Stratum(
-        "Loads below the turning ratio",
-        100,
-        in_turn(refusal, (NotComputedError,)),
-        refused="in {} the turning ratio was not found",
-        compared="0 if the load is refused, 2 if not",
-        every=10,
-    ),
-    "unloading": Stratum(
-        "Honesty: the first unloading",
-        150,
-        in_turn(ratios, (NotComputedError, ArithmeticError, np.linalg.LinAlgError)),
-        refused="{} were refused, most of them below the turning ratio",
-        every=5,
-    ),
-}

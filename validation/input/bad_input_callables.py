@@ -29,7 +29,6 @@ from typing import Any
 
 import numpy as np
 import pint
-from bad_input_cases import Broken, Case
 from bad_input_examples import Examples
 
 from spectral_contact import Solution, SpectralContactError, records
@@ -39,6 +38,41 @@ API = Path(__file__).parents[2] / "docs" / "api.md"
 UNCHECKED = ("spectral_contact.equations.kernels",)
 #: The closed forms share no code with the library, not even its errors.
 OWN_ERRORS = {"spectral_contact.closed_forms": ValueError}
+
+
+class Broken:
+    """Not a number, and every hook of it fails."""
+
+    def _fail(self, *_: object, **__: object) -> Any:
+        raise RuntimeError("broken on purpose")
+
+    __float__ = __int__ = __index__ = __repr__ = __str__ = __array__ = __fspath__ = _fail
+    __len__ = __iter__ = __getitem__ = __eq__ = __bool__ = _fail
+    __hash__ = object.__hash__
+
+
+@dataclass(frozen=True)
+class Case:
+    """One bad input.
+
+    Attributes
+    ----------
+    label : str
+        The callable, and in parentheses the parameter with the value.
+    call : callable
+    errors : tuple of type
+        The errors that are documented for it.
+    names : str
+        The parameter that the error must name; none if empty.
+    may_pass : bool
+        Whether a result is right, too.
+    """
+
+    label: str
+    call: Callable[[], Any]
+    errors: tuple[type[Exception], ...]
+    names: str
+    may_pass: bool
 
 
 # --- what is public -------------------------------------------------------------------------------

@@ -8,11 +8,11 @@ lists of them are in good_arguments.toml.
 from __future__ import annotations
 
 import inspect
+import tomllib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bad_input_cases import GOOD
 
 from spectral_contact import Scene, Solution, calibration, layers, profiles, solve
 from spectral_contact.asperities import greenwood_williamson
@@ -25,6 +25,7 @@ from spectral_contact.sweeps import sweep
 from spectral_contact.sweeps.steady_cycle import steady_cycle
 from spectral_contact.view.plotting import graded_radii
 
+GOOD = tomllib.loads(Path(__file__).with_name("good_arguments.toml").read_text(encoding="utf-8"))
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
 NORMAL = Scene(0.1, 0.5)
 STICKY = Scene(0.1, 0.5, profile=profiles.Parabola(1.0), load=0.0, work_of_adhesion=0.1)

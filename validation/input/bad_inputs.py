@@ -1,13 +1,13 @@
 """Feed bad arguments to every public callable, and note what is not refused.
 
-Run as ``python validation/input/bad_inputs.py [--every N]``, with N for every Nth argument of the
-second group; writes validation/results/bad_inputs.json and .md. Two groups: numbers next to and far
-beyond the ends of every range that is declared (bad_input_cases.py), and for every parameter of
-every public callable all that its annotation does not admit (bad_input_callables.py).
+Run as ``python validation/input/bad_inputs.py [--every N]``, with N for every Nth argument; writes
+validation/results/bad_inputs.json and .md. For every parameter of every public callable these are
+all that its annotation does not admit (bad_input_callables.py).
 
 A violation is a bad input that ends in anything but the documented error with a one-line message
-that names the parameter: another exception, a warning, a result, or no end in 10 s. Bad files and
-bad command lines are tests: tests/unit/io/test_storage.py and tests/unit/test_main.py.
+that names the parameter: another exception, a warning, a result, or no end in 10 s. Numbers at the
+ends of every range, bad files and bad command lines are tests: tests/unit/io/test_parameters.py,
+test_checks.py and test_storage.py, tests/unit/test_main.py.
 """
 
 from __future__ import annotations
@@ -27,13 +27,12 @@ from time import perf_counter, process_time
 sys.path.append(str(Path(__file__).parents[1]))
 
 import bad_input_callables
-from bad_input_cases import Case, range_cases
+from bad_input_callables import Case
 from reporting import options, table, write
 
 from spectral_contact import Scene, SceneError, Solution, solve
 
 SECONDS = 10.0
-OUT_OF_RANGE, BY_SIGNATURE = "numbers out of range", "every public callable"
 LONGEST_MESSAGE = 1000
 
 
@@ -115,31 +114,21 @@ def study(every: int = 1) -> dict:
     Parameters
     ----------
     every : int
-        Of the cases of public callables: 1 for all, 2 for every second.
+        1 for all cases, 2 for every second.
     """
-    begin, summary, violations = perf_counter(), {}, []
+    begin, outcomes, violations = perf_counter(), [], []
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
-        solved = solutions()
-        groups = {
-            OUT_OF_RANGE: range_cases(solved),
-            BY_SIGNATURE: islice(bad_input_callables.cases(solved), 0, None, every),
-        }
-        for group, cases in groups.items():
-            counts = {"cases": 0, "accepted": 0, "violations": 0}
-            callables = set()
-            for case in cases:
-                accepted, found = tried(case)
-                callables.add(case.label.partition("(")[0])
-                counts["cases"] += 1
-                counts["accepted"] += accepted
-                counts["violations"] += bool(found)
-                known = {"group": group, "input": case.label[:300]}
-                violations += [known | {"violation": one} for one in found]
-            summary[group] = {"callables": len(callables), **counts}
+        for case in islice(bad_input_callables.cases(solutions()), 0, None, every):
+            accepted, found = tried(case)
+            outcomes.append((case.label.partition("(")[0], accepted, bool(found)))
+            violations += [{"input": case.label[:300], "violation": one} for one in found]
+    callables, accepted, violated = zip(*outcomes, strict=True)
     return {
-        "cases": sum(one["cases"] for one in summary.values()),
+        "cases": len(outcomes),
+        "callables": len(set(callables)),
+        "accepted": sum(accepted),
+        "violated": sum(violated),
         "seconds": perf_counter() - begin,
-        "summary": summary,
         "violations": violations,
     }
 
@@ -151,9 +140,9 @@ def main() -> None:
         f"{record['cases']} bad inputs. Accepted are values that a signature admits, such as −1 "
         "for a float."
     )
-    cells = ((group, *counts.values()) for group, counts in record["summary"].items())
-    heading = "group | callables | bad inputs | accepted | violations"
-    write("bad_inputs", f"{about}\n\n{table(heading, cells)}", record)
+    cells = [record[name] for name in ("callables", "cases", "accepted", "violated")]
+    heading = "callables | bad inputs | accepted | violations"
+    write("bad_inputs", f"{about}\n\n{table(heading, [cells])}", record)
     print(*record["violations"], sep="\n")
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -16,8 +17,6 @@ from typing import Any
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
-
-
 sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 from coupled_slip_errors import Sample, ratios, sample, values
@@ -56,19 +55,12 @@ class Finding:
         True errors above their estimates, and exceptions.
     estimates : dict of str to float
         Those of hard cases, at the tightest tolerance.
-    verdict : str
-        Of scenes at thresholds: right, refused or wrong.
     """
 
     name: str
     converged: bool
     violations: list[str] = field(default_factory=list)
     estimates: dict[str, float] = field(default_factory=dict)
-    verdict: str = ""
-
-    def to_row(self) -> dict[str, Any]:
-        """Return what there is to say, as a dictionary."""
-        return {key: value for key, value in asdict(self).items() if value not in ([], {}, "")}
 
 
 Judge = Callable[[Solution], list[str]]
@@ -94,23 +86,25 @@ def exceeded(pairs: dict[str, tuple[float, float]]) -> list[str]:
     ]
 
 
+# --- scenes, with what judges them ----------------------------------------------------------------
+
+
 def gold_scenes(every: int) -> Iterator[Finding]:
     """Solve the gold scenes at four tolerances, or at the loosest and the tightest."""
     tolerances = gold_errors.TOLERANCES if every == 1 else gold_errors.TOLERANCES[::3]
     for rtol in tolerances:
         for table in gold.tables():
             for true in table.solutions:
-                name = f"{true.name} at {rtol:g}"
+                judge = partial(gold_violations, true, rtol)
+                yield solved(f"{true.name} at {rtol:g}", true.scene, rtol, judge)[0]
 
-                def judge(double: Solution, true: Any = true) -> list[str]:
-                    return exceeded(gold_errors.exceeded(double, true))
 
-                finding, double = solved(name, true.scene, rtol, judge)
-                unmet = gold_errors.unmet(double, true, rtol) if finding.converged else {}
-                for quantity, estimate in unmet.items():
-                    text = f"{quantity}: converged with the estimate {estimate:.2g}"
-                    finding.violations.append(text)
-                yield finding
+def gold_violations(true: gold.GoldSolution, rtol: float, double: Solution) -> list[str]:
+    """Return what is wrong beside a gold solution."""
+    unmet = gold_errors.unmet(double, true, rtol) if double.converged else {}
+    return exceeded(gold_errors.exceeded(double, true)) + [
+        f"{name}: converged with the estimate {estimate:.2g}" for name, estimate in unmet.items()
+    ]
 
 
 def hard_scenes(truths: dict[str, Any], every: int) -> Iterator[Finding]:
@@ -118,10 +112,7 @@ def hard_scenes(truths: dict[str, Any], every: int) -> Iterator[Finding]:
     for case in hard_cases.CASES:
         if case.slow and every > 1:
             continue
-
-        def judge(solution: Solution, truth: Any = truths[case.name]) -> list[str]:
-            return exceeded(hard_cases.exceeded(solution, truth))
-
+        judge = partial(hard_violations, truths[case.name])
         with np.errstate(all="raise"):  # underflow, too
             finding, solution = solved(case.name, case.scene, HARD_RTOL, judge)
         if solution is not None:
@@ -130,85 +121,77 @@ def hard_scenes(truths: dict[str, Any], every: int) -> Iterator[Finding]:
         yield finding
 
 
-def worse(finding: Finding, before: dict[str, Any]) -> list[str]:
-    """Return in what a hard case is worse than it was."""
-    found = []
-    for name, estimate in finding.estimates.items():
-        old = before["estimates"][name]
-        if not estimate <= max(WORSE * old, HARD_RTOL):
-            found.append(f"{name}: estimate {old:.2g} before, {estimate:.2g} now")
-    return found
+def hard_violations(truth: dict[str, Any], solution: Solution) -> list[str]:
+    """Return what is wrong with a hard case."""
+    return exceeded(hard_cases.exceeded(solution, truth))
+
+
+def worse(finding: Finding, before: dict[str, float]) -> list[str]:
+    """Return in what the estimates of a hard case are worse than they were."""
+    return [
+        f"{name}: estimate {before[name]:.2g} before, {estimate:.2g} now"
+        for name, estimate in finding.estimates.items()
+        if not estimate <= max(WORSE * before[name], HARD_RTOL)
+    ]
 
 
 def honesty_scenes(kept: list[dict[str, Any]], every: int) -> Iterator[Finding]:
     """Solve random scenes whose truths are kept."""
     for row in kept[::every]:
-        truth = row["truth"]
-        judge = _slip_judge(truth) if row["kind"] == "coupled slip" else _field_judge(truth)
+        judge = slip_violations if row["kind"] == "coupled slip" else field_violations
+        scene = scene_of(row["scene"])
         name = f"{row['kind']} {row['number']}"
-        yield solved(name, scene_of(row["scene"]), row["rtol"], judge)[0]
+        yield solved(name, scene, row["rtol"], partial(judge, row["truth"]))[0]
 
 
-def _field_judge(row: dict[str, Any]) -> Judge:
+def field_violations(row: dict[str, Any], solution: Solution) -> list[str]:
+    """Return what is wrong beside a kept truth."""
     truth = Kept(row)
-
-    def judge(solution: Solution) -> list[str]:
-        found = compare(solution, truth, truth.at)
-        return exceeded(
-            {n: (e, most) for n, (e, most, own) in found.items() if violates(e, most, own)}
-        )
-
-    return judge
+    found = compare(solution, truth, truth.at)
+    return exceeded({n: (e, most) for n, (e, most, own) in found.items() if violates(e, most, own)})
 
 
-def _slip_judge(row: dict[str, Any]) -> Judge:
-    truth = Sample(**row["sample"])
-
-    def judge(solution: Solution) -> list[str]:
-        if len(solution.zones) != len(row["zones"]):
-            return exceeded(_zones_missed(solution, row))
-        found = ratios(sample(solution, NEAR, centre=False), truth)
-        return [f"{n}: {r:.2g} times the estimate" for n, r in found.items() if not r <= 1.0]
-
-    return judge
+def slip_violations(row: dict[str, Any], solution: Solution) -> list[str]:
+    """Return the same of coupled slip."""
+    if len(solution.zones) != len(row["zones"]):
+        return zones_missed(row, solution)
+    found = ratios(sample(solution, NEAR, centre=False), Sample(**row["sample"]))
+    return [f"{n}: {r:.2g} times the estimate" for n, r in found.items() if not r <= 1.0]
 
 
-def _zones_missed(solution: Solution, row: dict[str, Any]) -> dict[str, tuple[float, float]]:
+def zones_missed(row: dict[str, Any], solution: Solution) -> list[str]:
     """Return the error of the zones, missing ones too, if it is above the estimate.
 
     An estimate of 1 says that any zone may be missing.
     """
     if solution.error.zones >= 1.0:
-        return {}
+        return []
     truth = SimpleNamespace(zones=[KeptZone(*zone) for zone in row["zones"]])
     error, most = zones_error(solution, truth), float(solution.error.zones)
-    return {"zones": (error, most)} if violates(error, most, row["zones_error"]) else {}
+    return exceeded({"zones": (error, most)} if violates(error, most, row["zones_error"]) else {})
 
 
 def threshold_scenes(
     kept: list[dict[str, Any]], every: int, *, zones_known: bool = False
 ) -> Iterator[Finding]:
-    """Solve scenes where a zone appears, joins or vanishes, and say what became of each.
+    """Solve scenes where a zone appears, joins or vanishes.
 
-    Wrong is what converged and misses the law by its own fields, or the zones as far as these are
-    known, beyond the estimates. With `zones_known` a solution whose estimate says that any zone may
-    be missing counts as refused.
+    With `zones_known` a solution whose estimate says that any zone may be missing counts as one
+    that has not converged.
     """
     for row in kept[::every]:
         if row["slow"] and every > 1:
             continue
-
-        def judge(solution: Solution, row: dict[str, Any] = row) -> list[str]:
-            missed = exceeded(_zones_missed(solution, row)) if row["zones"] else []
-            return missed + off_the_law(solution)
-
+        judge = partial(threshold_violations, row)
         finding, solution = solved(row["name"], scene_of(row["scene"]), row["rtol"], judge)
-        raised = finding.violations and not finding.converged
-        unknown = zones_known and solution is not None and not solution.error.zones < 1.0
-        finding.verdict = "refused" if unknown or not finding.converged else "right"
-        if finding.violations:
-            finding.verdict = "raised" if raised else "wrong"
+        if zones_known and solution is not None and not solution.error.zones < 1.0:
+            finding.converged = False
         yield finding
+
+
+def threshold_violations(row: dict[str, Any], solution: Solution) -> list[str]:
+    """Return where the law by its own fields, or the zones as far as they are known, are missed."""
+    return (zones_missed(row, solution) if row["zones"] else []) + off_the_law(solution)
 
 
 def off_the_law(solution: Solution) -> list[str]:
@@ -235,15 +218,13 @@ def off_the_law(solution: Solution) -> list[str]:
 
 def sections(kept: dict[str, Any], every: int) -> Iterator[tuple[str, list[Finding]]]:
     """Yield every section with its findings, each begun with empty caches."""
+    coupled = threshold_scenes(kept["coupled thresholds"], every, zones_known=True)
     for name, findings in (
         ("gold", gold_scenes(every)),
         ("hard", hard_scenes(kept["hard"], every)),
         ("honesty", honesty_scenes(kept["honesty"], every)),
         ("thresholds", threshold_scenes(kept["thresholds"], every)),
-        (
-            "coupled thresholds",
-            threshold_scenes(kept["coupled thresholds"], every, zones_known=True),
-        ),
+        ("coupled thresholds", coupled),
     ):
         clear_caches()
         yield name, list(findings)

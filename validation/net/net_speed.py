@@ -111,10 +111,8 @@ def work_of(number: int, place: float) -> Callable[[], object]:
     """Return the work of a case; `place` varies the scene of a solve."""
     if number < len(SOLVES):
         return SOLVES[number].work(place)
-    try:
-        from spectral_contact.sweeps import sweep
-    except ImportError:  # a baseline of version 0.1
-        from spectral_contact.sweep import sweep
+    from spectral_contact.sweeps import sweep  # of either version
+
     case = SWEEPS[number - len(SOLVES)]
     return partial(sweep, case.scene(), **case.arguments(SWEEP_RTOL))
 

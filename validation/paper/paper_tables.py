@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class PaperFigure:
     measure : callable
         From a scene and rtol to the values, each followed by the estimate of its relative error:
         an array of shape (rows, 2 * values).
-    title, given, chosen, values, radial
+    title, given, chosen, values, radial, panels
         As in paper.toml.
     """
 
@@ -57,6 +58,7 @@ class PaperFigure:
     chosen: str
     values: Sequence[str]
     radial: bool
+    panels: Sequence[dict[str, Any]]
 
     @property
     def stem(self) -> str:

@@ -1,23 +1,19 @@
 """Adhesion with a layer: cycles, pressures, and pull-off beside Maugis' transition.
 
-Run as ``python validation/physics/adhesion.py``; writes docs/adhesion_cycle.png,
-docs/adhesion_pull_off.png and validation/results/adhesion.md.
+Run as ``python validation/physics/adhesion.py``; writes docs/adhesion_cycle.png and
+docs/adhesion_pull_off.png.
 """
 
 from __future__ import annotations
 
-import sys
 from math import atan, exp, pi, sqrt
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import DOCS, table, write
+from common import DOCS, picture
 from scipy.optimize import minimize_scalar
 
 from spectral_contact import Scene, adhesion_cycle, profiles, pull_off, solve
-from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION, new_figure, save
+from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION
 
 BALL = profiles.Parabola(1.0)
 #: Works of adhesion and radii are 1, as E' is; the compliances of the cycles.
@@ -61,59 +57,40 @@ def maugis_load(parameter: float) -> float:
 
 def cycles() -> None:
     """Draw cycles, and pressures at the load 0."""
-    figure = new_figure(figsize=(8.4, 3.4), layout="constrained")
-    left, right = figure.subplots(1, 2)
-    for alpha, colour in zip(COMPLIANCES, (BLUE, VERMILION, GREEN), strict=True):
-        cycle = adhesion_cycle(scene(alpha, 2.0), points=120)
-        name = "smooth" if alpha == 0.0 else rf"$\alpha^* = {alpha:g}$"
-        stable = np.where(cycle.stable, cycle.load, np.nan)
-        left.plot(cycle.approach, stable, color=colour, label=name)
-        left.plot(cycle.approach, np.where(cycle.stable, np.nan, cycle.load), "--", color=colour)
-        for jump in (cycle.jump_in, cycle.jump_out):
-            places = [one.approach for one in jump], [one.load for one in jump]
-            left.plot(*places, ":", color=colour)
-        found = solve(scene(alpha))
-        s = np.linspace(0.0, 0.999, 400)
-        right.plot(s, found.pressure(s), color=colour)
-    left.set(xlabel=r"approach $\delta$ [$L$]", ylabel=r"load $P$ [$E' L^2$]")
-    left.legend(frameon=False)
-    right.axhline(0.0, color=BLACK, linewidth=0.6)
-    right.set(xlabel=r"radius $r/a$ at $P = 0$", ylabel=r"pressure $p$ [$E'$]", ylim=(-3.0, 3.0))
-    save(figure, DOCS / "adhesion_cycle.png")
+    with picture(DOCS / "adhesion_cycle.png", (8.4, 3.4), columns=2) as (left, right):
+        for alpha, colour in zip(COMPLIANCES, (BLUE, VERMILION, GREEN), strict=True):
+            cycle = adhesion_cycle(scene(alpha, 2.0), points=120)
+            name = "smooth" if alpha == 0.0 else rf"$\alpha^* = {alpha:g}$"
+            stable = np.where(cycle.stable, cycle.load, np.nan)
+            unstable = np.where(cycle.stable, np.nan, cycle.load)
+            left.plot(cycle.approach, stable, color=colour, label=name)
+            left.plot(cycle.approach, unstable, "--", color=colour)
+            for jump in (cycle.jump_in, cycle.jump_out):
+                places = [one.approach for one in jump], [one.load for one in jump]
+                left.plot(*places, ":", color=colour)
+            s = np.linspace(0.0, 0.999, 400)
+            right.plot(s, solve(scene(alpha)).pressure(s), color=colour)
+        left.set(xlabel=r"approach $\delta$ [$L$]", ylabel=r"load $P$ [$E' L^2$]")
+        left.legend()
+        right.axhline(0.0, color=BLACK, linewidth=0.6)
+        right.set(xlabel=r"radius $r/a$ at $P = 0$", ylabel=r"pressure $p$ [$E'$]")
+        right.set_ylim(-3.0, 3.0)
 
 
 def pull_offs() -> None:
-    """Draw pull-off over the parameter of the layer and over that of Maugis, and tabulate it."""
-    rows = []
-    for parameter in PARAMETERS.tolist():
-        last = pull_off(scene(parameter))
-        tension = maugis_parameter(sqrt(2.0 / parameter))
-        rows.append((parameter, tension, last.load / pi, maugis_load(tension), last.error.load))
-    drawn = np.array(rows)
-    figure = new_figure(figsize=(5.6, 3.4), layout="constrained")
-    axes = figure.subplots()
-    axes.semilogx(drawn[:, 1], drawn[:, 2], "o-", markersize=3, label="layer of roughness")
-    axes.semilogx(drawn[:, 1], drawn[:, 3], "--", label="Maugis: a force that reaches far")
-    for limit in (-1.5, -2.0):
-        axes.axhline(limit, color=BLACK, linewidth=0.6)
-    axes.set(
-        xlabel=r"largest tension, as Maugis' $\lambda$", ylabel=r"pull-off load $P_c/(\pi w R)$"
-    )
-    axes.set_ylim(top=-1.35)  # room for the legend above the curves
-    axes.legend(frameon=False, loc="upper left")
-    save(figure, DOCS / "adhesion_pull_off.png")
-    about = (
-        "# Pull-off of a ball\n\n"
-        "By validation/physics/adhesion.py: P/(π w R) at pull-off under control of the load, with "
-        "a layer of the parameter Λ = αE'/(wR²/E')^(1/3), and by Maugis at the same largest "
-        "tension, which is his λ."
-    )
-    cells = (
-        (f"{one:.4g}", f"{lam:.4g}", f"{own:.12f}", f"{other:.6f}", f"{error:.0e}")
-        for one, lam, own, other, error in rows[::4]
-    )
-    heading = "Λ | λ | layer | Maugis | error estimate of the layer's"
-    write("adhesion", f"{about}\n\n{table(heading, cells)}")
+    """Draw pull-off over the largest tension, with a layer and by Maugis."""
+    tensions = [maugis_parameter(sqrt(2.0 / one)) for one in PARAMETERS]
+    with picture(DOCS / "adhesion_pull_off.png", (5.6, 3.4)) as axes:
+        layer = [pull_off(scene(one)).load / pi for one in PARAMETERS]
+        axes.semilogx(tensions, layer, "o-", markersize=3, label="layer of roughness")
+        maugis = [maugis_load(one) for one in tensions]
+        axes.semilogx(tensions, maugis, "--", label="Maugis: a force that reaches far")
+        for limit in (-1.5, -2.0):
+            axes.axhline(limit, color=BLACK, linewidth=0.6)
+        axes.set_xlabel(r"largest tension, as Maugis' $\lambda$")
+        axes.set_ylabel(r"pull-off load $P_c/(\pi w R)$")
+        axes.set_ylim(top=-1.35)  # room for the legend above the curves
+        axes.legend(loc="upper left")
 
 
 if __name__ == "__main__":

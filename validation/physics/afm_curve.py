@@ -11,17 +11,15 @@ approach of 0, and lost where no equilibrium is left.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
+from common import DOCS, picture
 
 from spectral_contact import Scene, fit, profiles
 from spectral_contact.calibration import IndentationData, IndentationFit
-from spectral_contact.view.figures import BLUE, VERMILION, new_figure, style
+from spectral_contact.view.figures import BLUE, VERMILION
 from spectral_contact.view.plotting import plot_fit, save
 
-ROOT = Path(__file__).parents[2]
-CURVE = ROOT / "tests" / "data" / "curves" / "afm_adhesion.txt"
+CURVE = DOCS.parent / "tests" / "data" / "curves" / "afm_adhesion.txt"
 RADIUS, MODULUS, ADHESION = 5e-6, 2e4, 2e-4
 #: Of the cantilever [N/m]; noise of the force [N]; what a force of 0 reads [N]; where the tip reads
 #: 0 when it touches [m].
@@ -57,10 +55,10 @@ def rows() -> tuple[np.ndarray, np.ndarray]:
 
 def write(depth: np.ndarray, force: np.ndarray) -> None:
     """Write the file."""
-    lines = ["# colloidal probe on a gel, synthetic: python validation/physics/afm_curve.py"]
-    lines += ["tip position [nm]\tforce [nN]"]
-    lines += [f"{d * 1e9:.3f}\t{f * 1e9:.4f}" for d, f in zip(depth, force, strict=True)]
-    CURVE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    head = "# colloidal probe on a gel, synthetic: python validation/physics/afm_curve.py\n"
+    head += "tip position [nm]\tforce [nN]"
+    columns = np.column_stack([depth, force]) * 1e9
+    np.savetxt(CURVE, columns, ["%.3f", "%.4f"], "\t", header=head, comments="")
 
 
 def fitted() -> IndentationFit:
@@ -78,16 +76,12 @@ def main() -> None:
     depth, force = rows()
     write(depth, force)
     half = len(FAR_END)
-    with style():
-        figure = new_figure(figsize=(5.5, 3.5), layout="constrained")
-        axes = figure.subplots()
+    with picture(DOCS / "afm_curve.png", (5.5, 3.5)) as axes:
         axes.plot(depth[:half] * 1e9, force[:half] * 1e9, color=BLUE, label="approach")
         axes.plot(depth[half:] * 1e9, force[half:] * 1e9, color=VERMILION, label="retraction")
-        axes.set_xlabel("tip position / nm")
-        axes.set_ylabel("force / nN")
+        axes.set(xlabel="tip position / nm", ylabel="force / nN")
         axes.legend()
-    save(figure, str(ROOT / "docs" / "afm_curve.png"))
-    save(plot_fit(fitted()), str(ROOT / "docs" / "afm_fit.png"))
+    save(plot_fit(fitted()), DOCS / "afm_fit.png")
 
 
 if __name__ == "__main__":

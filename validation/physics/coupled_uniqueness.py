@@ -8,15 +8,11 @@ from __future__ import annotations
 
 import json
 import math
-import sys
 from collections import Counter
 from dataclasses import asdict
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import options, table, write
+from common import options, table, write
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.coupled_radii import CandidateRadius, scan_logits, stick_radii

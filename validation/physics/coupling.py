@@ -8,19 +8,14 @@ uncoupled. Full stick is solved to 1e-10, partial slip to 1e-8.
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
+from common import RESULTS, picture, table, write
 from matplotlib import colormaps
-from matplotlib.figure import Figure
-from reporting import RESULTS, table, write
 
 from spectral_contact import Scene, solve, sweep
-from spectral_contact.view.plotting import save, style
 
 RTOL, SLIP_RTOL = 1e-10, 1e-8
 NUS = (0.0, 0.1, 0.2, 0.3, 0.4)
@@ -118,9 +113,7 @@ def _over(share: float, square: float) -> str:
 def draw(path: Path) -> int:
     """Draw the changes over the compliance, in per cent; return the number of pairs of solves."""
     lines = [(nu, 1.0) for nu in NUS] + [(nu, ratio) for ratio, nu in RATIOS]
-    with style():
-        figure = Figure(figsize=(9.4, 6.6), layout="constrained")
-        axes = figure.subplots(2, 2, sharex=True)
+    with picture(path, (9.4, 6.6), 2, 2, sharex=True) as axes:
         for nu, ratio in lines:
             found = changes([Scene(nu, alpha, ratio * alpha, math.inf) for alpha in CURVE])
             text = rf"$\nu = {nu:g}$"
@@ -133,15 +126,12 @@ def draw(path: Path) -> int:
             }
             for one, name in zip(axes.flat, TITLES, strict=True):
                 one.plot(CURVE, 100.0 * found[name], **look)
-        for one, name in zip(axes.flat, TITLES, strict=True):
-            one.set_xscale("log")
-            one.set_title(TITLES[name])
-            one.set_ylabel("change by coupling [%]")
+        for one, title in zip(axes.flat, TITLES.values(), strict=True):
+            one.set(xscale="log", title=title, ylabel="change by coupling [%]")
         for one in axes[1]:
             one.set_xlabel(r"$\alpha^*$ ($\beta^* = \alpha^*$ where nothing is said)")
         axes[1, 1].set_ylim(0.0, 150.0)
         axes[0, 0].legend(fontsize=7.5)
-        save(figure, str(path))
     return len(lines) * len(CURVE)
 
 

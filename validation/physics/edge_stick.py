@@ -8,12 +8,8 @@ edge is wide enough for panels it is also matched in closed form, and compared.
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
-sys.path.append(str(Path(__file__).parents[1]))
-
-from reporting import table, write
+from common import table, write
 
 from spectral_contact import Scene, solve
 from spectral_contact.contact.edge_stick import with_edge_stick

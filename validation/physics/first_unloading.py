@@ -5,53 +5,45 @@ Run as ``python validation/physics/first_unloading.py`` (a minute); writes docs/
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import matplotlib.pyplot as plt
 import numpy as np
+from common import DOCS, picture
 
-from spectral_contact import Scene, solve
-from spectral_contact.view.plotting import style
+from spectral_contact import Scene, solve, sweep
+from spectral_contact.view.figures import BLACK, BLUE, GREEN, VERMILION
 
-TARGET = Path(__file__).parents[2] / "docs" / "first_unloading.png"
 SCENE = Scene(0.1, 0.5, 0.5, 0.1)
-SHOWN = 1.0, 0.8, 0.5, 0.2205
-RATIOS = (0.999, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3)
-#: Around the turning ratio.
-CLOSE = (0.25, 0.23, 0.2222, 0.2215, 0.221, 0.2205, 0.2201)
-COLOURS = "#000000", "#0072B2", "#009E73", "#D55E00"
+SHOWN = {1.0: BLACK, 0.8: BLUE, 0.5: GREEN, 0.2205: VERMILION}
+#: The first are around the turning ratio.
+RATIOS = [0.2201, 0.2205, 0.221, 0.2215, 0.2222, 0.23, 0.25, *np.arange(3, 10) / 10.0, 0.999]
+BOUNDARIES = {
+    "stick | slip": BLUE,
+    "slip | stick with memory": GREEN,
+    "memory | slip back": VERMILION,
+}
 
 
 def main() -> None:
     """Solve, and draw."""
-    with style():
-        figure, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
-        s = np.linspace(0.0, 1.0, 2001)
-        for ratio, colour in zip(SHOWN, COLOURS, strict=True):
-            asked = ["traction", "pressure"]
-            found = solve(SCENE.replace(unloaded_to=ratio), 1e-8, asked)
-            assert SCENE.friction is not None
-            share = found.traction(s) / (SCENE.friction * found.pressure(s))
-            left.plot(s, share, color=colour, label=rf"$\lambda = {ratio:g}$")
-        left.set_xlabel(r"$s = r/a$")
-        left.set_ylabel(r"$q/(f p)$")
+    s = np.linspace(0.0, 1.0, 2001)
+    asked = ["traction", "pressure"]
+    fields = sweep(SCENE, unloaded_to=list(SHOWN), s=s, quantities=asked, progress=False)
+    zones = sweep(SCENE, unloaded_to=RATIOS, quantities=["zones"], progress=False)
+    thresholds = ["reverse_ratio", "turning_ratio"]
+    known = solve(SCENE.replace(unloaded_to=0.8), 1e-8, thresholds, strict=False)
+    with picture(DOCS / "first_unloading.png", (9.0, 3.6), columns=2) as (left, right):
+        share = fields.traction / (SCENE.friction * fields.pressure)
+        for ratio, colour in SHOWN.items():
+            label = rf"$\lambda = {ratio:g}$"
+            left.plot(s, share.sel(unloaded_to=ratio), color=colour, label=label)
+        left.set(xlabel=r"$s = r/a$", ylabel=r"$q/(f p)$")
         left.legend()
-        boundaries: dict[int, list[tuple[float, float]]] = {0: [], 1: [], 2: []}
-        for ratio in sorted((*RATIOS, *CLOSE)):
-            found = solve(SCENE.replace(unloaded_to=ratio), 1e-8, ["zones"])
-            for k, zone in enumerate(found.zones[:-1]):
-                boundaries[k].append((ratio, zone.outer))
-        names = "stick | slip", "slip | stick with memory", "memory | slip back"
-        for (k, points), colour in zip(boundaries.items(), COLOURS[1:], strict=True):
-            right.plot(*np.array(points).T, color=colour, marker=".", label=names[k])
-        thresholds = ["reverse_ratio", "turning_ratio"]
-        known = solve(SCENE.replace(unloaded_to=0.8), 1e-8, thresholds, strict=False)
+        outer = zones.zone_outer.where(zones.zone_outer < 1.0)
+        for k, (name, colour) in enumerate(BOUNDARIES.items()):
+            right.plot(RATIOS, outer.isel(zone=k), color=colour, marker=".", label=name)
         for name in thresholds:
             right.axvline(getattr(known, name), color="0.5", linestyle="--", linewidth=0.8)
-        right.set_xlabel(r"load ratio $\lambda$")
-        right.set_ylabel("$s$")
+        right.set(xlabel=r"load ratio $\lambda$", ylabel="$s$")
         right.legend(loc="center right")
-        figure.savefig(TARGET, dpi=150)
 
 
 if __name__ == "__main__":

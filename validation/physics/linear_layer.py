@@ -11,17 +11,13 @@ what the user knows: the tangent's ``alpha* = alpha E'/a``.
 
 from __future__ import annotations
 
-import sys
 from math import pi
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
-from reporting import DOCS, table, write
+from common import DOCS, picture, table, write
 
-from spectral_contact import Scene, __version__, layers, profiles, solve, sweep
-from spectral_contact.view.figures import BLACK, new_figure, save, style
+from spectral_contact import Scene, __version__, layers, profiles, sweep
+from spectral_contact.view.figures import BLACK
 
 RTOL = 1e-8
 #: Pressures of the laws at overclosure 1, or beyond their clearance.
@@ -59,39 +55,39 @@ EXPONENTS = (
 )
 
 
-def values(scene: Scene) -> np.ndarray:
+def values(scenes: list[Scene]) -> np.ndarray:
     """Return approach, stiffness, and the pressure at the edge of the flat punch or at the centre.
 
-    The approach counts from where the pressure begins.
+    A row for each scene; the approach counts from where the pressure begins.
     """
-    found = solve(scene, RTOL, QUANTITIES)
-    place = {"from_edge": 0.0} if scene.profile is FLAT else {"s": 0.0}
-    begin = 0.0 if scene.layer is None else scene.layer.start
-    return np.array([found.approach - begin, found.stiffness, float(found.pressure(**place))])
+    place = {"from_edge": [0.0]} if scenes[0].profile is FLAT else {"s": [0.0]}
+    found = sweep(scenes, quantities=QUANTITIES, rtol=RTOL, progress=False, **place)
+    rows = np.column_stack([found[name].values for name in QUANTITIES])
+    rows[:, 0] -= [0.0 if one.layer is None else one.layer.start for one in scenes]
+    return rows
 
 
 def errors(layer: layers.Layer, profile: profiles.Profile) -> tuple[np.ndarray, np.ndarray]:
     """Return the tangent's alpha*, and errors by load, quantity, and tangent or secant."""
-    compliances, found = [], np.empty((len(LOADS), len(QUANTITIES), 2))
-    for load, row in zip(LOADS, found, strict=True):
-        scene = Scene(0.3, layer=layer, profile=profile, load=load)
-        radius = solve(scene, RTOL, ("contact_radius",)).contact_radius
-        mean = load / (pi * radius**2)
-        w = layer.overclosure(mean)
-        truth = values(scene)
-        tangent, secant = 1.0 / layer.stiffness(w), (w - layer.start) / mean
-        for k, compliance in enumerate((tangent, secant)):
-            linear = scene.replace(layer=None, normal_compliance=compliance)
-            row[:, k] = values(linear) / truth - 1.0
-        compliances.append(tangent / radius)
-    return np.array(compliances), found
+    scenes = [Scene(0.3, layer=layer, profile=profile, load=load) for load in LOADS]
+    radii = sweep(scenes, quantities=["contact_radius"], rtol=RTOL, progress=False).contact_radius
+    mean = LOADS / (pi * radii.values**2)
+    w = np.array([layer.overclosure(one) for one in mean])
+    tangent = np.array([1.0 / layer.stiffness(one) for one in w])
+    secant = (w - layer.start) / mean
+    truth, found = values(scenes), []
+    for compliances in (tangent, secant):
+        pairs = zip(scenes, compliances, strict=True)
+        linear = [one.replace(layer=None, normal_compliance=alpha) for one, alpha in pairs]
+        found.append(values(linear) / truth - 1.0)
+    return tangent / radii.values, np.stack(found, axis=-1)
 
 
 def draw(found: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> None:
     """Draw the errors over the tangent's compliance."""
-    with style():
-        figure = new_figure(figsize=(10.0, 5.6), layout="constrained")
-        panels = figure.subplots(len(PUNCHES), len(QUANTITIES), sharex=True, sharey=True)
+    shape = len(PUNCHES), len(QUANTITIES)
+    path = DOCS / "linear_layer.png"
+    with picture(path, (10.0, 5.6), *shape, sharex=True, sharey=True) as panels:
         for line, punch in zip(panels, PUNCHES, strict=True):
             for k, axes in enumerate(line):
                 for colour, law in zip(COLOURS, LAWS, strict=False):
@@ -106,15 +102,12 @@ def draw(found: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> None:
         for axes in panels[:, 0]:
             axes.set_ylabel("relative error: – tangent, - - secant")
         panels[0, 0].legend(loc="lower left")
-        save(figure, DOCS / "linear_layer.png")
 
 
 def draw_exponents() -> list[tuple[str, ...]]:
     """Draw stiffness over load with its local exponent; return rows of a table."""
     told = []
-    with style():
-        figure = new_figure(figsize=(10.0, 3.8), layout="constrained")
-        left, right = figure.subplots(1, 2)
+    with picture(DOCS / "stiffness_exponent.png", (10.0, 3.8), columns=2) as (left, right):
         hertz = 2.0 * 4.0 * (3.0 * CURVE / 16.0) ** (1.0 / 3.0)
         left.loglog(CURVE, hertz, ":", color=BLACK, label="Hertz")
         for colour, (name, layer) in zip(COLOURS, {**LAWS, **OPEN}.items(), strict=True):
@@ -135,7 +128,6 @@ def draw_exponents() -> list[tuple[str, ...]]:
         right.set(xlabel=r"load $P/(E' R^2)$", ylabel=r"exponent $d\ln K/d\ln P$")
         right.set_ylim(0.25, 1.05)
         left.legend()
-        save(figure, DOCS / "stiffness_exponent.png")
     return told
 
 

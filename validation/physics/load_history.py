@@ -9,14 +9,10 @@ increments, which is why the library has no such march.
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-sys.path.append(str(Path(__file__).parents[1]))
-sys.path.append(str(Path(__file__).parents[2]))
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from reporting import table, write
+from common import table, write
 
 from spectral_contact import Scene, __version__, solve
 from tests.oracles.load_history import Rings, even_ends
@@ -27,46 +23,32 @@ RINGS = 100, 200, 400
 STEPS = 1, 8, 32, 128
 
 
-def rings(ends: np.ndarray) -> Rings:
-    """Return rings of the scene."""
-    assert SCENE.friction is not None
-    friction = SCENE.friction / SCENE.kappa
-    return Rings(SCENE.normal_compliance, SCENE.tangential_compliance, friction, ends)
+def shear(loads: Sequence[float], count: int, radii: Sequence[float] = ()) -> float:
+    """Return Q*/kappa after loads one after another, on rings with ends at some radii."""
+    compliances = SCENE.normal_compliance, SCENE.tangential_compliance
+    rings = Rings(*compliances, SCENE.friction / SCENE.kappa, even_ends(radii, count))
+    for load in loads:
+        rings.move_to(float(load))
+    return rings.total_shear
 
 
-def unloading() -> list[tuple[object, ...]]:
-    """Return rows: the shear by rings that end where zones do, against the library."""
-    rows = []
+def unloading() -> Iterator[tuple[object, ...]]:
+    """Yield rows: the shear by rings that end where zones do, against the library."""
     largest = solve(SCENE, 1e-10, ["zones"])
     for ratio in RATIOS:
         solution = solve(SCENE.replace(unloaded_to=ratio), 1e-10, ["zones", "total_shear"])
         known = solution.total_shear / SCENE.kappa
         radii = [zone.outer for one in (largest, solution) for zone in one.zones[:-1]]
-        differences = []
-        for count in RINGS:
-            own = rings(even_ends(radii, count))
-            own.move_to(1.0)
-            own.move_to(ratio)
-            differences.append(own.total_shear - known)
-        limit = differences[-1] + (differences[-1] - differences[-2]) / 3.0
-        cells = (f"{one:.1e}" for one in (*differences, limit))
-        rows.append((ratio, f"{known:.12f}", *cells))
-    return rows
+        off = [shear([1.0, ratio], count, radii) - known for count in RINGS]
+        off.append(off[-1] + (off[-1] - off[-2]) / 3.0)
+        yield ratio, f"{known:.12f}", *(f"{one:.1e}" for one in off)
 
 
-def history() -> list[tuple[object, ...]]:
-    """Return rows: the shear at a load below the turning ratio in one increment and in many."""
-    rows = []
+def history() -> Iterator[tuple[object, ...]]:
+    """Yield rows: the shear at a load below the turning ratio in one increment and in many."""
     for ratio in (0.2, 0.1):
-        shears = []
-        for steps in STEPS:
-            own = rings(even_ends([], 200))
-            own.move_to(1.0)
-            for load in np.linspace(1.0, ratio, steps + 1)[1:]:
-                own.move_to(float(load))
-            shears.append(own.total_shear)
-        rows.append((ratio, *(f"{one:.8f}" for one in shears)))
-    return rows
+        shears = (shear(np.linspace(1.0, ratio, steps + 1), 200) for steps in STEPS)
+        yield ratio, *(f"{one:.8f}" for one in shears)
 
 
 def main() -> None:

@@ -6,17 +6,14 @@ map_critical_friction.png.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
-from matplotlib.figure import Figure
+from common import RESULTS, picture
 from matplotlib.ticker import LogLocator
 
 from spectral_contact import Scene
 from spectral_contact.sweeps import plot_slice, sweep
-from spectral_contact.view.figures import BLACK, STICK_WHITE, VERMILION, new_figure, save, style
+from spectral_contact.view.figures import BLACK, STICK_WHITE, VERMILION, save, style
 
-RESULTS = Path(__file__).parents[1] / "results"
 #: Both maps are of kappa = 1/7, nu = 0.3.
 NU, FRICTION = 0.3, 0.2
 PLANE = ("tangential_compliance", "normal_compliance")
@@ -45,8 +42,8 @@ def critical_friction():
     )
 
 
-def draw_stick_radius(found, critical) -> Figure:
-    """Return c* cell by cell, the boundary of full stick, and where the edge sticks.
+def draw_stick_radius(found, critical) -> None:
+    """Draw c* cell by cell, the boundary of full stick, and where the edge sticks.
 
     Where slip starts inside, c* jumps to 1 at that boundary: cells show it.
     """
@@ -67,39 +64,34 @@ def draw_stick_radius(found, critical) -> Figure:
         whole = critical.critical_friction.transpose(*PLANE)
         axes.contour(FINE, FINE, whole, [FRICTION], colors=BLACK, linewidths=1.4)
         axes.text(0.05, 1.0, "full stick, $c^* = 1$")
-    return figure
+    save(figure, RESULTS / "map_stick_radius.png")
 
 
-def draw_critical_friction(found) -> Figure:
-    """Return contours of the critical friction, and where slip starts inside."""
+def draw_critical_friction(found) -> None:
+    """Draw contours of the critical friction, and where slip starts inside."""
     values = found.critical_friction.transpose(*PLANE).values
-    with style():
-        figure = new_figure(figsize=(5.6, 4.2), layout="constrained")
-        axes = figure.add_subplot(xscale="log", yscale="log", title=rf"$\nu = {NU}$")
+    with picture(RESULTS / "map_critical_friction.png", (5.6, 4.2)) as axes:
+        axes.set(xscale="log", yscale="log", title=rf"$\nu = {NU}$")
         axes.set(xlabel=r"normal compliance $\alpha^*$", ylabel=r"tangential compliance $\beta^*$")
         filled = axes.contourf(FINE, FINE, values, locator=LogLocator(subs=(1.0, 2.0, 5.0)))
         levels = filled.levels
         label = "critical friction $f_c$"
-        figure.colorbar(filled, ax=axes, ticks=levels, format="%g", label=label)
+        axes.figure.colorbar(filled, ax=axes, ticks=levels, format="%g", label=label)
         lines = axes.contour(FINE, FINE, values, levels[1:-1], colors="white", linewidths=0.8)
         axes.clabel(lines, fmt="%g")
         axes.plot(FINE, FINE, "--", color=VERMILION, lw=1.2)
         axes.text(0.0013, 0.013, "slip starts inside", color="white")
         axes.text(0.25, 0.035, "slip starts at the edge", color="white")
-    return figure
 
 
 def main() -> None:
     """Solve and draw both maps."""
     stick = stick_radius()
     critical = critical_friction()
-    for name, found, figure in (
-        ("map_stick_radius", stick, draw_stick_radius(stick, critical)),
-        ("map_critical_friction", critical, draw_critical_friction(critical)),
-    ):
+    for found in (stick, critical):
         assert (found.ending == "converged").all()
-        save(figure, str(RESULTS / f"{name}.png"))
-        print(name, found.ending.size, "scenes")
+    draw_stick_radius(stick, critical)
+    draw_critical_friction(critical)
 
 
 if __name__ == "__main__":

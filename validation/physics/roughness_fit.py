@@ -8,13 +8,10 @@ honest, the deviations from the truth have the distribution that its covariance 
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).parents[1]))
-
 import numpy as np
-from reporting import RESULTS, table, write
+from common import RESULTS, picture, table, write
 from scipy.stats import chi2
 
 from spectral_contact import Scene, solve
@@ -27,7 +24,7 @@ from spectral_contact.calibration import (
     StickRadiusData,
     fit,
 )
-from spectral_contact.view.figures import BLUE, VERMILION, new_figure, save, style
+from spectral_contact.view.figures import BLUE, VERMILION
 
 FITS = 40
 TRUTH = {"normal_compliance": 3e-15, "tangential_compliance": 4e-15, "friction": 0.05}
@@ -72,14 +69,14 @@ def start() -> Scene:
 def measured(exact: list[np.ndarray], seed: int) -> tuple:
     """Return data with noise."""
     random = np.random.default_rng(seed)
-    noisy = [
-        v * (1 + s * random.standard_normal(len(v))) for v, s in zip(exact, NOISE, strict=True)
-    ]
-    sigma = [v * s for v, s in zip(exact, NOISE, strict=True)]
+    approaches, pressures, stick_radii = (
+        (values * (1 + noise * random.standard_normal(len(values))), values * noise)
+        for values, noise in zip(exact, NOISE, strict=True)
+    )
     return (
-        ApproachData(noisy[0], sigma[0], radius=RADII),
-        PressureData(PLACES, noisy[1], sigma[1]),
-        StickRadiusData(noisy[2], sigma[2], radius=RADII),
+        ApproachData(*approaches, radius=RADII),
+        PressureData(PLACES, *pressures),
+        StickRadiusData(*stick_radii, radius=RADII),
     )
 
 
@@ -122,9 +119,7 @@ def draw(fits: list[RoughnessFit], path: Path) -> None:
     """Draw β and f of all fits, and the ellipses of 68 and 95 per cent around the truth."""
     angle = np.linspace(0.0, 2.0 * np.pi, 200)
     root = np.linalg.cholesky(np.array(fits[0].covariance)[1:, 1:])
-    with style():
-        figure = new_figure(figsize=(5.0, 4.0), layout="constrained")
-        axes = figure.subplots()
+    with picture(path, (5.0, 4.0)) as axes:
         for share, line in ((0.68, "-"), (0.95, "--")):
             ring = np.sqrt(chi2.ppf(share, 2)) * root @ np.array([np.cos(angle), np.sin(angle)])
             label = f"{100 * share:.0f} % by the covariance"
@@ -134,7 +129,6 @@ def draw(fits: list[RoughnessFit], path: Path) -> None:
         axes.plot([0.0], [0.0], "k+", ms=10.0, label="truth")
         axes.set(xlabel=r"error of $\beta$ [%]", ylabel="error of $f$ [%]")
         axes.legend()
-        save(figure, path)
 
 
 def main() -> None:
@@ -142,7 +136,7 @@ def main() -> None:
     exact = theory()
     fits = []
     for seed in range(FITS):
-        fits.append(fit(start(), measured(exact, seed), PARAMETERS))
+        fits.append(fit(start(), measured(exact, seed), PARAMETERS, progress=False))
         print(f"\r{seed + 1} of {FITS}", end="", flush=True)
     record = {
         "count": len(fits),

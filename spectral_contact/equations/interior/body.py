@@ -1,4 +1,4 @@
-"""What `Solution.inside` is: stress and displacement of the body below the contact."""
+"""Stress and displacement of the body below the contact: what `Solution.inside` returns."""
 
 from __future__ import annotations
 
@@ -59,9 +59,10 @@ from spectral_contact.view.progress import ProgressLine
 if TYPE_CHECKING:
     import xarray
 
-#: At how many radii the largest traction is looked for.
+#: At how many radii the largest traction is looked for (chosen).
 _LOOKS = 513
-#: What is closer to the edge, or to the surface, is at it.
+#: A point that is closer to the edge, or to the surface, counts as being there: fourth powers of
+#: smaller distances underflow.
 _NEAREST = 1e-60
 #: The most points of one call, which takes some 1 kB of memory for each.
 _MOST_POINTS = 10**8
@@ -76,7 +77,7 @@ class Material:
     poisson_ratio : float
         ν of the body.
     share : float
-        E'/E'ᵢ, the share of the body in what both give way.
+        E'/E'ᵢ, the fraction of the displacement of both bodies that is that of this one.
     sense : float
         1 for the half-space, −1 for the punch, on which the traction acts the other way.
     """
@@ -131,7 +132,8 @@ class Inside:
         self._material = choices.instance("material", own_material, Material)
         self._other = other if other is None else choices.instance("other", other, Material)
         self._nu = self._material.poisson_ratio
-        pressure, traction = solution.pressure_field, solution.traction_field
+        pressure = solution.pressure_field
+        traction = solution.traction_field
         solution.pressure(0.5)  # refuses what was not computed
         solution.traction(0.5)
         self._sheared = traction is not None
@@ -151,7 +153,11 @@ class Inside:
         )
 
     def _floors(self) -> tuple[float, float]:
-        """Return what the errors of the loads are relative to at least."""
+        """Return the moduli of pressure and traction that their errors are relative to at least.
+
+        Under a profile the loads vanish at places, and their errors are relative to the mean
+        pressure and to the largest traction there; those of a flat punch, to the local values.
+        """
         solution = self._solution
         if solution.scene.profile is None:
             return 0.0, 0.0
@@ -166,7 +172,8 @@ class Inside:
         depth = scaled_lengths("z", z, self._units)
         checks.exactly_one("r", r, "from_edge", from_edge)
         if from_edge is None:
-            given, length = checked_lengths("r", r, self._units), self._units.length
+            given = checked_lengths("r", r, self._units)
+            length = self._units.length
             radius = np.asarray(given / length)
             # next to the edge this difference is exact, and one of quotients is not
             distance = np.asarray((length - given) / length)
@@ -184,7 +191,6 @@ class Inside:
             raise SceneError(f"number of points {name}", count, f"at most {_MOST_POINTS}")
         radius, distance, depth = np.broadcast_arrays(radius, distance, depth)
         radius, distance, depth = (np.ravel(one) for one in (radius, distance, depth))
-        # fourth powers of what is nearer to the edge or the surface would underflow
         distance, depth = (np.where(np.abs(x) < _NEAREST, 0.0, x) for x in (distance, depth))
         return BodyPoints(np.maximum(radius, AXIS), distance, depth), shape
 
@@ -227,12 +233,14 @@ class Inside:
         """
         points, shape = self._points(r, z, from_edge)
         sums = self._sampler.displacement(points, _tolerance(rtol))
-        arm = np.where(points.r > AXIS, points.r, 0.0)
-        error = displacement_error(sums.values, self._errors(sums), arm)
+        radius = np.where(points.r > AXIS, points.r, 0.0)
+        error = displacement_error(sums.values, self._errors(sums), radius)
         error = error + (self._solution.error.contact_radius or 0.0)
+        # the integrals are 2 G u_z and 2 G u_r / r, with G = 2 (1 - nu) in the units of the paper
         unit = self._units.displacement * self._material.share / (4.0 * (1.0 - self._nu))
-        out, down = sums.values[1] * arm * unit + 0.0, sums.values[0] * unit
-        return Displacement(*_shaped(shape, out, down, error))
+        outward = sums.values[1] * radius * unit + 0.0  # not -0.0 on the axis
+        downward = sums.values[0] * unit
+        return Displacement(*_shaped(shape, outward, downward, error))
 
     def stress(
         self,
@@ -276,7 +284,7 @@ class Inside:
             )
         sums = self._sampler.stress(points, _tolerance(rtol))
         four = stresses(sums.values, self._nu)
-        four[3] = np.where(points.r > AXIS, four[3], 0.0)
+        four[3] = np.where(points.r > AXIS, four[3], 0.0)  # no shear on the axis
         error = stress_error(sums.values, self._errors(sums), self._nu)
         error = error + places.lost(points, self._solution)
         if self._units.names.si_length and from_edge is None:
@@ -284,14 +292,16 @@ class Inside:
         return Stress(*_shaped(shape, *(four * self._units.stress), error))
 
     def _lost_by_radius(self, points: BodyPoints) -> Array:
-        """Return by how much stress at places in metres is in doubt, as the contact radius is.
+        """Return the relative error of stress at places in metres by that of the contact radius.
 
-        Relative to the stress. Where the radius is off, so is the distance of a place from the
-        edge, towards which stress grows like the power -1/2 of the distance at most.
+        An error of the contact radius is one of the distance of a place from the edge, towards
+        which stress grows like the power -1/2 of the distance at most.
         """
-        unsure = self._solution.error.contact_radius or 0.0
-        ratio = np.hypot(points.r, points.z) / np.maximum(points.to_edge, unsure)
-        return np.asarray(np.minimum(unsure * ratio, 1.0)) if unsure else np.zeros(len(points.r))
+        radius_error = self._solution.error.contact_radius or 0.0
+        if not radius_error:
+            return np.zeros(len(points.r))
+        ratio = np.hypot(points.r, points.z) / np.maximum(points.to_edge, radius_error)
+        return np.asarray(np.minimum(radius_error * ratio, 1.0))
 
     def surface(
         self,
@@ -330,11 +340,12 @@ class Inside:
         profile = self._solution.scene.profile
         if profile is not None:
             points, shape = self._points(r, 0.0, from_edge)
-            place = points.r.reshape(shape) * self._solution.contact_radius
+            radius = points.r.reshape(shape) * self._solution.contact_radius
             outside = points.from_edge.reshape(shape) < 0.0
-            known = place <= profile.reach
-            height = profile.height(np.where(known, place, 0.0))
-            gap = np.where(known, np.where(outside, height - gap, gap - height), np.nan)[()]
+            under_profile = radius <= profile.reach
+            height = profile.height(np.where(under_profile, radius, 0.0))
+            gap = np.where(outside, height - gap, gap - height)
+            gap = np.where(under_profile, gap, np.nan)[()]
         return Surface(moved.r, moved.z, gap, moved.error)
 
     @property
@@ -358,7 +369,7 @@ class Inside:
         return self._units.names
 
     def is_singular(self, r: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.bool_]:
-        """Return at which points `stress` refuses, as it has no limit there.
+        """Return at which points there is no limit of the stress, so that `stress` refuses them.
 
         Parameters and errors are those of `displacement`.
         """
@@ -486,7 +497,7 @@ class Inside:
         return replace(found, value=value, r=found.r * length, z=found.z * length)
 
     def energies(self, *, progress: bool | None = None) -> Energies:
-        """Return what the work of the load becomes: elastic energy, friction, and a defect.
+        """Return the balance of energy: work of the load, elastic energy, friction and a defect.
 
         Takes some seconds.
 
@@ -508,7 +519,8 @@ class Inside:
         """
         if self._solution.scene.mismatch is not None:
             raise NotComputedError("energies", "the load does work on both bodies together")
-        own, units = self._unscaled, self._units
+        own = self._unscaled
+        units = self._units
         size = 1.0 if self.flat else self._solution.contact_radius
         unit = units.stress * units.length**2 * units.displacement * size
         with ProgressLine(progress) as tell:
@@ -522,19 +534,21 @@ class Inside:
 
     @cached_property
     def _unscaled(self) -> Inside:
-        """The same in the units of the solution."""
+        """The same body in the units of the solution."""
         same = self._units == own_units(self._solution)
         return self if same else Inside(self._solution, None, self._material)
 
     def _errors(self, sums: Integrals) -> Array:
         """Return absolute errors of the integrals."""
-        error, couples = self._solution.error, self._solution.scene.couples
-        of_pressure = error.pressure or 0.0
-        of_traction = (error.traction or 0.0) + (error.zones or 0.0)
-        if couples:  # then the estimates of both fields are relative to the two together
-            of_pressure = of_traction = max(of_pressure, of_traction)
-        loads = of_pressure * sums.of_pressure + of_traction * sums.of_traction
-        # twice: loads are as rough as they are wrong, which quadrature does not resolve
+        error = self._solution.error
+        pressure_error = error.pressure or 0.0
+        traction_error = (error.traction or 0.0) + (error.zones or 0.0)
+        if self._solution.scene.couples:  # both estimates are relative to the two fields together
+            pressure_error = max(pressure_error, traction_error)
+            traction_error = pressure_error
+        loads = pressure_error * sums.of_pressure + traction_error * sums.of_traction
+        # Twice: the errors of the loads jump between panels, and the quadrature, which does not
+        # resolve them, may be wrong by as much again.
         return np.asarray(2.0 * loads + sums.quadrature)
 
 
@@ -549,10 +563,12 @@ def _only_body(solution: Solution) -> Material:
 
 
 def _opposite(load: Evaluator) -> Evaluator:
+    """Return a load with the opposite sign."""
     return lambda s, from_edge: -load(s, from_edge)
 
 
 def _nothing(s: Array, from_edge: Array) -> Array:
+    """Evaluate no load."""
     return np.zeros(np.shape(s))
 
 
@@ -562,4 +578,5 @@ def _tolerance(rtol: float | None) -> float:
 
 
 def _shaped(shape: tuple[int, ...], *values: Array) -> Iterator[Any]:
+    """Return arrays in a shape, numbers if it is empty."""
     return (value.reshape(shape)[()] for value in values)

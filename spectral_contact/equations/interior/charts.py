@@ -1,8 +1,10 @@
 """Coordinates for a search: toroidal ones, and polar ones around where loads are not smooth.
 
-In the first the edge is infinitely far away, in the others such a place. With the distances d1 from
-the edge and d2 from the opposite one, tau = ln(d2/d1) counts e-folds towards the edge, and sigma is
-the angle between the two directions: pi on the contact, 0 on the free surface.
+One coordinate of either kind is the logarithm of the distance from such a place, or from the edge,
+which so is infinitely far away. In a plane through the axis the edge is two points. With the
+distances d1 from the one and d2 from the other, the toroidal coordinates are tau = ln(d2/d1), which
+counts e-folds towards the edge, and sigma, the angle between the directions to the two: pi on the
+contact, 0 on the free surface.
 """
 
 from __future__ import annotations
@@ -16,13 +18,20 @@ from spectral_contact.equations.interior.mesh import BodyPoints
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, Radius
 
-#: Nets over tau and sigma, along a line and over the quarter plane; the edge is at tau = 35.
-_LINE, _NET = 241, (61, 41)
-_FARTHEST, _CLOSEST = 1e-3, 35.0
-#: The same over the e-folds towards a place and the angle; lines go to where it is as good as
-#: reached, the net to where the rounding of the place is not seen.
-_FOLDS, _NET_FOLDS = 22.0, 14.0
-_POLAR_LINE, _POLAR_NET = 89, (35, 17)
+#: Nodes along a line of the toroidal coordinates, and of a net over the quarter plane, for tau and
+#: for sigma (chosen).
+_LINE = 241
+_NET = (61, 41)
+#: Smallest tau of a line, which is 2000 radii away, and the largest, 1e-15 from the edge.
+_FARTHEST = 1e-3
+_CLOSEST = 35.0
+#: The same of polar coordinates, for the e-folds towards the place and for the angle (chosen).
+_POLAR_LINE = 89
+_POLAR_NET = (35, 17)
+#: E-folds towards the place: on lines down to 3e-10 of the first distance, where the place is as
+#: good as reached; on nets to 1e-6, where the rounding of the place does not show.
+_FOLDS = 22.0
+_NET_FOLDS = 14.0
 
 
 @dataclass(frozen=True)
@@ -32,12 +41,13 @@ class CoordinateLine:
     Attributes
     ----------
     axis : int
-        Which of them varies.
+        Which of them varies, 0 or 1.
     fixed : float
-        The other.
+        Value of the other.
     grid : ndarray
-        Where it is looked at first.
+        Values of the first at which the search begins.
     on_surface : bool
+        Whether the line lies on the surface of the body.
     """
 
     axis: int
@@ -46,101 +56,120 @@ class CoordinateLine:
     on_surface: bool = True
 
     def both(self, x: Array) -> tuple[Array, Array]:
-        """Return both coordinates."""
+        """Return both coordinates where the one that varies is x."""
         other = np.full_like(x, self.fixed)
         return (x, other) if self.axis == 0 else (other, x)
 
 
 def from_toroidal(tau: Array, sigma: Array) -> BodyPoints:
-    """Return the points of coordinates; on the axis tau is 0, and at infinity both are."""
+    """Return the points of toroidal coordinates.
+
+    On the axis tau is 0; at infinity both coordinates are.
+    """
+    # with the point as the complex number w = r + i z, (w - 1)/(w + 1) is exp(q)
     q = -tau + 1j * sigma
-    place = -2.0 * np.exp(q) / np.expm1(q)
-    d, z = -place.real, np.abs(place.imag)
+    from_edge = 2.0 * np.exp(q) / np.expm1(q)  # 1 - w
+    d = from_edge.real
+    z = np.abs(from_edge.imag)
     z = np.where((sigma == 0.0) | (sigma == np.pi), 0.0, z)
     return BodyPoints(np.maximum(1.0 - d, 1e-30), np.minimum(d, 1.0), z)
 
 
 class Toroidal:
-    """E-folds towards the edge, and the angle between it and the opposite one.
-
-    Its `lines` are its boundaries, and its `net` values of the two coordinates inside.
+    """The chart of the toroidal coordinates tau and sigma.
 
     Parameters
     ----------
     centre : bool
         Whether the centre of the contact is left to another chart.
+
+    Attributes
+    ----------
+    lines : tuple of CoordinateLine
+        The boundaries of the chart: the free surface, the contact and the axis.
+    net : tuple of ndarray
+        Values of the two coordinates inside.
     """
 
     def __init__(self, centre: bool) -> None:
-        along = np.geomspace(_FARTHEST, _CLOSEST, _LINE)
-        deep = np.linspace(_FARTHEST, np.pi - (_FARTHEST if centre else 0.0), _LINE)
-        axis = CoordinateLine(1, 0.0, deep, on_surface=False)
+        along_surface = np.geomspace(_FARTHEST, _CLOSEST, _LINE)
+        along_axis = np.linspace(_FARTHEST, np.pi - (_FARTHEST if centre else 0.0), _LINE)
         self.lines: tuple[CoordinateLine, ...] = (
-            CoordinateLine(0, 0.0, along),
-            CoordinateLine(0, np.pi, along),
-            axis,
+            CoordinateLine(0, 0.0, along_surface),
+            CoordinateLine(0, np.pi, along_surface),
+            CoordinateLine(1, 0.0, along_axis, on_surface=False),
         )
         taus = np.linspace(0.0, _CLOSEST, _NET[0])
         taus = np.concatenate([np.linspace(0.0, 3.0, _NET[0]), taus[taus > 3.0]])
         self.net = taus, np.linspace(0.0, np.pi, _NET[1])[1:-1]
 
     def points(self, u: Array, v: Array) -> BodyPoints:
-        """Return the points of coordinates."""
+        """Return the points of the body with these coordinates."""
         return from_toroidal(u, v)
 
     def reflected(self, u: float, v: float) -> tuple[float, float]:
-        """Return coordinates mirrored at axis and surface until they are in range."""
+        """Return coordinates in range: reflected at axis and surface, and no closer to the edge."""
         return min(abs(u), _CLOSEST), float(np.abs(np.mod(v + np.pi, 2.0 * np.pi) - np.pi))
 
     def inside(self, u: float, v: float) -> bool:
-        """Return whether a place is off the boundaries of the chart."""
+        """Return whether coordinates lie inside the chart, and not on its boundaries."""
         return 0.0 < v < np.pi and abs(u) < _CLOSEST
 
-    def share(self, _u: float) -> float:
-        """Return what a unit of a coordinate is at most, over the distance from the edge."""
+    def scale(self, _u: float) -> float:
+        """Return the length of a unit of a coordinate at most, over the distance from the edge."""
         return 1.0
 
 
 class Polar:
-    """E-folds towards a place on the surface, and the angle from the direction outward.
+    """The chart of polar coordinates around a place on the surface.
+
+    They are the e-folds towards the place, and the angle from the outward direction.
 
     Parameters
     ----------
     place : Radius
-    room : float
-        How far from it the chart goes.
+    reach : float
+        Distance from the place up to which the chart goes.
+
+    Attributes
+    ----------
+    lines : tuple of CoordinateLine
+        Outward along the surface, and inward along it, or down the axis at the centre.
+    net : tuple of ndarray
+        Values of the two coordinates inside.
     """
 
-    def __init__(self, place: Radius, room: float) -> None:
-        self._place, self._room = place, room
-        self._turn = np.pi / 2.0 if place is CENTRE else np.pi
+    def __init__(self, place: Radius, reach: float) -> None:
+        self._place = place
+        self._reach = reach
+        self._largest_angle = np.pi / 2.0 if place is CENTRE else np.pi
         along = np.linspace(0.0, _FOLDS, _POLAR_LINE)
-        inward = CoordinateLine(0, self._turn, along, on_surface=place is not CENTRE)
-        self.lines: tuple[CoordinateLine, ...] = (CoordinateLine(0, 0.0, along), inward)
-        angles = np.linspace(0.0, self._turn, _POLAR_NET[1])[1:-1]
+        last = CoordinateLine(0, self._largest_angle, along, on_surface=place is not CENTRE)
+        self.lines: tuple[CoordinateLine, ...] = (CoordinateLine(0, 0.0, along), last)
+        angles = np.linspace(0.0, self._largest_angle, _POLAR_NET[1])[1:-1]
         self.net = np.linspace(0.0, _NET_FOLDS, _POLAR_NET[0]), angles
 
     def points(self, u: Array, v: Array) -> BodyPoints:
-        """Return the points of coordinates."""
-        size = self._room * np.exp(-u)
-        outward = np.where(v == np.pi / 2.0, 0.0, size * np.cos(v))
-        depth = np.where(v == np.pi, 0.0, size * np.sin(v))
+        """Return the points of the body with these coordinates."""
+        distance = self._reach * np.exp(-u)
+        outward = np.where(v == np.pi / 2.0, 0.0, distance * np.cos(v))
+        depth = np.where(v == np.pi, 0.0, distance * np.sin(v))
         radius = np.maximum(self._place.value + outward, 1e-30)
         return BodyPoints(radius, self._place.from_edge - outward, depth)
 
     def reflected(self, u: float, v: float) -> tuple[float, float]:
-        """Return coordinates mirrored at axis and surface until they are in range."""
-        return min(max(u, 0.0), _FOLDS), float(
-            np.abs(np.mod(v + self._turn, 2.0 * self._turn) - self._turn)
-        )
+        """Return coordinates in range: the angle reflected, the e-folds cut off."""
+        largest = self._largest_angle
+        angle = float(np.abs(np.mod(v + largest, 2.0 * largest) - largest))
+        return min(max(u, 0.0), _FOLDS), angle
 
     def inside(self, u: float, v: float) -> bool:
-        """Return whether a place is off the boundaries of the chart."""
-        return 0.0 < v < self._turn and 0.0 < u < _FOLDS
+        """Return whether coordinates lie inside the chart, and not on its boundaries."""
+        return 0.0 < v < self._largest_angle and 0.0 < u < _FOLDS
 
-    def share(self, u: float) -> float:
-        """Return what a unit of a coordinate is at most, over the distance from the edge."""
-        return float(min(self._room * np.exp(-u) / self._place.from_edge, 1.0))
+    def scale(self, u: float) -> float:
+        """Return the length of a unit of a coordinate at most, over the distance from the edge."""
+        return float(min(self._reach * np.exp(-u) / self._place.from_edge, 1.0))
 
 
 #: Two coordinates of the quarter plane.
@@ -153,11 +182,12 @@ def around(boundaries: list[Radius], *, centre: bool) -> list[Chart]:
     Parameters
     ----------
     boundaries : list of Radius
-        Where the loads are not smooth, from the centre to the edge.
+        Where the loads are not smooth, from the centre to the edge, both included.
     centre : bool
-        Whether they are not at the centre, either.
+        Whether they are not smooth at the centre, either.
     """
     charts: list[Chart] = [Toroidal(centre)]
+    # of the distances between neighbours
     halves = [
         (a.from_edge - b.from_edge if a.value > 0.5 else b.value - a.value) / 2.0
         for a, b in pairwise(boundaries)

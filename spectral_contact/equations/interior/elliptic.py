@@ -10,7 +10,8 @@ from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.fields import Array
 
-#: Up to this parameter the series serves; beyond, the definitions lose little.
+#: Below this parameter the integrals are taken from the series of C, whose 31 terms are right to
+#: rounding there; above, from their definitions, of which that of C loses two digits at most.
 _SMALL = 0.3
 
 
@@ -35,7 +36,7 @@ class Elliptic(NamedTuple):
         ``K``, ``E``, ``B = (E - (1 - m) K)/m``, ``D = (K - E)/m`` and
         ``C = ((2 - m) K - 2 E)/m**2 = (D - B)/m``.
     d_less_c : ndarray
-        ``D - C``, whose logarithms at ``m = 1`` cancel.
+        ``D - C``, without the logarithm that both have at ``m = 1``.
     """
 
     m: Array
@@ -50,52 +51,67 @@ class Elliptic(NamedTuple):
 
 def elliptic(m: Array, rest: Array) -> Elliptic:
     """Return the integrals at parameters `m` whose complements are `rest`, any shape."""
-    k, e = ellipkm1(rest), ellipe(1.0 - rest)
+    k = ellipkm1(rest)
+    e = ellipe(1.0 - rest)
     small = m < _SMALL
-    large = np.where(small, 1.0, m)
-    c = ((2.0 - large) * k - 2.0 * e) / large**2
-    b = (e - rest * k) / large
-    d = (k - e) / large
-    less = ((2.0 - large) * e - 2.0 * rest * k) / large**2
+    divisor = np.where(small, 1.0, m)  # values at small parameters are replaced below
+    c = ((2.0 - divisor) * k - 2.0 * e) / divisor**2
+    b = (e - rest * k) / divisor
+    d = (k - e) / divisor
+    d_less_c = ((2.0 - divisor) * e - 2.0 * rest * k) / divisor**2
     if small.any():
-        few, known = m[small], k[small]
-        series = polynomial.polyval(few, _SERIES)
-        c[small] = series
-        d[small] = (known + few * series) / 2.0
-        b[small] = (known - few * series) / 2.0
-        less[small] = d[small] - series
-    return Elliptic(m, rest, k, e, b, d, c, less)
+        # K = B + D, and m C = D - B
+        small_m = m[small]
+        small_k = k[small]
+        small_c = polynomial.polyval(small_m, _SERIES)
+        c[small] = small_c
+        d[small] = (small_k + small_m * small_c) / 2.0
+        b[small] = (small_k - small_m * small_c) / 2.0
+        d_less_c[small] = d[small] - small_c
+    return Elliptic(m, rest, k, e, b, d, c, d_less_c)
 
 
-def solid_angle(own: Elliptic, z: Array, a: Array, ahead: Array, total: Array) -> Array:
-    """Return the solid angle of a disk over ``2 pi``, seen from a point at height `z`.
+def solid_angle(integrals: Elliptic, z: Array, a: Array, difference: Array, total: Array) -> Array:
+    """Return the solid angle of a disk over ``2 pi``, seen from a point (Paxton 1959).
 
     Parameters
     ----------
-    own : Elliptic
-        Of ``m = 4 r s / a**2``.
+    integrals : Elliptic
+        Of ``m = 4 r s / a**2``, with the radius of the disk and the distance of the point from its
+        axis.
     z, a : ndarray
-        Height, and the largest distance to the rim.
-    ahead, total : ndarray
-        Radius of the disk minus the distance from its axis, and their sum (Paxton 1959).
+        Height of the point above the disk, and its largest distance from the rim.
+    difference, total : ndarray
+        Radius of the disk minus the distance of the point from its axis, and the sum of the two.
     """
-    ratio, step = ahead / total, np.heaviside(ahead, 0.5)
-    if not z.any():  # of a disk in the plane
-        return step
+    ratio = difference / total
+    in_plane = np.heaviside(difference, 0.5)
+    if not z.any():
+        return in_plane
     # K + ratio Pi(n | m) with 1 - n = ratio**2
-    both = _bulirsch(np.sqrt(own.rest), np.maximum(np.abs(ratio), 1e-150), 1.0 + ratio, ratio)
-    return np.asarray(step - z / (np.pi * a) * both)
+    p = np.maximum(np.abs(ratio), 1e-150)
+    k_and_pi = _bulirsch(np.sqrt(integrals.rest), p, 1.0 + ratio, ratio)
+    return np.asarray(in_plane - z / (np.pi * a) * k_and_pi)
 
 
 def _bulirsch(kc: Array, p: Array, sum_: Array, ratio: Array) -> Array:
-    """Return Bulirsch's ``cel(kc, p**2, sum_, ratio * sum_)``, by his doubling (1969)."""
-    a, b = sum_, ratio * sum_ / p
-    e, mean = kc, np.ones_like(kc)
+    """Return Bulirsch's ``cel(kc, p**2, sum_, ratio * sum_)``, by his doubling (1969).
+
+    The names are those of his procedure, in which `p` is the root of the argument. The iteration
+    converges quadratically, so that it ends at half of the digits.
+    """
+    a = sum_
+    b = ratio * sum_ / p
+    e = kc
+    mean = np.ones_like(kc)
     while True:
-        a, b = a + b / p, 2.0 * (b + a * e / p)
+        last_a = a
+        a = a + b / p
+        b = 2.0 * (b + last_a * e / p)
         p = p + e / p
-        last, mean = mean, mean + kc
-        if np.all(np.abs(last - kc) <= 1e-8 * last):
+        last_mean = mean
+        mean = mean + kc
+        if np.all(np.abs(last_mean - kc) <= 1e-8 * last_mean):
             return np.asarray(np.pi / 2.0 * (a * mean + b) / (mean * (mean + p)))
         kc = 2.0 * np.sqrt(e)
         e = kc * mean

@@ -1,4 +1,4 @@
-"""What the work of the load becomes: energy of the body and of the layer, friction, a defect."""
+"""Balance of energy: work of the load, energy of body and layer, friction, and a defect."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 Move = Callable[[BodyPoints], Displacement]
 
-#: A ring that carries less than this share changes no digit.
+#: A ring that carries less than this fraction of the loads changes no digit.
 _NEGLIGIBLE = 1e-17
-#: Of the rings, after each of which progress is told.
+#: Number of portions of the rings, after each of which progress is reported.
 _PORTIONS = 10
 
 
@@ -30,11 +30,11 @@ def energies(
 ) -> Energies:
     """Return the energies of a solution.
 
-    Under a flat punch the load grows in proportion, so that each is half of what the final
-    tractions would do over the final displacements; so it is below the largest load if nothing has
-    slipped. Under a profile it does not; but without
-    friction that is still what body and layer store, and together it is the work of the load. With
-    friction they are no functions of the final state, and refused.
+    Under a flat punch the state is proportional to the load, and each energy is half of the final
+    tractions times the final displacements; below the largest load this holds if nothing has
+    slipped. Under a profile the state is not proportional to the load. Without friction body and
+    layer still store these halves, and their sum is the work of the load. With friction the
+    energies depend on the history, and are refused.
 
     Parameters
     ----------
@@ -45,22 +45,28 @@ def energies(
     move : callable
         Dimensionless displacements of the body at points.
     unit : float
-        What an energy is multiplied by, as is the square of the contact radius of a profile.
+        Factor of all energies, into the units that are asked for.
     tell : ProgressLine
-        Is told how far it is.
+        Shows the progress.
     """
     if solution.scene.unloaded_to < 1.0 and _slipped(solution):
         told = "below the largest load, after slip, they are no functions of the state"
         raise NotComputedError("energies", told)
-    external, doubt = _external(solution)
-    surface, size = _surface(solution, external)
-    parts, missing = _parts(solution, mesh, move, tell)
-    error = missing + abs(external - surface - parts.sum()) + doubt * size
+    external, external_error = _external(solution)
+    adhesion, scale = _adhesion(solution, external)
+    parts, parts_error = _parts(solution, mesh, move, tell)
+    error = parts_error + abs(external - adhesion - parts.sum()) + external_error * scale
     error += (solution.error.slip or 0.0) * abs(parts[2])
     strain, layer, friction, defect = (float(one) * unit for one in parts)
-    share = float(error / size) if size else 0.0
-    given = external * unit, strain, layer, friction, defect, share
-    return Energies(*given, surface * unit)
+    return Energies(
+        external=external * unit,
+        strain=strain,
+        layer=layer,
+        friction=friction,
+        defect=defect,
+        error=float(error / scale) if scale else 0.0,
+        surface=adhesion * unit,
+    )
 
 
 def _slipped(solution: Solution) -> bool:
@@ -71,9 +77,9 @@ def _slipped(solution: Solution) -> bool:
 
 
 def _external(solution: Solution) -> tuple[float, float]:
-    """Return the work of the load over the square of the contact radius, and its error."""
+    """Return the work of the load over the square of the contact radius, and its relative error."""
     if solution.scene.profile is None:
-        load = solution.scene.unloaded_to  # over the largest one
+        load = solution.scene.unloaded_to  # over the largest load
         return load * solution.approach / 2.0, solution.error.approach or 0.0
     if solution.traction_field is not None:
         told = "the energy that friction dissipates in a growing contact depends on its history"
@@ -82,58 +88,77 @@ def _external(solution: Solution) -> tuple[float, float]:
     return work, solution.error.indentation_work or 0.0
 
 
-def _surface(solution: Solution, external: float) -> tuple[float, float]:
-    """Return the energy of the surfaces in contact, and what errors are relative to.
+def _adhesion(solution: Solution, external: float) -> tuple[float, float]:
+    """Return the energy of the surfaces in contact, and the energy that errors are relative to.
 
-    It is counted along the curve of states that grow from no contact. Under a flat punch the
-    contact is there at any load, so that nothing is gained by a load.
+    Both are over the square of the contact radius. The energy is counted along the curve of states
+    that grow from no contact. A flat punch is in contact at any load, so that the energy of its
+    surfaces does not change with the load.
     """
     scene = solution.scene
     if scene.work_of_adhesion is None or isinstance(scene.profile, Flat):
         return 0.0, external
-    size = solution.error_scales["indentation_work"] / solution.contact_radius**2
-    return -np.pi * scene.work_of_adhesion, size
+    scale = solution.error_scales["indentation_work"] / solution.contact_radius**2
+    return -np.pi * scene.work_of_adhesion, scale
 
 
 def _parts(
     solution: Solution, mesh: BodyMesh, move: Move, tell: ProgressLine
 ) -> tuple[Array, float]:
-    """Return strain energy, energy in the layer, friction and defect, and what they may miss by."""
+    """Return strain energy, energy of the layer, friction and defect, and the error of the sum."""
     points, rings = mesh.surface
-    inside = mesh.carried()
-    carried = np.abs(rings[:2]).sum(axis=0)
-    counts = np.flatnonzero(carried > _NEGLIGIBLE * carried.sum())
-    parts, missing = np.zeros(4), 0.0
-    for k, some in enumerate(np.array_split(counts, _PORTIONS)):
+    loads = rings[:2]  # pressure and traction
+    load_inside = mesh.carried()
+    moduli = np.abs(loads).sum(axis=0)
+    needed = np.flatnonzero(moduli > _NEGLIGIBLE * moduli.sum())
+    parts = np.zeros(4)
+    error = 0.0
+    for k, some in enumerate(np.array_split(needed, _PORTIONS)):
         tell("energies", k / _PORTIONS)
-        more, less = _of_rings(solution, points[some], rings[:2, some], inside[some], move)
-        parts, missing = parts + more, missing + less
+        of_rings = _of_rings(solution, points[some], loads[:, some], load_inside[some], move)
+        parts = parts + of_rings[0]
+        error = error + of_rings[1]
     tell("energies", 1.0)
-    return parts, missing
+    return parts, error
 
 
 def _of_rings(
-    solution: Solution, points: BodyPoints, rings: Array, inside: Array, move: Move
+    solution: Solution, points: BodyPoints, loads: Array, load_inside: Array, move: Move
 ) -> tuple[Array, float]:
-    """Return what some rings add to the parts, and to what these may miss by."""
-    scene, error, (pressure, traction) = solution.scene, solution.error, rings
-    moved = move(points)
-    at = {"from_edge": points.from_edge}
-    p, q = solution.pressure(**at), solution.traction(**at)
-    slip = 0.0 if solution.traction_field is None else solution.slip(**at)
-    strain = pressure * moved.z + traction * moved.r
+    """Return what some rings add to the parts, and to the error of their sum.
+
+    Parameters
+    ----------
+    solution : Solution
+    points : BodyPoints
+        The rings, as points of the surface.
+    loads : ndarray, shape (2, rings)
+        Loads of the rings, ``p s ds`` and ``q s ds``.
+    load_inside : ndarray, shape (rings,)
+        The integral of ``p s ds`` within each ring.
+    move : callable
+    """
+    scene = solution.scene
+    error = solution.error
+    normal_load, shear_load = loads
+    displacement = move(points)
+    p = solution.pressure(from_edge=points.from_edge)
+    q = solution.traction(from_edge=points.from_edge)
+    sheared = solution.traction_field is not None
+    slip = solution.slip(from_edge=points.from_edge) if sheared else 0.0
+    strain = normal_load * displacement.z + shear_load * displacement.r
     layer = np.zeros_like(strain)
     if scene.normal_compliance > 0.0:  # else p may be infinite
-        layer += scene.normal_compliance * p * pressure
+        layer += scene.normal_compliance * p * normal_load
     if scene.tangential_compliance > 0.0:
-        layer += scene.tangential_compliance * q * traction
-    friction = -traction * slip
+        layer += scene.tangential_compliance * q * shear_load
+    friction = -shear_load * slip
     defect = np.zeros_like(strain)
     if not scene.couples:
-        defect = scene.kappa * traction * inside / points.r
-    terms = np.pi * np.stack([strain, layer, friction, defect])
-    loads = (error.pressure or 0.0) + (error.traction or 0.0)
-    missing = 2.0 * loads * np.abs(terms).sum() + np.pi * (
-        (np.abs(pressure) + np.abs(traction)) @ (moved.modulus * moved.error)
-    )
-    return terms.sum(axis=1), float(missing)
+        defect = scene.kappa * shear_load * load_inside / points.r
+    parts = np.pi * np.stack([strain, layer, friction, defect])  # half of 2 pi s ds
+    # each part has two factors, which are as wrong as the loads
+    of_loads = 2.0 * ((error.pressure or 0.0) + (error.traction or 0.0)) * np.abs(parts).sum()
+    displacement_error = displacement.modulus * displacement.error
+    moduli = np.abs(normal_load) + np.abs(shear_load)
+    return parts.sum(axis=1), float(of_loads + np.pi * (moduli @ displacement_error))

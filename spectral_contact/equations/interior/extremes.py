@@ -38,29 +38,42 @@ MEASURES: dict[str, Callable[[Stress], Array]] = {
     "max_shear": lambda stress: np.asarray(stress.max_shear),
     "surface_tension": lambda stress: np.asarray(stress.principal[0]),
 }
-#: How far from the edge stress that depends on the direction alone is looked at.
+#: Distance from the edge at which the limit of the stress along a direction is evaluated: stress is
+#: given down to 1e-16.
 _AT_EDGE = 1e-15
-#: How close to an infinite pressure a place counts as it.
+#: A place that is closer than this to an infinite pressure counts as being there (chosen).
 _AT_TIP = 1e-7
-#: What the nets are accurate to.
+#: Tolerance of stress at the nodes of nets and lines (chosen).
 _COARSE = 1e-8
-#: A bracket is narrowed to this share of its place.
+#: A bracket is narrowed to this fraction of its place.
 _NARROW = 1e-9
-#: Nodes of the nets with a smaller share of the largest value are not followed up.
+#: Nodes of the nets with less than this fraction of the largest value are not followed up (chosen).
 _WORTH = 0.8
-#: So many of a net are.
+#: At most so many nodes of a net are followed up (chosen).
 _PEAKS = 3
-#: Why shear stress has no bound inside the contact.
+#: Reason for shear stress without bound inside the contact.
 _AT_TIPS = "the pressure is infinite at a tip or a corner"
 
 
 class _Found(NamedTuple):
-    """A local maximum: where it is, how fast values fall around, and over which distance."""
+    """A local maximum.
+
+    Attributes
+    ----------
+    value : float
+    at : BodyPoints
+        The one point where it is.
+    curvature : float
+        By the coordinates of the chart: at the distance x in them the value is less by
+        ``curvature x**2 / 2``.
+    scale : float
+        Length of a unit of these coordinates, over the distance from the edge.
+    """
 
     value: float
     at: BodyPoints
-    fall: float
-    share: float
+    curvature: float
+    scale: float
 
 
 def largest(name: str, solution: Solution, nu: float, stress: StressAt) -> Extreme:
@@ -92,29 +105,33 @@ def largest(name: str, solution: Solution, nu: float, stress: StressAt) -> Extre
 
 
 def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
+    """Return the largest value with the errors of it and of its place."""
     here = stress(best.at, None)
     error = float(here.error[0] * here.norm[0] / best.value) if best.value else 0.0
+    # so far from the maximum values are less than it by no more than their error
     drop = 2.0 * best.value * max(error, 1e-15)
-    place = float(np.sqrt(drop / best.fall) + _NARROW) * best.share if drop else 0.0
-    r, z = float(best.at.r[0]), float(best.at.z[0])
-    r = 0.0 if r <= max(AXIS, place * float(best.at.to_edge[0])) else r
+    place_error = float(np.sqrt(drop / best.curvature) + _NARROW) * best.scale if drop else 0.0
+    r = float(best.at.r[0])
+    z = float(best.at.z[0])
+    r = 0.0 if r <= max(AXIS, place_error * float(best.at.to_edge[0])) else r
     for tip in _tips(solution):  # at nu = 0.5 stress next to it depends on the direction alone
         away = float(distance(best.at, tip)[0])
         if away < _AT_TIP:
             remark = "supremum, approached where the pressure is infinite"
             error += 20.0 * away
             return Extreme(best.value, tip.value, 0.0, error, 0.0, attained=False, remark=remark)
-    return Extreme(best.value, r, z, error, place, attained=True, remark="attained")
+    return Extreme(best.value, r, z, error, place_error, attained=True, remark="attained")
 
 
 def _shear_grows(solution: Solution, nu: float) -> str:
-    """Return why shear stresses have no bound; nothing if they have one."""
+    """Return why shear stresses have no bound, "" if they have one."""
     if loaded_edge(solution.scene):
         if not np.isfinite(solution.pressure(1.0)):
             return "the pressure of a smooth surface is infinite at the edge"
         if solution.traction_field is not None and solution.traction(1.0) != 0.0:
             return "the stress diverges logarithmically at the edge, where the traction jumps to 0"
-    # under a pressure that is locally uniform all stresses are it, or (1 + 2 nu) / 2 of it
+    # Next to a tip or a corner the pressure p is nearly uniform, and the normal stresses are -p,
+    # -(1 + 2 nu) p/2 or -2 nu p, which are all the same at nu = 0.5.
     if nu < 0.5 and _tips(solution):
         return _AT_TIPS
     return ""
@@ -126,14 +143,15 @@ def _tips(solution: Solution) -> list[Radius]:
 
 
 def _tension_grows(solution: Solution) -> str:
-    """Return why tension on the surface has no bound at the edge; nothing if it has one.
+    """Return why tension on the surface has no bound at the edge, "" if it has one.
 
-    A traction that is outward next to the edge presses on the material before and behind it. Under
-    a profile both loads go to zero at the edge, but with adhesion.
+    Traction that pushes the surface outward next to the edge compresses it there, and traction
+    inward stretches it. Without adhesion both loads go to zero at the edge of a profile.
     """
     if not loaded_edge(solution.scene):
         return ""
-    pressure, traction = (one(1.0) for one in (solution.pressure, solution.traction))
+    pressure = solution.pressure(1.0)
+    traction = solution.traction(1.0)
     if np.isnan(pressure):
         return "pressure and traction change sign infinitely often towards the edge"
     if pressure == -np.inf:
@@ -144,70 +162,80 @@ def _tension_grows(solution: Solution) -> str:
 
 
 def _search(
-    of: Callable[[Stress], Array], solution: Solution, stress: StressAt, tension: bool
+    measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, tension: bool
 ) -> _Found:
-    """Return the largest value that is found on all charts, and at places next to them."""
+    """Return the largest value on all charts, and at the places that they end at."""
     ends = boundaries(solution)
     charts = around(ends, centre=pointed(solution))
 
-    def on(chart: Chart) -> Callable[..., Array]:
-        return lambda u, v, rtol=None: of(stress(chart.points(u, v), rtol))
+    def on_chart(chart: Chart) -> Callable[..., Array]:
+        """Return the measure as a function of the coordinates of a chart."""
+        return lambda u, v, rtol=None: measure(stress(chart.points(u, v), rtol))
 
     flat = solution.scene.profile is None
-    found = [] if flat else _at_places(of, solution, stress, ends)
-    lines = [(one, line) for one in charts for line in one.lines if line.on_surface or not tension]
-    found += [_along(chart, on(chart), line) for chart, line in lines]
+    found = [] if flat else _at_places(measure, solution, stress, ends)
+    for chart in charts:
+        lines = [line for line in chart.lines if line.on_surface or not tension]
+        found += [_along(chart, on_chart(chart), line) for line in lines]
     if not tension:
-        found += _off_lines(charts, on, max(one.value for one in found))
-    top = max(one.value for one in found)
-    return next(one for one in found if one.value >= top * (1.0 - 1e-13))
+        found += _off_lines(charts, on_chart, max(one.value for one in found))
+    largest_value = max(one.value for one in found)
+    # of values that are equal but for rounding, the first
+    return next(one for one in found if one.value >= largest_value * (1.0 - 1e-13))
 
 
 def _off_lines(
-    charts: list[Chart], on: Callable[[Chart], Callable[..., Array]], known: float
+    charts: list[Chart], on_chart: Callable[[Chart], Callable[..., Array]], on_lines: float
 ) -> list[_Found]:
-    """Return the local maxima off the boundaries of the charts that may exceed what is known."""
-    peaks = [(one, *peak) for one in charts for peak in _peaks(one, on(one))]
-    worth = _WORTH * max(known, *(value for _, value, _ in peaks))
-    high = [(chart, start) for chart, value, start in peaks if value >= worth]
-    return [one for chart, start in high for one in _climbed(chart, on(chart), start)]
+    """Return the local maxima inside the charts that may exceed the largest one on their lines."""
+    peaks = [(chart, *peak) for chart in charts for peak in _peaks(chart, on_chart(chart))]
+    least = _WORTH * max(on_lines, *(value for _, value, _ in peaks))
+    high = [(chart, start) for chart, value, start in peaks if value >= least]
+    return [one for chart, start in high for one in _climbed(chart, on_chart(chart), start)]
 
 
 def _at_places(
-    of: Callable[[Stress], Array], solution: Solution, stress: StressAt, ends: list[Radius]
+    measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, ends: list[Radius]
 ) -> list[_Found]:
     """Return the values where loads are not smooth, but stress has a limit."""
-    infinite, found = singular(solution), []
+    infinite = singular(solution)
+    found = []
     for end in ends:
         if end not in infinite:
-            one = np.array([max(end.value, AXIS)]), np.array([end.from_edge]), np.zeros(1)
-            value = float(of(stress(BodyPoints(*one), None))[0])
-            found.append(_Found(value, BodyPoints(*one), np.inf, 0.0))
+            radius = np.array([max(end.value, AXIS)])
+            point = BodyPoints(radius, np.array([end.from_edge]), np.zeros(1))
+            value = float(measure(stress(point, None))[0])
+            found.append(_Found(value, point, np.inf, 0.0))
     return found
 
 
 def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) -> _Found:
+    """Return the largest value along a line: next to the largest one on its grid."""
     grid = line.grid
 
-    def of(x: Array, rtol: float | None = None) -> Array:
+    def on_line(x: Array, rtol: float | None = None) -> Array:
         return measure(*line.both(x), rtol)
 
-    k = int(np.argmax(of(grid, _COARSE)))
-    low, high = grid[max(k - 1, 0)], grid[min(k + 1, len(grid) - 1)]
-    narrow = {"xatol": _NARROW * high}
+    k = int(np.argmax(on_line(grid, _COARSE)))
+    low = grid[max(k - 1, 0)]
+    high = grid[min(k + 1, len(grid) - 1)]
     best = minimize_scalar(
-        lambda x: -of(np.array([x]))[0], bounds=(low, high), method="bounded", options=narrow
+        lambda x: -on_line(np.array([x]))[0],
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": _NARROW * high},
     )
-    node = float(of(grid[k : k + 1])[0])
-    value, at = max((-float(best.fun), float(best.x)), (node, float(grid[k])))
+    node_value = float(on_line(grid[k : k + 1])[0])  # the maximum may be at an end of the line
+    value, at = max((-float(best.fun), float(best.x)), (node_value, float(grid[k])))
     step = 1e-3 * (high - low)
-    fall = _fall(value, of(np.clip(np.array([at - step, at + step]), grid[0], grid[-1])), step)
+    near = on_line(np.clip(np.array([at - step, at + step]), grid[0], grid[-1]))
     u, v = line.both(np.array([at]))
-    return _Found(value, chart.points(u, v), fall, chart.share(float(u[0])))
+    curvature = _curvature(value, near, step)
+    return _Found(value, chart.points(u, v), curvature, chart.scale(float(u[0])))
 
 
 def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[_Found]:
-    """Return the local maximum next to a node of a net, if it is inside the chart."""
+    """Return the local maximum next to a node of a net, none if it is not inside the chart."""
 
     def negative(x: Array) -> float:
         u, v = chart.reflected(float(x[0]), float(x[1]))
@@ -215,23 +243,26 @@ def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[
 
     options = {"xatol": _NARROW, "fatol": 1e-15, "initial_simplex": start + 0.03 * _SIMPLEX}
     best = minimize(negative, start, method="Nelder-Mead", options=options)
-    u, v = float(best.x[0]), float(best.x[1])
+    u = float(best.x[0])
+    v = float(best.x[1])
     if not chart.inside(u, v):
         return []
-    near = [-negative(best.x + 1e-3 * step) for step in np.vstack([_CROSS, -_CROSS])]
+    step = 1e-3
+    near = [-negative(best.x + step * direction) for direction in np.vstack([_CROSS, -_CROSS])]
     u, v = chart.reflected(u, v)
     at = chart.points(np.array([u]), np.array([v]))
-    return [_Found(-float(best.fun), at, _fall(-best.fun, near, 1e-3), chart.share(u))]
+    return [_Found(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u))]
 
 
+#: The first simplex of the method of Nelder and Mead, and the directions of the two coordinates.
 _SIMPLEX = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 _CROSS = np.eye(2)
 
 
 def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Array]]:
-    """Return the largest nodes of a net that no neighbour exceeds, with their values."""
-    u, v = (one.ravel() for one in np.meshgrid(*chart.net, indexing="ij"))
-    rows, columns = (len(one) for one in chart.net)
+    """Return values and coordinates of the largest nodes of a net that no neighbour exceeds."""
+    u, v = (coordinate.ravel() for coordinate in np.meshgrid(*chart.net, indexing="ij"))
+    rows, columns = (len(coordinate) for coordinate in chart.net)
     values = measure(u, v, _COARSE).reshape(rows, columns)
     padded = np.pad(values, 1, constant_values=-np.inf)
     shifts = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
@@ -241,18 +272,18 @@ def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Arr
     return [(float(values.flat[k]), np.array([u[k], v[k]])) for k in order]
 
 
-def _fall(value: float, around: object, step: float) -> float:
-    """Return the least curvature from values around; steps are in tau or sigma."""
+def _curvature(value: float, around: object, step: float) -> float:
+    """Return the least curvature at a maximum, from values around it at a step of a coordinate."""
     drop = float(np.min(value - np.asarray(around)))
     return max(2.0 * drop / step**2, 1e-12 * abs(value))
 
 
 def _edge(
-    of: Callable[[Stress], Array], solution: Solution, stress: StressAt, on_surface: bool
+    measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, on_surface: bool
 ) -> tuple[float, float]:
     """Return the largest limit at the edge over all directions, and its relative error."""
     pressure = float(solution.pressure(1.0))
-    if not np.isfinite(pressure):  # then it is the free surface that may matter
+    if not np.isfinite(pressure):  # then only the stress of the free surface has a limit
         angles = np.array([np.pi])
     else:
         angles = np.array([0.0, np.pi]) if on_surface else np.linspace(0.0, np.pi, 181)
@@ -262,16 +293,17 @@ def _edge(
         z = np.where(np.isin(theta, (0.0, np.pi)), 0.0, _AT_EDGE * np.sin(theta))
         return stress(BodyPoints(1.0 - d, d, z), None)
 
-    values = of(at(angles))
+    values = measure(at(angles))
     best = angles[int(np.argmax(values))]
     if not on_surface:
         bounds = max(best - np.pi / 180.0, 0.0), min(best + np.pi / 180.0, np.pi)
         best = minimize_scalar(
-            lambda x: -float(of(at(np.array([x])))[0]), bounds=bounds, method="bounded"
+            lambda x: -float(measure(at(np.array([x])))[0]), bounds=bounds, method="bounded"
         ).x
     there = at(np.array([best]))
-    value = float(max(of(there)[0], values.max()))
-    # what is left of the way to the edge changes the stress by d ln d over the layer's width
+    value = float(max(measure(there)[0], values.max()))
+    # At the distance d from the edge the stress differs from its limit by about d ln d over the
+    # width of the layer; ln d is less than 40 in modulus. On a smooth surface by sqrt(d).
     size = 1.0 if solution.scene.profile is None else solution.contact_radius
     width = max(solution.scene.normal_compliance / size, 1e-300)
     away = _AT_EDGE * (1.0 + 40.0 / width) if np.isfinite(pressure) else np.sqrt(_AT_EDGE)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from spectral_contact.equations.interior.body import Inside
     from spectral_contact.solution import Solution
 
-#: Columns of a table but for the places, and what they mean.
+#: Columns of a table other than the places, with what they are.
 QUANTITIES = {
     "u_r": "displacement outward",
     "u_z": "displacement into the body",
@@ -35,14 +35,14 @@ QUANTITIES = {
     "displacement_error": "estimated error of u_r and u_z, relative to its length",
     "stress_error": "estimated error of the stresses, relative to their Frobenius norm",
 }
-#: Files of a table or, in NetCDF, of a grid.
+#: Suffixes of files: two of a table, and NetCDF of a grid.
 SUFFIXES: Final = (".csv", ".npz", ".nc")
-#: How far points may be, in radii of the punch; seventh powers of distances are formed.
+#: How far away points may be, in contact radii: seventh powers of distances must not overflow.
 _FARTHEST = 1e30
 
 
 class UnitNames(NamedTuple):
-    """What the units of places, displacements and stresses are called."""
+    """Names of the units of places, displacements and stresses."""
 
     place: str
     displacement: str
@@ -59,7 +59,7 @@ _PAPER = UnitNames("a", "4 (1 - nu^2) P / (a E)", "P / a^2")
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What places, stresses and displacements over the contact radius are multiplied by.
+    """Factors of places, stresses and displacements from those over the contact radius.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ def si_units(length: float, stress: float, displacement: float) -> Units:
 
 
 def scaled_lengths(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
-    """Return lengths over the radius of the punch."""
+    """Return lengths over the contact radius, after `checked_lengths`."""
     return np.asarray(checked_lengths(name, values, units, high) / units.length + 0.0)
 
 
@@ -114,16 +114,18 @@ def columns(body: Inside, r: Array, z: Array, rtol: float | None) -> dict[str, A
     rtol : float or None
         As for `Inside.stress`.
     """
-    moved = body.displacement(r, z, rtol=rtol)
+    displacement = body.displacement(r, z, rtol=rtol)
     refused = body.is_singular(r, z)
-    own = body.stress(r, np.where(refused, body.radius, z), rtol=rtol)
-    stresses = {f"sigma_{part}": getattr(own, part) for part in ("rr", "tt", "zz", "rz")}
-    stresses |= {name: getattr(own, name) for name in ("von_mises", "max_shear", "mean")}
-    stresses |= {f"principal_{k + 1}": one for k, one in enumerate(own.principal)}
-    stresses["stress_error"] = own.error
-    found = {"u_r": moved.r, "u_z": moved.z, "displacement_error": moved.error}
-    found |= {name: np.where(refused, np.nan, one) for name, one in stresses.items()}
-    return {name: np.asarray(found[name]) for name in QUANTITIES}
+    # in place of points that `stress` refuses, some that it does not
+    stress = body.stress(r, np.where(refused, body.radius, z), rtol=rtol)
+    stresses = {f"sigma_{part}": getattr(stress, part) for part in ("rr", "tt", "zz", "rz")}
+    stresses |= {name: getattr(stress, name) for name in ("von_mises", "max_shear", "mean")}
+    stresses |= {f"principal_{k + 1}": values for k, values in enumerate(stress.principal)}
+    stresses["stress_error"] = stress.error
+    named = {"u_r": displacement.r, "u_z": displacement.z}
+    named["displacement_error"] = displacement.error
+    named |= {name: np.where(refused, np.nan, values) for name, values in stresses.items()}
+    return {name: np.asarray(named[name]) for name in QUANTITIES}
 
 
 def unit_of(name: str, units: UnitNames) -> str:
@@ -137,15 +139,18 @@ def unit_of(name: str, units: UnitNames) -> str:
 
 def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Dataset:
     """Return all columns over the grid of radii and depths, if xarray is installed."""
-    made = optional("xarray", "sweep").Dataset
-    found = columns(body, *np.meshgrid(r, z), rtol)
+    make_dataset = optional("xarray", "sweep").Dataset
+    values = columns(body, *np.meshgrid(r, z), rtol)
     units = body.unit_names
-    about = {**QUANTITIES, "r": "distance from the axis", "z": "depth"}
-    said = {name: {"long_name": one, "units": unit_of(name, units)} for name, one in about.items()}
-    variables = {name: (("z", "r"), one, said[name]) for name, one in found.items()}
-    axes = {name: (name, one, said[name]) for name, one in (("r", r), ("z", z))}
-    found_there: xarray.Dataset = made(variables, axes, {"title": "inside the body"})
-    return found_there
+    long_names = {**QUANTITIES, "r": "distance from the axis", "z": "depth"}
+    attributes = {
+        name: {"long_name": long_name, "units": unit_of(name, units)}
+        for name, long_name in long_names.items()
+    }
+    variables = {name: (("z", "r"), grid, attributes[name]) for name, grid in values.items()}
+    axes = {name: (name, places, attributes[name]) for name, places in (("r", r), ("z", z))}
+    made: xarray.Dataset = make_dataset(variables, axes, {"title": "inside the body"})
+    return made
 
 
 def as_csv(table: dict[str, Array], units: UnitNames) -> bytes:

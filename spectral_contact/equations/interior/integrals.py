@@ -1,4 +1,8 @@
-"""Integrals of ring loads over the contact, with the size of their terms and two rules compared."""
+"""Integrals of ring loads over the contact, with estimates of their errors.
+
+The sums of the moduli of all terms say what errors of the loads, and rounding, do to an integral;
+the difference of two rules is the error of quadrature.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +17,11 @@ from spectral_contact.equations.interior.mesh import BodyMesh, BodyPoints, MeshN
 from spectral_contact.equations.interior.ring_loads import Geometry, geometry
 from spectral_contact.fields import Array
 
+#: The fields of rings of unit load at points, such as `ring_loads.normal_stress`.
 Kernel = Callable[[Geometry, float], tuple[Array, ...]]
 Kernels = tuple[Kernel, ...]
 
+#: Rounding of a term, relative (chosen).
 _ROUNDING = 4.0 * float(np.finfo(float).eps)
 
 
@@ -27,8 +33,8 @@ class Integrals:
     ----------
     values : ndarray
     of_pressure, of_traction : ndarray
-        The same with the moduli of all terms, for each load by itself; and with a load that is at
-        least what `floors` says.
+        Sums of the moduli of the terms of either load, whose moduli count for at least the
+        `floors` of `integrate`.
     quadrature : ndarray
         Estimated error of quadrature and rounding.
     """
@@ -40,40 +46,56 @@ class Integrals:
 
     @classmethod
     def empty(cls, count: int) -> Integrals:
-        """Return places for the integrals at so many points."""
+        """Return arrays for the integrals at so many points, to be filled with `put`."""
         return cls(*np.zeros((4, 4, count)))
 
-    def put(self, which: NDArray[np.bool_], those: Integrals) -> None:
-        """Fill in the integrals of some points."""
-        self.values[:, which] = those.values
-        self.of_pressure[:, which] = those.of_pressure
-        self.of_traction[:, which] = those.of_traction
-        self.quadrature[:, which] = those.quadrature
+    def put(self, which: NDArray[np.bool_], other: Integrals) -> None:
+        """Fill in the integrals at some of the points."""
+        self.values[:, which] = other.values
+        self.of_pressure[:, which] = other.of_pressure
+        self.of_traction[:, which] = other.of_traction
+        self.quadrature[:, which] = other.quadrature
 
 
 def _sums(
     mesh: BodyMesh, points: BodyPoints, kernels: Kernels, nu: float, floors: tuple[float, float]
 ) -> tuple[Array, Array]:
-    """Return the integrals by each rule, and for each load those of the moduli by the first."""
+    """Return the integrals by each rule, and those of the moduli of each load by the first.
+
+    The shapes are (rules, components, points) and (loads, components, points).
+    """
     depth = np.where(points.on_surface, 0.0, points.z)
-    values, sizes = np.zeros((mesh.rules, 4, len(depth))), np.zeros((2, 4, len(depth)))
+    values = np.zeros((mesh.rules, 4, len(depth)))
+    moduli = np.zeros((2, 4, len(depth)))
     for block, parts in mesh.rows(points):
-        some, lengths = points[block], np.concatenate([_lengths(part) for part in parts])
+        block_points = points[block]
+        # nodes of every rule in every row, rule after rule and row after row
+        lengths = np.concatenate([_lengths(part) for part in parts])
         owner = np.concatenate([part.owner for part in parts])
-        wanted = range(2, 7 if any(floors) else 6)
-        s, ahead, *loads = (np.concatenate([np.ravel(p[k]) for p in parts]) for k in wanted)
-        nodes = np.repeat(owner, lengths.reshape(-1, mesh.rules).sum(axis=1))
-        rings = geometry(some.r[nodes], depth[block][nodes], s, ahead)
-        add = _Adder(owner, np.cumsum(lengths) - lengths, len(some.r), mesh.rules)
-        for kernel, load, moduli, floor in zip(kernels, loads, sizes, floors, strict=False):
-            for k, share in enumerate(kernel(rings, nu)):
-                terms = share * load
+        s = _joined([part.s for part in parts])
+        ahead = _joined([part.ahead for part in parts])
+        loads = [
+            _joined([part.pressure for part in parts]),
+            _joined([part.traction for part in parts]),
+        ]
+        area = _joined([part.area for part in parts]) if any(floors) else None
+        point_of_node = np.repeat(owner, lengths.reshape(-1, mesh.rules).sum(axis=1))
+        rings = geometry(block_points.r[point_of_node], depth[block][point_of_node], s, ahead)
+        add = _Adder(owner, np.cumsum(lengths) - lengths, len(block_points.r), mesh.rules)
+        for j, (kernel, load, floor) in enumerate(zip(kernels, loads, floors, strict=False)):
+            for k, field in enumerate(kernel(rings, nu)):
+                terms = field * load
                 values[:, k, block] += add.of_each_rule(terms)
                 terms = np.abs(terms, out=terms)
-                if floor > 0.0:
-                    terms = np.maximum(terms, floor * np.abs(share * loads[2]))
-                moduli[k, block] += add.of_the_first(terms)
-    return values, sizes
+                if area is not None and floor > 0.0:
+                    terms = np.maximum(terms, floor * np.abs(field * area))
+                moduli[j, k, block] += add.of_the_first(terms)
+    return values, moduli
+
+
+def _joined(arrays: list[Array]) -> Array:
+    """Return all numbers of some arrays."""
+    return np.concatenate([np.ravel(array) for array in arrays])
 
 
 class _Adder(NamedTuple):
@@ -84,9 +106,9 @@ class _Adder(NamedTuple):
     owner : ndarray of int
         The point of each row.
     starts : ndarray of int
-        Where the nodes of each rule begin in each row.
+        Where the nodes of each rule begin in each row, as an index of all nodes.
     points, rules : int
-        How many there are.
+        Numbers of points and of rules.
     """
 
     owner: NDArray[np.intp]
@@ -95,19 +117,19 @@ class _Adder(NamedTuple):
     rules: int
 
     def of_each_rule(self, terms: Array) -> Array:
-        """Return the sums of the points, by rule."""
-        each = np.add.reduceat(terms, self.starts)
-        rows = [each[k :: self.rules] for k in range(self.rules)]
+        """Return the sums at the points by each rule, (rules, points)."""
+        row_sums = np.add.reduceat(terms, self.starts)
+        rows = [row_sums[k :: self.rules] for k in range(self.rules)]
         return np.array([np.bincount(self.owner, row, minlength=self.points) for row in rows])
 
     def of_the_first(self, terms: Array) -> Array:
-        """Return the sums of the points by the first rule."""
-        each = np.add.reduceat(terms, self.starts)[:: self.rules]
-        return np.bincount(self.owner, each, minlength=self.points).astype(float, copy=False)
+        """Return the sums at the points by the first rule."""
+        row_sums = np.add.reduceat(terms, self.starts)[:: self.rules]
+        return np.bincount(self.owner, row_sums, minlength=self.points).astype(float, copy=False)
 
 
 def _lengths(rows: MeshNodes) -> NDArray[np.intp]:
-    """Return how many nodes each row has of each rule."""
+    """Return the number of nodes of each rule in each row, row after row."""
     return np.tile(rows.counts, len(rows.owner))
 
 
@@ -123,16 +145,16 @@ def integrate(
     Parameters
     ----------
     mesh : BodyMesh
-        With the rule that is used, and one that it is compared with; without, `quadrature` is
-        rounding alone.
+        With the rule that is used and, last, the one that it is compared with. With one rule only,
+        `quadrature` is rounding alone.
     points : BodyPoints
     kernels : tuple of callable
-        Of rings of pressure and of traction; the first alone for a contact without traction.
+        For rings of pressure and of traction; only the first for a contact without traction.
     nu : float
         Poisson's ratio.
     floors : tuple of float
-        What pressure and traction count for at least, where their moduli are summed.
+        Least moduli of pressure and of traction in the sums of moduli.
     """
-    values, sizes = _sums(mesh, points, kernels, nu, floors)
-    quadrature = np.abs(values[0] - values[-1]) + _ROUNDING * (sizes[0] + sizes[1])
-    return Integrals(values[0], sizes[0], sizes[1], quadrature)
+    values, moduli = _sums(mesh, points, kernels, nu, floors)
+    quadrature = np.abs(values[0] - values[-1]) + _ROUNDING * (moduli[0] + moduli[1])
+    return Integrals(values[0], moduli[0], moduli[1], quadrature)

@@ -1,4 +1,4 @@
-"""Where the loads of a solution are not smooth, and where stress has no limit for that."""
+"""Where the loads of a solution are not smooth, and where therefore stress has no limit."""
 
 from __future__ import annotations
 
@@ -16,18 +16,21 @@ if TYPE_CHECKING:
     from spectral_contact.scene import Scene
     from spectral_contact.solution import Solution
 
-#: E-folds of the panels towards the edge, where the loads are bounded and where they are not.
-_BOUNDED_FOLDS, _SINGULAR_FOLDS = 60, 115
-#: How close to such a place stresses are given: closer, the panels at the edge do not reach.
+#: E-folds of the panels towards the edge where the loads are bounded: down to 1e-26.
+_BOUNDED_FOLDS = 60
+#: The same where they may be infinite: down to 1e-50.
+_SINGULAR_FOLDS = 115
+#: Stresses are refused at points that are closer to a place where they have no limit.
 _CLOSEST = 1e-16
-#: By how much a radius is moved that cannot be told from where the pressure is infinite.
+#: A radius at which a pressure is infinite by rounding only is moved inward by this, relative.
 _NUDGE = 4e-16
-#: Roundings of a radius, over the distance from it, that a stress misses by where the pressure is
-#: infinite (measured: 0.6).
+#: Relative error of a stress next to an infinite pressure: this many roundings of the radius, over
+#: the distance from it (measured: 0.6).
 _AT_INFINITE = 3.0
-#: At other boundaries roundings, over the root of the distance (measured: 0.02), and what the
-#: boundary may be wrong by, over the same (0.4).
-_AT_OTHERS, _MOVED = 0.1, 1.0
+#: Next to other boundaries: this many roundings, over the root of the distance (measured: 0.02).
+_AT_OTHERS = 0.1
+#: And this many errors of the boundary, over the same root (measured: 0.4).
+_BY_BOUNDARY = 1.0
 _ROUNDING = float(np.finfo(float).eps)
 
 
@@ -44,7 +47,10 @@ def boundaries(solution: Solution) -> list[Radius]:
 
 
 def pointed(solution: Solution) -> bool:
-    """Return whether loads are not smooth at the centre: under a tip, or since contact began."""
+    """Return whether loads are not smooth at the centre.
+
+    They are not under a tip. Nor is the traction of a contact that has grown from the centre.
+    """
     profile = solution.scene.profile
     return profile is not None and (profile.pointed or solution.traction_field is not None)
 
@@ -52,9 +58,9 @@ def pointed(solution: Solution) -> bool:
 def grading(solution: Solution) -> Grading:
     """Return the ends of the panels over the contact."""
     scene = solution.scene
-    smooth = scene.normal_compliance == 0.0
-    smooth |= solution.traction_field is not None and scene.tangential_compliance == 0.0
-    infinite = smooth and loaded_edge(scene)
+    without_layer = scene.normal_compliance == 0.0
+    without_layer |= solution.traction_field is not None and scene.tangential_compliance == 0.0
+    infinite = without_layer and loaded_edge(scene)
     folds = _SINGULAR_FOLDS if infinite else _BOUNDED_FOLDS
     return graded(boundaries(solution), folds, folds if pointed(solution) else 0)
 
@@ -68,8 +74,8 @@ def loaded_edge(scene: Scene) -> bool:
 def singular(solution: Solution) -> list[Radius]:
     """Return where stress is infinite, or depends on the direction.
 
-    That is the edge of a flat punch, or with adhesion; under a profile, where pressure goes to zero
-    at the edge, the tip of a cone or the corner of a truncated one, on a smooth surface.
+    One such place is the edge, of a flat punch or with adhesion. On a smooth surface under a
+    profile the others are tips and corners, at which the pressure is infinite.
     """
     edge = [EDGE] * loaded_edge(solution.scene)
     if solution.scene.profile is None:
@@ -77,21 +83,26 @@ def singular(solution: Solution) -> list[Radius]:
     field = solution.pressure_field
     assert field is not None
     inner = boundaries(solution)[:-1]
-    values = [field(np.array(b.value), np.array(b.from_edge)) for b in inner]
-    return edge + [b for b, value in zip(inner, values, strict=True) if not np.isfinite(value)]
+    pressures = [field(np.array(place.value), np.array(place.from_edge)) for place in inner]
+    return edge + [place for place, p in zip(inner, pressures, strict=True) if not np.isfinite(p)]
 
 
 def finite(load: Evaluator) -> Evaluator:
-    """Return a load that is finite where its radius is that of a corner but for rounding."""
+    """Return a load that is finite inside the edge.
 
-    def nudged(s: Array, from_edge: Array) -> Array:
+    A radius next to a corner may round to that of the corner, at which the load is infinite; there
+    it is evaluated a few roundings farther inward.
+    """
+
+    def finite_load(s: Array, from_edge: Array) -> Array:
         values = np.asarray(load(s, from_edge))
-        at = np.isinf(values) & (from_edge > 0.0)
-        if at.any():
-            values[at] = load(s[at] * (1.0 - _NUDGE), from_edge[at] + _NUDGE * s[at])
+        infinite = np.isinf(values) & (from_edge > 0.0)
+        if infinite.any():
+            inward = s[infinite] * (1.0 - _NUDGE)
+            values[infinite] = load(inward, from_edge[infinite] + _NUDGE * s[infinite])
         return values
 
-    return nudged
+    return finite_load
 
 
 def distance(points: BodyPoints, place: Radius) -> Array:
@@ -100,7 +111,7 @@ def distance(points: BodyPoints, place: Radius) -> Array:
 
 
 def within(points: BodyPoints, places: list[Radius]) -> NDArray[np.bool_]:
-    """Return which points are as good as at one of some places."""
+    """Return which points are so close to one of some places that stresses are refused."""
     found = np.zeros(len(points.r), dtype=bool)
     for place in places:
         found |= distance(points, place) < _CLOSEST
@@ -108,22 +119,26 @@ def within(points: BodyPoints, places: list[Radius]) -> NDArray[np.bool_]:
 
 
 def lost(points: BodyPoints, solution: Solution) -> Array:
-    """Return by how much stress is in doubt next to boundaries of zones, relative to it.
+    """Return the relative error of stress that the places of zone boundaries cause.
 
-    There loads are evaluated at radii that are rounded, and the boundaries themselves are only
-    known to their own error. At a boundary loads go like the root of the distance, beyond the
-    width of a tangential layer. At corners they go like its logarithm, and the place of a corner
-    over the contact radius is rounded, too. At a corner itself nothing is in doubt.
+    Next to a boundary loads are evaluated at rounded radii, and the boundary itself is only known
+    to its own error. Loads vary there like the root of the distance, beyond the width of a
+    tangential layer. At a corner they vary like the logarithm of the distance, and the place of the
+    corner over the contact radius is rounded, too. A point at the corner itself has no such error.
     """
-    found, infinite, scene = np.zeros(len(points.r)), singular(solution), solution.scene
+    found = np.zeros(len(points.r))
+    infinite = singular(solution)
+    scene = solution.scene
     flat = scene.profile is None
     layer = scene.tangential_compliance / (1.0 if flat else solution.contact_radius)
     for place in boundaries(solution)[1:-1]:
-        size, away = min(place.value, place.from_edge), distance(points, place)
+        size = min(place.value, place.from_edge)
+        away = distance(points, place)
         if place in infinite:
             ratio = np.maximum(away / size, _ROUNDING)
             found += np.where(away > 0.0, _AT_INFINITE * _ROUNDING / ratio, 0.0)
         else:
-            wrong = _AT_OTHERS * _ROUNDING + _MOVED * min(solution.error.zones or 0.0, 1.0)
-            found += wrong / np.sqrt(np.maximum((away + layer) / size, wrong))
+            of_boundary = _BY_BOUNDARY * min(solution.error.zones or 0.0, 1.0)
+            moved = _AT_OTHERS * _ROUNDING + of_boundary
+            found += moved / np.sqrt(np.maximum((away + layer) / size, moved))
     return found

@@ -63,8 +63,8 @@ class Stress:
     @property
     def von_mises(self) -> Any:
         """Equivalent stress of von Mises."""
-        apart = (self.rr - self.tt) ** 2 + (self.tt - self.zz) ** 2 + (self.zz - self.rr) ** 2
-        return np.sqrt(apart / 2.0 + 3.0 * self.rz**2)
+        squares = (self.rr - self.tt) ** 2 + (self.tt - self.zz) ** 2 + (self.zz - self.rr) ** 2
+        return np.sqrt(squares / 2.0 + 3.0 * self.rz**2)
 
     @property
     def principal(self) -> Array:
@@ -106,15 +106,15 @@ class Surface:
 
 @dataclass(frozen=True, slots=True)
 class Energies:
-    """How the work of a load that grows in proportion is divided, in the units of the solution.
+    """Balance of the energies of a solution, in its units.
 
-    Dimensionless, an energy is over ``4 (1 - nu**2) P**2 / (a E)``, the load times the unit of
-    the approach.
+    A dimensionless energy is over ``4 (1 - nu**2) P**2 / (a E)``, the load times the unit of the
+    approach.
 
     Attributes
     ----------
     external : float
-        Work of the load, half of load times approach.
+        Work of the load; half of load times approach under a flat punch.
     strain : float
         Elastic energy of the body: half the work of pressure and traction on its displacements.
     layer : float
@@ -142,7 +142,7 @@ class Energies:
 
     @property
     def balance(self) -> float:
-        """What is left of `external` after the others; zero but for errors."""
+        """The rest of `external` after all the others; zero except for errors."""
         stored = self.strain + self.layer + self.surface
         return self.external - stored - self.friction - self.defect
 
@@ -156,15 +156,15 @@ class Extreme:
     value : float or None
         None where it has no bound.
     r, z : float
-        Where it is, or which place it is approached at.
+        Where it is, or the place at which it is approached.
     error : float or None
         Estimated error of the value, relative to it.
     place_error : float or None
         Estimated error of the place, relative to its distance from the edge.
     attained : bool
-        Whether there is such a place; else `value` is the supremum, or there is none.
+        Whether the stress has this value at a point; else `value` is the supremum, or None.
     remark : str
-        This in words.
+        Whether it is attained, and else why not, in words.
     """
 
     value: float | None

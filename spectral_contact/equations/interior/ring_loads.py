@@ -1,9 +1,10 @@
 """A ring of normal or radial load on the half-space: its stresses and displacements in the body.
 
-Each is a Lipschitz-Hankel integral ``int J_m(k s) J_n(k r) exp(-k z) k**l dk``, written so that
-what vanishes at the surface has its factor ``z`` in front, and nothing is divided by a small
-radius. All are for unit load per length of the radius, that is, to be integrated with
-``p s ds`` or ``q s ds``; ``G = 2 (1 - nu)`` in the units of the paper.
+Each is made of Lipschitz-Hankel integrals ``I(m, n; l) = int J_m(k s) J_n(k r) exp(-k z) k**l dk``,
+written so that what vanishes at the surface has its factor ``z`` in front, and nothing is divided
+by a small radius (docs/inside, docs/stress). All are to be integrated with ``p s ds`` or
+``q s ds``; ``G = 2 (1 - nu)`` in the units of the paper. The *harmonic sum* is e of docs/stress:
+the sum of the normal stresses is ``-2 (1 + nu) e``.
 """
 
 from __future__ import annotations
@@ -17,7 +18,11 @@ from spectral_contact.equations.interior.elliptic import Elliptic, elliptic, sol
 from spectral_contact.fields import Array
 
 _TWO_OVER_PI = 2.0 / np.pi
-_FEW_NODES, _FEW_WEIGHTS = np.polynomial.legendre.leggauss(4)
+#: Gauss's rule for means over a disk next to the axis.
+_DISK_NODES, _DISK_WEIGHTS = np.polynomial.legendre.leggauss(4)
+#: A disk is next to the axis if the square of its radius is below this fraction of that of its
+#: distance from the ring: there four nodes are enough.
+_NEAR_AXIS = 0.04
 
 
 class Geometry(NamedTuple):
@@ -55,47 +60,63 @@ def geometry(r: Array, z: Array, s: Array, ahead: Array) -> Geometry:
 
 
 def _slope(g: Geometry) -> tuple[Array, Array]:
-    """Return the derivatives of ``h = (2/pi) E / (a b2)`` with respect to r and to s."""
-    own, cube = g.own, g.a * g.a2
-    common = -own.e * (g.r + g.s) / (cube * g.b2)
-    apart = 2.0 * own.e * g.ahead / (g.a * g.b2**2)
-    across = g.ahead * (g.r + g.s)
-    inward = -2.0 * own.d * g.s * (g.z**2 - across) / (cube * g.a2 * g.b2)
-    outward = -2.0 * own.d * g.r * (g.z**2 + across) / (cube * g.a2 * g.b2)
-    return _TWO_OVER_PI * (inward + common - apart), _TWO_OVER_PI * (outward + common + apart)
+    """Return the derivatives of ``h = (2/pi) E / (a b2)`` with respect to r and to s.
+
+    ``z h`` is ``I(0, 0; 1)``.
+    """
+    own = g.own
+    cube = g.a * g.a2
+    difference_of_squares = g.ahead * (g.r + g.s)
+    # by the factors 1/a, 1/b2 and E, of which dE/dm is -D/2
+    by_a = -own.e * (g.r + g.s) / (cube * g.b2)
+    by_b2 = 2.0 * own.e * g.ahead / (g.a * g.b2**2)
+    e_by_r = -2.0 * own.d * g.s * (g.z**2 - difference_of_squares) / (cube * g.a2 * g.b2)
+    e_by_s = -2.0 * own.d * g.r * (g.z**2 + difference_of_squares) / (cube * g.a2 * g.b2)
+    return _TWO_OVER_PI * (e_by_r + by_a - by_b2), _TWO_OVER_PI * (e_by_s + by_a + by_b2)
 
 
 def _mean_flux(g: Geometry) -> Array:
-    """Return ``I(0, 1; 0) / r``: the part of a ring's load that flows through a disk below it."""
-    near_axis = g.r**2 < 0.04 * (g.s**2 + g.z**2)
+    """Return ``I(0, 1; 0) / r``: half of the mean of ``I(0, 0; 1)`` over the disk of radius r.
+
+    It follows from the solid angle of the disk, but not next to the axis, where the quotient of two
+    small numbers would lose digits.
+    """
+    near_axis = g.r**2 < _NEAR_AXIS * (g.s**2 + g.z**2)
     result = np.empty(g.s.shape)
     if near_axis.any():
         result[near_axis] = _flux_near_axis(g.r[near_axis], g.z[near_axis], g.s[near_axis])
     far = ~near_axis
     if far.any():
-        own, r = Elliptic(*(part[far] for part in g.own)), g.r[far]
-        result[far] = solid_angle(own, g.z[far], g.a[far], g.ahead[far], r + g.s[far]) / r**2
+        integrals = Elliptic(*(part[far] for part in g.own))
+        r = g.r[far]
+        angle = solid_angle(integrals, g.z[far], g.a[far], g.ahead[far], r + g.s[far])
+        result[far] = angle / r**2
     return result
 
 
 def _flux_near_axis(r: Array, z: Array, s: Array) -> Array:
-    """Return the mean over the disk of half the stress, which is smooth there."""
-    radius = r[:, None] * np.sqrt(0.5 + _FEW_NODES / 2.0)
-    s, z = s[:, None], z[:, None]
-    a2, b2 = (radius + s) ** 2 + z**2, (radius - s) ** 2 + z**2
+    """Return half of the mean of ``I(0, 0; 1)`` over disks, by Gauss's rule in the area."""
+    radius = r[:, None] * np.sqrt(0.5 + _DISK_NODES / 2.0)
+    s = s[:, None]
+    z = z[:, None]
+    a2 = (radius + s) ** 2 + z**2
+    b2 = (radius - s) ** 2 + z**2
     flux = z * ellipe(4.0 * radius * s / a2) / (np.sqrt(a2) * b2)
-    return np.asarray(_TWO_OVER_PI * (flux @ (_FEW_WEIGHTS / 4.0)))
+    return np.asarray(_TWO_OVER_PI * (flux @ (_DISK_WEIGHTS / 4.0)))
 
 
 def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
     """Return zz, rz, ``2 G u_r / r`` and the harmonic sum ``e``, for a ring of pressure."""
-    own, cube = g.own, g.a * g.a2
+    own = g.own
+    cube = g.a * g.a2
     harmonic = _TWO_OVER_PI * g.z * own.e / (g.a * g.b2)
-    push = 2.0 * own.e / (g.a * g.b2**2) + (2.0 * own.e - own.k) / (cube * g.b2)
-    zz = -_TWO_OVER_PI * g.z**3 * push
+    # I(0, 0; 1) + z I(0, 0; 2) over (2/pi) z**3
+    axial = 2.0 * own.e / (g.a * g.b2**2) + (2.0 * own.e - own.k) / (cube * g.b2)
+    zz = -_TWO_OVER_PI * g.z**3 * axial
     rz = g.z**2 * _slope(g)[0]
-    bulge = own.k + 4.0 * g.s**2 / g.a2 * own.c + 4.0 * g.s * own.b * g.ahead / g.b2
-    hoop = _TWO_OVER_PI * g.z / cube * bulge
+    # I(0, 1; 1) / r, over 2/(pi a**3)
+    radial = own.k + 4.0 * g.s**2 / g.a2 * own.c + 4.0 * g.s * own.b * g.ahead / g.b2
+    hoop = _TWO_OVER_PI * g.z / cube * radial
     if nu < 0.5:
         hoop = hoop - (1.0 - 2.0 * nu) * _mean_flux(g)
     return zz, rz, hoop, harmonic
@@ -103,34 +124,46 @@ def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
 
 def radial_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
     """Return zz, rz, ``2 G u_r / r`` and the harmonic sum ``e``, for a ring of traction."""
-    own, cube = g.own, g.a * g.a2
+    own = g.own
+    cube = g.a * g.a2
     zz = -(g.z**2) * _slope(g)[1]
-    across = g.ahead * (g.r + g.s)
-    harmonic = (
-        -_TWO_OVER_PI / cube * (own.k * (g.r + g.s) - 2.0 * g.r * own.b * (across + g.z**2) / g.b2)
-    )
-    near = 2.0 * own.d_less_c - own.b
-    hoop = (
-        _TWO_OVER_PI
-        * 4.0
-        * g.s
-        / cube
-        * (2.0 * (1.0 - nu) * own.c - g.z**2 * (near / g.b2 + own.c / g.a2))
-    )
-    return zz, -_shear(g, near), hoop, harmonic
+    squares = g.ahead * (g.r + g.s) + g.z**2  # r**2 - s**2 + z**2
+    harmonic = -_TWO_OVER_PI / cube * (own.k * (g.r + g.s) - 2.0 * g.r * own.b * squares / g.b2)
+    mc_slope = 2.0 * own.d_less_c - own.b
+    # I(1, 1; 0) / r and z I(1, 1; 1) / r, over 8 s/(pi a**3)
+    at_surface = 2.0 * (1.0 - nu) * own.c
+    with_depth = g.z**2 * (mc_slope / g.b2 + own.c / g.a2)
+    hoop = _TWO_OVER_PI * 4.0 * g.s / cube * (at_surface - with_depth)
+    return zz, -_shear(g, mc_slope), hoop, harmonic
 
 
-def _shear(g: Geometry, near: Array) -> Array:
-    """Return ``I(1,1;1) - z I(1,1;2)``."""
-    own, cube = g.own, g.a * g.a2
+def _shear(g: Geometry, mc_slope: Array) -> Array:
+    """Return ``I(1, 1; 1) - z I(1, 1; 2)``.
+
+    The first is minus the derivative of ``I(1, 1; 0) = (2/pi) m C/a`` by z, and the second minus
+    that of the first.
+
+    Parameters
+    ----------
+    g : Geometry
+    mc_slope : ndarray
+        ``2 D - 2 C - B``, which is ``2 (1 - m) d(m C)/dm``.
+    """
+    own = g.own
+    cube = g.a * g.a2
     m = own.m
+    # derivatives by m
     d_slope = own.d_less_c / (2.0 * own.rest)
     b_slope = own.b / (2.0 * own.rest) - d_slope
-    c_slope = near / (2.0 * own.rest) - own.c  # this and the next are m times the derivatives
-    near_slope = m * (2.0 * d_slope - b_slope) - 2.0 * c_slope
-    value = near / (g.a * g.b2) + own.c / cube
-    change = -2.0 * (value + near_slope / (g.a * g.b2) + c_slope / cube) / g.a2
-    change -= near / (cube * g.b2) + 2.0 * near / (g.a * g.b2**2) + 3.0 * own.c / (cube * g.a2)
+    # m times the derivatives of C and of mc_slope
+    m_c_slope = mc_slope / (2.0 * own.rest) - own.c
+    m_mc_slope_slope = m * (2.0 * d_slope - b_slope) - 2.0 * m_c_slope
+    # I(1, 1; 1) over (2/pi) m z, and the derivative of m times this by z, over m z
+    value = mc_slope / (g.a * g.b2) + own.c / cube
+    change = -2.0 * (value + m_mc_slope_slope / (g.a * g.b2) + m_c_slope / cube) / g.a2
+    change -= (
+        mc_slope / (cube * g.b2) + 2.0 * mc_slope / (g.a * g.b2**2) + 3.0 * own.c / (cube * g.a2)
+    )
     return np.asarray(_TWO_OVER_PI * m * g.z * (2.0 * value + g.z**2 * change))
 
 
@@ -143,8 +176,9 @@ def normal_displacement(g: Geometry, nu: float) -> tuple[Array, Array]:
 def radial_displacement(g: Geometry, nu: float) -> tuple[Array, Array]:
     """Return ``2 G u_z`` and ``2 G u_r / r`` for a ring of traction."""
     _, _, hoop, harmonic = radial_stress(g, nu)
-    sink = g.z * harmonic
+    downward = g.z * harmonic
     if nu < 0.5:
-        seen = solid_angle(g.own, g.z, g.a, -g.ahead, g.r + g.s)
-        sink = sink - (1.0 - 2.0 * nu) * seen / g.s
-    return sink, hoop
+        # I(1, 0; 0): of the disk within the ring, seen from the point
+        angle = solid_angle(g.own, g.z, g.a, -g.ahead, g.r + g.s)
+        downward = downward - (1.0 - 2.0 * nu) * angle / g.s
+    return downward, hoop

@@ -1,4 +1,4 @@
-"""The integrals at points of the body: which rule serves, for one point or for many."""
+"""The integrals at points of the body, by the cheapest quadrature that meets a tolerance."""
 
 from __future__ import annotations
 
@@ -22,16 +22,18 @@ from spectral_contact.equations.interior.mesh import (
 from spectral_contact.equations.interior.patches import Relative, interpolate, narrow_intervals
 from spectral_contact.fields import Array
 
-#: Down to these tolerances rules, and polynomials of so many nodes where points are many, serve.
+#: Least tolerances, with the rules, and the nodes of polynomials in either direction, that are used
+#: down to these (chosen; results are checked against the tolerance). Below there are no
+#: polynomials.
 _DOWN_TO = ((1e-9, FAST, 12), (1e-11, MEDIUM, 14), (1e-12, TIGHT, 16))
-#: At every so many nodes of a polynomial the rules are compared.
+#: The two rules are compared at one of so many nodes of a polynomial (chosen).
 _COMPARED = 5
 
 
 def stresses(values: Array, nu: float) -> Array:
     """Return rr, tt, zz and rz from the integrals."""
     zz, rz, hoop, harmonic = values
-    # the divergence of u less its axial part is -2 (1 - nu) e - zz, over 2 G
+    # the trace is -2 (1 + nu) e (docs/stress)
     return np.stack([-2.0 * harmonic - zz - hoop, hoop - 2.0 * nu * harmonic, zz, rz])
 
 
@@ -48,7 +50,7 @@ def displacement_error(values: Array, errors: Array, r: Array) -> Array:
 
 
 def _relative(error: Array, size: Array) -> Array:
-    """Return errors over sizes; none where there is nothing."""
+    """Return errors over sizes, 0 where the size is 0."""
     return np.asarray(np.where(size > 0.0, error / np.where(size > 0.0, size, 1.0), 0.0))
 
 
@@ -62,7 +64,7 @@ class Sampler:
     pressure, traction : callable
         The loads at radii and distances from the edge.
     floors : tuple of float
-        What their errors are relative to at least.
+        Moduli of pressure and traction that their errors are relative to at least.
     sheared : bool
         Whether there is traction at all.
     nu : float
@@ -79,19 +81,21 @@ class Sampler:
         sheared: bool,
         nu: float,
     ) -> None:
-        self._ends, self._floors = ends, floors
+        self._ends = ends
+        self._floors = floors
         self._loads = pressure, traction
-        self._sheared, self._nu = sheared, nu
+        self._sheared = sheared
+        self._nu = nu
         self._meshes: dict[tuple[Rule, ...], BodyMesh] = {}
 
     def mesh(self, rules: tuple[Rule, ...]) -> BodyMesh:
-        """Return the panels with some rules, made once."""
+        """Return the panels with some rules, which are made once and kept."""
         if rules not in self._meshes:
             self._meshes[rules] = BodyMesh(self._ends, *self._loads, rules)
         return self._meshes[rules]
 
     def stress(self, points: BodyPoints, rtol: float) -> Integrals:
-        """Return the integrals zz, rz, ``2 G u_r / r`` and e, on the surface limits from below."""
+        """Return the integrals zz, rz, ``2 G u_r / r`` and e; on the surface their limits."""
         kernels = (ring_loads.normal_stress, ring_loads.radial_stress)[: 1 + self._sheared]
 
         def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
@@ -101,9 +105,10 @@ class Sampler:
             return stress_error(values, errors, self._nu)
 
         sums = self._sampled(points, rtol, direct, measure)
-        on = points.on_surface
-        pressure, traction = self._surface(points[on])
-        sums.values[0, on], sums.values[1, on] = -pressure, -traction
+        on_surface = points.on_surface
+        pressure, traction = self._surface_loads(points[on_surface])
+        sums.values[0, on_surface] = -pressure
+        sums.values[1, on_surface] = -traction
         return sums
 
     def displacement(self, points: BodyPoints, rtol: float) -> Integrals:
@@ -127,17 +132,20 @@ class Sampler:
         direct: Callable[[BodyMesh, BodyPoints], Integrals],
         measure: Relative,
     ) -> Integrals:
-        """Return the integrals by the cheapest means that meet the tolerance at each point."""
-        serving = [(rules, order) for least, rules, order in _DOWN_TO if rtol >= least]
-        if not serving:
-            return direct(self.mesh(TIGHT), points)
-        rules, order = serving[0]
+        """Return the integrals: by polynomials, by the rules of the tolerance, or by the finest.
 
-        def at_nodes(some: BodyPoints) -> Integrals:
-            compared = np.arange(len(some.r)) % _COMPARED == 0
-            sums = Integrals.empty(len(some.r))
-            for some_rules, which in ((rules, compared), (rules[:1], ~compared)):
-                sums.put(which, direct(self.mesh(some_rules), some[which]))
+        Each is used at the points at which the one before does not meet the tolerance.
+        """
+        allowed = [(rules, order) for least, rules, order in _DOWN_TO if rtol >= least]
+        if not allowed:
+            return direct(self.mesh(TIGHT), points)
+        rules, order = allowed[0]
+
+        def at_nodes(nodes: BodyPoints) -> Integrals:
+            compared = np.arange(len(nodes.r)) % _COMPARED == 0
+            sums = Integrals.empty(len(nodes.r))
+            sums.put(compared, direct(self.mesh(rules), nodes[compared]))
+            sums.put(~compared, direct(self.mesh(rules[:1]), nodes[~compared]))
             return sums
 
         sums = Integrals.empty(len(points.r))
@@ -150,18 +158,22 @@ class Sampler:
         return sums
 
     def _limits(self, points: BodyPoints, sums: Integrals) -> Integrals:
-        """Add to principal values on the surface what makes them limits from the body."""
-        on = points.on_surface
-        pressure, traction = self._surface(points[on])
-        sums.values[3, on] += pressure
-        sums.of_pressure[0, on] += np.maximum(np.abs(pressure), self._floors[0])
-        sums.of_traction[1, on] += np.maximum(np.abs(traction), self._floors[1])
+        """Turn principal values on the surface into limits from the body.
+
+        The limit of e has the local pressure in addition. The moduli of zz and rz have those of the
+        local loads, from which `stress` takes their values.
+        """
+        on_surface = points.on_surface
+        pressure, traction = self._surface_loads(points[on_surface])
+        sums.values[3, on_surface] += pressure
+        sums.of_pressure[0, on_surface] += np.maximum(np.abs(pressure), self._floors[0])
+        sums.of_traction[1, on_surface] += np.maximum(np.abs(traction), self._floors[1])
         return sums
 
-    def _surface(self, points: BodyPoints) -> tuple[Array, Array]:
-        """Return the loads at points of the surface."""
-        under = points.from_edge >= 0.0
-        d = np.where(under, points.from_edge, 1.0)
-        s = np.where(under & (points.r > AXIS), points.r, 0.0)
-        pressure, traction = (np.where(under, load(s, d), 0.0) for load in self._loads)
+    def _surface_loads(self, points: BodyPoints) -> tuple[Array, Array]:
+        """Return pressure and traction at points of the surface, 0 outside the contact."""
+        inside = points.from_edge >= 0.0
+        d = np.where(inside, points.from_edge, 1.0)
+        s = np.where(inside & (points.r > AXIS), points.r, 0.0)
+        pressure, traction = (np.where(inside, load(s, d), 0.0) for load in self._loads)
         return pressure, traction

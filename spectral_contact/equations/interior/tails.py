@@ -1,4 +1,4 @@
-"""Tails: what all panels next to a boundary carry, at a few nodes, for points that are far away."""
+"""Tails: a few rings in place of all panels next to a boundary, for points that are far away."""
 
 from __future__ import annotations
 
@@ -12,37 +12,40 @@ from spectral_contact.fields import Array
 
 
 class Panelled(NamedTuple):
-    """Panels with the nodes of one rule, and how many nodes a tail has with it.
+    """Panels, or the tails from each of them on, with the nodes of one rule.
 
     Attributes
     ----------
     order : int
+        Number of nodes of a tail.
     away : ndarray, shape (panels, nodes)
-        How far the nodes are from the boundary.
+        Distances of the nodes from the boundary.
     rings : ndarray, shape (loads, panels, nodes)
-        What their rings carry.
+        Loads of the rings at the nodes.
     """
 
     order: int
     away: Array
     rings: Array
 
-    def turned(self) -> Panelled:
+    def reversed(self) -> Panelled:
         """Return the panels in reverse order."""
         return Panelled(self.order, self.away[::-1], self.rings[:, ::-1])
 
 
 class Tails:
-    """For each panel of a run, it and all panels beyond, up to the boundary, as one row of rings.
+    """The tails of a run of panels: from each panel on, all panels up to the boundary.
 
-    What rings do at a point that is far away is smooth over the tail. So it is replaced by the
-    polynomial through its values at Gauss's nodes of the tail, and what the rings of the panels
-    carry is handed to these nodes, from the boundary outward. Tails are ordered from the longest.
+    The field of a ring at a point that is far away is a smooth function of the ring's place in the
+    tail. It is replaced by the polynomial through its values at Gauss's nodes of the tail, which
+    turns the loads of all rings of the tail into loads at these nodes. This is done from the
+    shortest tail to the longest: each takes the loads of its first panel and those of the next
+    tail. Tails are ordered from the longest.
 
     Parameters
     ----------
     lengths : ndarray, shape (panels,)
-        How far the far end of each panel is from the boundary.
+        Distance from the boundary to the far end of each panel.
     outward : bool
         Whether the panels shrink outward, towards the last; else towards the first.
     rules : sequence of Panelled
@@ -52,38 +55,52 @@ class Tails:
     ----------
     lengths : ndarray, shape (panels,)
     away : ndarray, shape (panels, nodes)
-        How far outward of the boundary the nodes of the tails are, those of all rules side by side.
+        Offsets of the nodes of the tails outward from the boundary, those of all rules side by
+        side.
     rings : ndarray, shape (loads, panels, nodes)
-        What the rings there carry.
+        Loads of the rings there.
     """
 
     def __init__(self, lengths: Array, outward: bool, rules: Sequence[Panelled]) -> None:
         if not outward:
-            lengths, rules = lengths[::-1], [one.turned() for one in rules]
-        self.lengths, self._sign = lengths, 1.0 if outward else -1.0
-        tails = [self._handed(one) for one in rules]
-        self.away = -self._sign * np.hstack([one.away for one in tails])
-        self.rings = np.concatenate([one.rings for one in tails], axis=-1)
+            lengths = lengths[::-1]
+            rules = [panels.reversed() for panels in rules]
+        self.lengths = lengths
+        self._sign = 1.0 if outward else -1.0
+        tails = [self._tails_of(panels) for panels in rules]
+        self.away = -self._sign * np.hstack([tail.away for tail in tails])
+        self.rings = np.concatenate([tail.rings for tail in tails], axis=-1)
 
-    def _handed(self, rule: Panelled) -> Panelled:
-        """Return the nodes of the tails with one rule, and what is handed to them."""
-        nodes, weights = legendre.leggauss(rule.order)
-        size = self.lengths[:, None]
-        away = size * (1.0 + nodes) / 2.0
-        own = rule.away / size
-        inner = np.concatenate([away[1:], away[-1:]]) / size
-        project = (np.arange(rule.order) + 0.5)[:, None] * legendre.legvander(
-            nodes, rule.order - 1
-        ).T
-        project = project * weights
-        hand = [legendre.legvander(2.0 * x - 1.0, rule.order - 1) @ project for x in (own, inner)]
-        rings = np.einsum("lpn,pnj->lpj", rule.rings, hand[0])
-        for at in range(len(self.lengths) - 2, -1, -1):
-            rings[:, at] += rings[:, at + 1] @ hand[1][at]
-        return Panelled(rule.order, away, rings)
+    def _tails_of(self, panels: Panelled) -> Panelled:
+        """Return the tails with the nodes of one rule."""
+        nodes, weights = legendre.leggauss(panels.order)
+        length = self.lengths[:, None]
+        away = length * (1.0 + nodes) / 2.0
+        # from values at the nodes of a tail to Legendre coefficients
+        legendre_at_nodes = legendre.legvander(nodes, panels.order - 1).T
+        to_coefficients = (np.arange(panels.order) + 0.5)[:, None] * legendre_at_nodes
+        to_coefficients = to_coefficients * weights
+
+        def interpolation(fractions: Array) -> Array:
+            """Return the matrices from values at the nodes to those at fractions of tails."""
+            return legendre.legvander(2.0 * fractions - 1.0, panels.order - 1) @ to_coefficients
+
+        from_panel = interpolation(panels.away / length)
+        # the last tail, which has no next one, is not used
+        from_next_tail = interpolation(np.concatenate([away[1:], away[-1:]]) / length)
+        rings = np.einsum("lpn,pnj->lpj", panels.rings, from_panel)
+        for k in range(len(self.lengths) - 2, -1, -1):
+            rings[:, k] += rings[:, k + 1] @ from_next_tail[k]
+        return Panelled(panels.order, away, rings)
 
     def distance(self, beyond: Array, z: Array) -> Array:
-        """Return how far points so far outward of the boundary are, shape (points, panels)."""
-        before = -self._sign * beyond[:, None]
-        gap = np.maximum(np.maximum(before - self.lengths, -before), 0.0)
+        """Return the distances of points from all tails, shape (points, panels).
+
+        Parameters
+        ----------
+        beyond, z : ndarray, shape (points,)
+            How far outward of the boundary the points are, and their depths.
+        """
+        toward_tail = -self._sign * beyond[:, None]  # from the boundary, on the side of the tails
+        gap = np.maximum(np.maximum(toward_tail - self.lengths, -toward_tail), 0.0)
         return np.asarray(np.hypot(gap, z[:, None]))

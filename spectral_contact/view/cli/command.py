@@ -21,9 +21,9 @@ _ENTRY: Final = re.compile(r"(\w+(?:, \w+)*) : (.+)\n((?:    .+\n?)+)")
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose complaint is one line that says what is allowed, or what may be meant.
+    """A parser whose errors are one line: what is allowed, or a suggestion of what was meant.
 
-    What is not given on the command line is no attribute of what it returns.
+    Options that are not given are no attributes of the namespace that it returns.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -42,7 +42,7 @@ class Parser(argparse.ArgumentParser):
         return found, unknown
 
     def _match_argument(self, action: argparse.Action, pattern: str) -> int:
-        """Say what an option takes that has no value."""
+        """Match arguments, and say in an error about a missing value what the option takes."""
         try:
             return super()._match_argument(action, pattern)
         except argparse.ArgumentError as error:
@@ -111,14 +111,14 @@ class Documentation:
 def add_commands(
     parser: Parser, commands: Mapping[str, Callable[..., Any]], about: Mapping[str, str]
 ) -> None:
-    """Add commands by name; of two words the second one is the kind of a command.
+    """Add commands by name; the second word of a name is a subcommand of the first one.
 
     Parameters
     ----------
     parser : Parser
     commands : mapping of str to callable
     about : mapping of str to str
-        What commands of several kinds are about.
+        Descriptions of the commands that have subcommands.
     """
     parsers = _subparsers(parser, "command")
     kinds: dict[str, Any] = {}
@@ -142,7 +142,7 @@ def add_commands(
 
 
 def _subparsers(parser: Parser, dest: str) -> Any:
-    """Return a place for commands; without one there is an error that lists them."""
+    """Return the object to which commands are added; without a command an error lists them."""
     parsers = parser.add_subparsers(dest=dest, metavar=dest)
 
     def refuse(_: Any) -> NoReturn:
@@ -153,7 +153,7 @@ def _subparsers(parser: Parser, dest: str) -> Any:
 
 
 def _call(function: Callable[..., Any], given: Mapping[str, Any]) -> Any:
-    """Call a function with its options, some of which may make one argument."""
+    """Call a function with the options given; an argument of a class takes several of them."""
     values = {}
     for name, parameter in inspect.signature(function, eval_str=True).parameters.items():
         kind: Any = parameter.annotation
@@ -169,7 +169,8 @@ def _call(function: Callable[..., Any], given: Mapping[str, Any]) -> Any:
 def add_options(parser: Parser, function: Callable[..., Any], title: str = "") -> Any:
     """Add the options of a function, and return their group.
 
-    A parameter whose kind is a dataclass has options of its own; `add_options` of it may add them.
+    A parameter whose type is a dataclass stands for the options that are its fields, or that its
+    `add_options` adds.
     """
     told, own = Documentation.of(function), []
     for parameter in inspect.signature(function, eval_str=True).parameters.values():

@@ -38,7 +38,13 @@ class Reading:
         return read_columns(path, expected, **self.arguments("raise"))
 
     def arguments(self, invalid: str) -> dict[str, Any]:
-        """Return what `read_columns` and `read_curve` take, with what rows without a value are."""
+        """Return the arguments of `read_columns` or `read_curve`.
+
+        Parameters
+        ----------
+        invalid : str
+            What they do with rows without a value, unless these are skipped.
+        """
         given = asdict(self)
         skips = given.pop("skip_invalid")
         return {**given, "invalid": "skip" if skips else invalid, "option": "--columns"}

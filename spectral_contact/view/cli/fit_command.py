@@ -82,7 +82,7 @@ def run(
 
 
 def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:
-    """Return the scene of the options; a modulus that is not given is estimated."""
+    """Return the scene at which the fit begins; a modulus that is not given is estimated."""
     given = {**known, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
         return SceneOptions(given).build().scene

@@ -27,7 +27,7 @@ _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 _WITH_UNIT: Final = re.compile(r"(.*?[^,:\s])\s+([^\W\d][^,:]*|[%°][^,:]*)")
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
-#: What an option is called that has another name than its parameter.
+#: Names of options that differ from those of their parameters.
 _IMPERATIVES: Final = {"unloaded_to": "unload_to"}
 
 
@@ -36,7 +36,7 @@ class UsageError(SpectralContactError):
 
 
 class NotSolved(SpectralContactError):
-    """The request was done, and not everything was solved, or is as exact as was asked for."""
+    """The request was carried out, but something was not solved, or not to the tolerance."""
 
 
 def flag(name: str) -> str:
@@ -77,12 +77,14 @@ def resolutions(text: str) -> list[float]:
 
 
 def values(text: str) -> list[Any]:
-    """Return the values that a text stands for, each with the unit behind them, if there is one."""
+    """Return the values that a text stands for, each with the unit that follows them, if any."""
     if text.strip().lower() == "none" or has_unit(text):
         return [value(text)]
     if found := _WITH_UNIT.fullmatch(text.strip()):
         return [f"{one!r} {found[2]}" for one in values(found[1])]
-    ends, spacing = text.split(":")[:3], text.split(":")[3:]
+    parts = text.split(":")
+    ends = parts[:3]
+    spacing = parts[3:]
     if len(ends) == 1:
         return [number(part) for part in text.split(",")]
     refusal = ValueError(f"{text!r} is not LOW:HIGH:COUNT[:log]")

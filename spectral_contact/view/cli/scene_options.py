@@ -71,7 +71,7 @@ _DECLARED: Final[Mapping[str, Parameter]] = {
 }
 #: Options of real numbers, which may have units, and of which a sweep takes several values.
 NUMBERS: Final = frozenset(name for name, one in _DECLARED.items() if one.kind is float)
-#: Parameters that a dimensionless flat punch has not: how far it is pressed, and adhesion.
+#: Parameters that a dimensionless flat punch does not have: how far it is pressed, and adhesion.
 _PRESSED: Final = tuple(name for name in SCENE if SCENE[name].unit or name == "branch")
 #: Parameters that a flat punch in SI units has as well as a profile.
 _OF_FLAT: Final = frozenset({"radius", "load", "approach"})
@@ -163,7 +163,7 @@ class _LayerOptions:
     layer_columns: str | None = None
 
 
-#: Which option others need: they describe the profile or the layer.
+#: The option that another option needs, the profile or the layer that it describes.
 _NEEDED: Final[Mapping[str, str]] = {
     **{one.name: "profile" for one in fields(_ProfileOptions)},
     **{name: "profile" for name in (*SHAPES, *_PRESSED, "layer") if name not in _OF_FLAT},
@@ -171,12 +171,12 @@ _NEEDED: Final[Mapping[str, str]] = {
 }
 #: Parameters in a message, as "max_unknowns", "s=" or "convex_hull=True".
 _PARAMETER: Final = re.compile(r"\b([a-z]+(?=[_=])[a-z_]*)=?(?:True\b)?")
-#: Options that commands have for parameters of another name.
-_OTHERWISE: Final = {"quantity": "plot_quantity"}
+#: Options that have another name than the parameters of the library that they give.
+_RENAMED: Final = {"quantity": "plot_quantity"}
 
 
 class GivenScene(NamedTuple):
-    """The scene of the options, and what is to be said of what was read or left out."""
+    """The scene of the options, and remarks on files that were read and options left out."""
 
     scene: Scene
     remarks: list[str]
@@ -297,7 +297,7 @@ class FlatOptions:
     def _option(self, name: str) -> str:
         """Return the option of a parameter; nothing if the command has none."""
         known = self.given["options"]
-        option = name if name in known else _OTHERWISE.get(name, name)
+        option = name if name in known else _RENAMED.get(name, name)
         if self.si and name in _COMPLIANCES:
             option = f"{name}_si"
         return flag(option) if option in known else ""

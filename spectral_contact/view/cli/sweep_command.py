@@ -19,12 +19,12 @@ from spectral_contact.view.cli.scene_options import NUMBERS, SHAPES, SceneOption
 
 
 class SweptOptions(SceneOptions):
-    """The same with lists of numbers."""
+    """Options of every kind of scene, each of whose numbers may have several values."""
 
     number = options.values, "VALUES"
 
     def first_and_varying(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the options with the first of their values, and the lists of more, by axis."""
+        """Return the options with their first values, and all values of those with several."""
         lists = {name: one for name, one in self.given.items() if name in NUMBERS}
         varying = {name: one for name, one in lists.items() if len(one) > 1}
         for name in varying:
@@ -124,7 +124,10 @@ def run(
 
 
 def _first_of_table(table: str, given: Mapping[str, Any], scenes: SweptOptions) -> dict[str, Any]:
-    """Return what the first row of a table has and the options do not, by its option."""
+    """Return the parameters of the first row of a table that the options lack, by option.
+
+    They are needed for the scene whose parameters the table replaces.
+    """
     moduli = "youngs_modulus", "reduced_modulus"
     physical = scenes.of_materials or bool(columns_of(table, moduli, physical=True)[0])
     columns, _ = columns_of(table, physical=physical)

@@ -175,6 +175,8 @@ def test_what_cannot_be_fitted_is_refused():
         fit(start(work_of_adhesion=None, load=1e-9), measured(), FREE)
     with pytest.raises(SceneError, match="from_physical"):
         fit(Scene(0.3, profile=TIP, load=0.0, work_of_adhesion=1.0), measured(), FREE)
+    with pytest.raises(SceneError, match="branch = 1: must be 0"):
+        fit(start(branch=1), measured(), FREE)
     with pytest.raises(SceneError, match="stays inside the profile"):
         fit(start(profile=profiles.Sphere(2e-7), normal_compliance=1e-9), measured(), FREE)
 

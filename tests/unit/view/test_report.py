@@ -6,7 +6,7 @@ from dataclasses import replace
 import mpmath
 import pytest
 
-from spectral_contact import ErrorEstimates, NotComputedError, Scene, profiles, solve
+from spectral_contact import ErrorEstimates, NotComputedError, Scene, layers, profiles, solve
 from spectral_contact.view.report import report
 
 STEEL = {
@@ -109,6 +109,21 @@ def test_csv_tells_errors_relative_to_the_value(tmp_path):
     text = (tmp_path / "fields.csv").read_text()
     told = float(re.search(r"# load = \S+ \(relative error (\S+)\)", text)[1])
     own = solution.error.load * solution.error_scales["load"] / abs(solution.load)
+    assert told == pytest.approx(own, rel=0.1)
+
+
+def test_an_approach_that_a_clearance_cancels_has_few_digits(tmp_path):
+    # the pressure begins at a gap of 0.04: at this load the approach is 0 but for rounding
+    layer, cone = layers.Exponential(3.0, 0.04), profiles.Cone(1.4)
+    none = solve(Scene(None, profile=cone, layer=layer, approach=1e-9), 1e-11)
+    solution = solve(Scene(None, profile=cone, layer=layer, load=none.load), 1e-4)
+    own = solution.error.approach * solution.error_scales["approach"] / abs(solution.approach)
+    assert abs(solution.approach - 1e-9) <= own * abs(solution.approach)
+    [line] = [one for one in report(solution).splitlines() if one.startswith("  approach ")]
+    assert float(line.split()[-1]) == pytest.approx(own, rel=0.1)
+    solution.to_csv(tmp_path / "fields.csv")
+    text = (tmp_path / "fields.csv").read_text()
+    told = float(re.search(r"# approach = \S+ \(relative error (\S+)\)", text)[1])
     assert told == pytest.approx(own, rel=0.1)
 
 

@@ -1,0 +1,239 @@
+"""Strata: scenes are drawn and solved, and their true errors over estimates become a table."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import signal
+import sys
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+sys.path.append(str(Path(__file__).parents[1]))
+
+import numpy as np
+import reporting
+
+from spectral_contact import ConvergenceError, NotComputedError, SceneError
+
+RESULTS = reporting.RESULTS
+REFUSALS = {
+    one.__name__: one
+    for one in (
+        ArithmeticError,
+        AssertionError,
+        ConvergenceError,
+        NotComputedError,
+        SceneError,
+        np.linalg.LinAlgError,
+    )
+}
+#: Scenes that a process is given at once, and the seconds from table to table.
+CHUNK, PAUSE = 10, 30.0
+TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """True errors over their estimates by quantity, what the scene is, and whether it converged.
+
+    The last is None where a scene is many solves.
+    """
+
+    ratios: dict[str, float]
+    label: str
+    converged: bool | None = None
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """Scenes of one kind; strata.toml says what these attributes are."""
+
+    name: str
+    module: str
+    title: str
+    scenes: int = 0
+    key: list[int] | None = None
+    refusals: Sequence[str] = ()
+    refused: str = "{} were refused"
+    compared: str = "true error over its estimate"
+
+    def outcomes(self, seed: int, scenes: int, workers: int) -> Iterator[Outcome | None]:
+        """Yield what becomes of each scene; None where the truth or the solver refuses it."""
+        if self.key is not None:
+            return in_order(partial(self.outcome, seed), range(scenes), workers)
+        rng = np.random.default_rng(seed)
+        return (self.outcome(rng, number) for number in range(scenes))
+
+    def outcome(self, begin: int | np.random.Generator, number: int) -> Outcome | None:
+        """Return what becomes of a scene, from a seed or from the generator of all scenes."""
+        measured = getattr(import_module(self.module), self.name)
+        if isinstance(begin, int):
+            begin = np.random.default_rng([begin, number, *(self.key or ())])
+        try:
+            return measured(begin, number)
+        except tuple(REFUSALS[one] for one in self.refusals):
+            return None
+
+
+def strata() -> dict[str, Stratum]:
+    """Return all strata by their names."""
+    text = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    return {name: Stratum(name, **given) for name, given in tomllib.loads(text).items()}
+
+
+def command(stratum: Stratum, arguments: Sequence[str]) -> bool:
+    """Run a stratum as the command line says; those that are drawn in turn have no workers."""
+    more = {"scenes": stratum.scenes, "seed": 1, "workers": 1}
+    asked = reporting.options(stratum.title, arguments, **more)
+    return run(stratum, asked.scenes, asked.seed, asked.workers)
+
+
+def in_order(work: Callable[[int], Any], numbers: Iterable[int], workers: int) -> Iterator[Any]:
+    """Yield what some processes make of numbers, in their order."""
+    if workers == 1:
+        yield from map(work, numbers)
+        return
+    # ended from outside, the processes end, too
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        yield from pool.map(work, numbers, chunksize=CHUNK)
+
+
+def run(stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:
+    """Run a stratum, and write its table from time to time.
+
+    Returns whether an estimate failed, or no scene was compared.
+    """
+    found: list[Outcome] = []
+    violations: list[str] = []
+    unmet: list[str] = []
+    refused = 0
+    written = monotonic()
+    text = ""
+    for done, outcome in enumerate(stratum.outcomes(seed, scenes, workers), start=1):
+        if outcome is None:
+            refused += 1
+        else:
+            label = f"scene {done - 1}: {outcome.label}"
+            found.append(outcome)
+            unmet += [f"not met: {label}"] if outcome.converged is False else []
+            new = [f"{key} {r:.2f}, {label}" for key, r in outcome.ratios.items() if violates(r)]
+            print(*new, sep="\n", end="\n" * bool(new), flush=True)
+            violations += new
+        if done == scenes or monotonic() > written + PAUSE:
+            judged = any(one.converged is not None for one in found)
+            said = f"; {len(unmet)} scenes did not meet their tolerance and said so" * judged
+            about = (
+                f"{done} random scenes, seed {seed}, by validation/honesty/honesty.py "
+                f"{stratum.name}: {stratum.compared}{said}; {stratum.refused.format(refused)}."
+            )
+            notes = "\n".join(f"- {one}" for one in (*violations, *unmet))
+            text = f"# {stratum.title}\n\n{about}\n\n{table(found)}\n\n{notes}".rstrip()
+            (RESULTS / f"honesty_{stratum.name}.md").write_text(f"{text}\n", encoding="utf-8")
+            written = monotonic()
+    print(text)
+    return bool(violations) or not found
+
+
+def violates(ratio: float) -> bool:
+    """Return whether a true error is above its estimate; what is no number violates, too."""
+    return not ratio <= 1.0
+
+
+def table(found: Iterable[Outcome]) -> str:
+    """Return a table with a row for each quantity."""
+    ratios: dict[str, list[float]] = {}
+    for outcome in found:
+        for name, ratio in outcome.ratios.items():
+            ratios.setdefault(name, []).append(ratio)
+    rows = []
+    for name, some in ratios.items():
+        cells = f"{np.max(some):.2g}", f"{np.median(some):.2g}", sum(map(violates, some))
+        rows.append((name.replace("_", " "), *cells))
+    return reporting.table("quantity | largest | median | violations", rows)
+
+
+# --- for the modules of strata --------------------------------------------------------------------
+
+
+def decade(rng: np.random.Generator, low: float, high: float) -> float:
+    """Return a number whose decimal logarithm is uniform between two."""
+    return float(10.0 ** rng.uniform(low, high))
+
+
+def largest(found: Sequence[dict[str, float]]) -> dict[str, float]:
+    """Return the largest ratio of every quantity."""
+    names = dict.fromkeys(key for one in found for key in one)
+    return {name: max(one[name] for one in found if name in one) for name in names}
+
+
+def over_estimates(
+    found: Any,
+    truth: Any,
+    names: Iterable[str],
+    rounding: float = 1e-15,
+    sizes: Mapping[str, float] | None = None,
+) -> dict[str, float]:
+    """Return the errors of scalars over their estimates, those of the truth included.
+
+    Parameters
+    ----------
+    found, truth : object
+        What has the numbers of a `Solution`, and estimates as `error`; an estimate may be None.
+    names : iterable of str
+    rounding : float
+        Error that no estimate has.
+    sizes : mapping, optional
+        What errors are relative to, where it is not the truth.
+    """
+    ratios = {}
+    for name in names:
+        true = getattr(truth, name)
+        size = max(abs(true), TINY) if name not in (sizes or {}) else sizes[name]
+        off = float(abs(getattr(found, name) - true) / size)
+        ratios[name] = off / _room(found, truth, name, rounding)
+    return ratios
+
+
+def fields_over_estimates(
+    found: Any,
+    truth: Any,
+    names: Iterable[str],
+    from_edge: np.ndarray,
+    rounding: float = 1e-15,
+    load: float | None = None,
+) -> dict[str, float]:
+    """Return the largest errors of the fields that were asked for over their estimates.
+
+    They are relative to the largest value, those of a pressure to itself or its mean, whichever is
+    larger; `load` is what the mean is of, where it is not the true load.
+    """
+    ratios = {}
+    for name in names:
+        if getattr(found.error, name) is None:
+            continue
+        mine, true = (
+            np.asarray(getattr(one, name)(from_edge=from_edge)).astype(float)
+            for one in (found, truth)
+        )
+        size = max(np.abs(true).max(), TINY)
+        if name == "pressure":
+            mean = float(load or truth.load) / (math.pi * float(truth.contact_radius) ** 2)
+            size = np.maximum(np.abs(true), mean)
+        off = float((np.abs(mine - true) / size).max())
+        ratios[name] = off / _room(found, truth, name, rounding)
+    return ratios
+
+
+def _room(found: Any, truth: Any, name: str, rounding: float) -> float:
+    estimates = (getattr(one.error, name) or 0.0 for one in (found, truth))
+    return max(rounding + sum(estimates), TINY)  # what is given has no error
