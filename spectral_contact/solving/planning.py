@@ -66,12 +66,14 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
         If a name is not one of these, or `scene` is not a `Scene`.
     """
     has_profile = instance("scene", scene, Scene).profile is not None
-    adhesive = scene.work_of_adhesion is not None
     unloaded = scene.unloaded_to < 1.0
     asked = asked_quantities(
-        quantities, has_profile=has_profile, adhesive=adhesive, unloaded=unloaded
+        quantities,
+        has_profile=has_profile,
+        adhesive=scene.work_of_adhesion is not None,
+        unloaded=unloaded,
     )
-    possible = _possible_quantities(scene)
+    possible = possible_quantities(scene)
     missing = {name: "it was not asked for" for name in possible if name not in asked}
     if scene.friction is None:
         for name in {"slip", *FULL_STICK_RATIOS, *UNLOADED_QUANTITIES}.intersection(possible):
@@ -99,11 +101,11 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
     return Plan(present, steps, tuple(sorted(missing.items())))
 
 
-def _possible_quantities(scene: Scene) -> tuple[str, ...]:
+def possible_quantities(scene: Scene) -> tuple[str, ...]:
     """Return the names of all quantities that a scene of this kind can have."""
     if scene.profile is None:
         return QUANTITIES + UNLOADED_QUANTITIES * (scene.unloaded_to < 1.0)
-    more = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
+    more = ADHESION_QUANTITIES * (scene.work_of_adhesion is not None)
     return (*PROFILE_QUANTITIES, *more, *QUANTITIES)
 
 

@@ -13,7 +13,7 @@ from spectral_contact.scene import Scene
 from spectral_contact.solution import Plan, Solution
 from spectral_contact.solving.asked import checked_tolerance, closer_tolerance
 from spectral_contact.solving.mirror import mirrored, with_positive_kappa
-from spectral_contact.solving.planning import plan
+from spectral_contact.solving.planning import plan, possible_quantities
 from spectral_contact.solving.run import Run
 from spectral_contact.solving.sharing import StepCache
 from spectral_contact.solving.uncoupled_run import RadiusFriction, UncoupledRun
@@ -214,7 +214,7 @@ class Continuation:
     """
 
     def __init__(self, rtol: float, quantities: Iterable[str], max_unknowns: int) -> None:
-        self._quantities = tuple(quantities)
+        self._quantities = frozenset(quantities)
         self._rtol = checked_tolerance(rtol, self._quantities)
         self._max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)
         self._shared = StepCache()
@@ -222,14 +222,15 @@ class Continuation:
     def solve(self, scene: Scene, more: Iterable[str] = ()) -> Solution:
         """Return the solution of the next scene, converged or not, with `more` quantities.
 
+        Quantities that scenes of its kind do not have are left out.
+
         Raises `NotComputedError` as `solve` does.
         """
-        asked = scene
-        scene = with_positive_kappa(asked)
-        todo = plan(scene, (*self._quantities, *more))
-        run = _run(scene, todo, self._rtol, self._max_unknowns, self._shared)
+        mirror = with_positive_kappa(scene)
+        todo = plan(mirror, self._quantities.union(more).intersection(possible_quantities(scene)))
+        run = _run(mirror, todo, self._rtol, self._max_unknowns, self._shared)
         with one_thread():
-            return mirrored(_resolved(run, run.solution()), asked)
+            return mirrored(_resolved(run, run.solution()), scene)
 
     def given_radius(self, scene: Scene, logit: float) -> RadiusFriction | None:
         """Return the friction with which a flat punch without coupling has one stick disk.
@@ -251,8 +252,9 @@ class Continuation:
         scene = with_positive_kappa(scene)
         todo = plan(scene, self._quantities)
         with one_thread():
-            run = UncoupledRun(scene, todo, self._rtol, self._max_unknowns, self._shared)
-            return run.given_radius(logit)
+            return UncoupledRun(
+                scene, todo, self._rtol, self._max_unknowns, self._shared
+            ).given_radius(logit)
 
 
 def _run(scene: Scene, todo: Plan, rtol: float, max_unknowns: int, shared: StepCache) -> Run:

@@ -204,7 +204,8 @@ def compare(
         coupling to the two together, see docs/coupling), those of the slip to its largest value.
         Errors of the displacement are relative to its largest value, too.
         With a profile pressures are relative to the mean where they are smaller, and tractions to
-        the largest. Below the largest load tractions are relative to friction times pressure.
+        the largest. Below the largest load tractions are relative to friction times pressure where
+        the surface sticks with memory, as they change sign there.
         Outside the contact they are relative to the mean over the contact, and slip is not
         compared. Radii where the reference is infinite, as at the edge of a smooth surface, are
         left out.
@@ -261,6 +262,8 @@ def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     # errors of pressure or traction are then relative to both fields
     of_both = scene.couples or _unloaded(scene)
     needed = {*given, "approach"} | ({"pressure", "traction"} if of_both else set())
+    if _unloaded(scene):
+        needed |= {"zones"}
     if _SURFACE in needed:
         needed = needed - {_SURFACE} | {"pressure", "traction"}
     needed |= {*_OF_MEAN} if scene.profile is not None else set()
@@ -536,7 +539,11 @@ class _ComparedScene:
             return np.full(len(true), largest)
         sizes = np.abs(true)
         if name == "traction" and _unloaded(self.scene):
-            sizes = field_of(self.truth, "pressure", "truth")(places) * (self.scene.friction or 0.0)
+            limit = field_of(self.truth, "pressure", "truth")(places) * (self.scene.friction or 0.0)
+            for zone in self.truth.zones:
+                if zone.memory:
+                    within = (places <= zone.inner_from_edge) & (places >= zone.outer_from_edge)
+                    sizes = np.where(within, limit, sizes)
         if self.scene.profile is not None:
             if name == "traction":
                 return np.full(len(true), largest)

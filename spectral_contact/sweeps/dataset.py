@@ -37,7 +37,10 @@ _MEANINGS: Final = {
     "from_edge": ("distance from the edge 1 − r/a", "1"),
     "profile": ("shape of the punch", ""),
     "layer": ("law of the layer", ""),
-    "zone_kind": ("kind of a zone, from the centre: 1 stick, 2 slip, 0 none", "1"),
+    "zone_kind": (
+        "kind of a zone, outward: 1 stick, 2 slip, 3 stick with memory, 4 slip back, 0 none",
+        "1",
+    ),
     "zone_outer": ("outer radius of a zone", "a"),
     "zone_outer_from_edge": ("distance of it from the edge", "a"),
     "ending": ("how the solve ended", ""),

@@ -31,8 +31,13 @@ _PROFILE_SCALARS: Final = tuple(
 ENDINGS: Final = ("converged", "unknowns", "rounding", "zones", "failed")
 _CONVERGED: Final = ENDINGS.index("converged")
 _FAILED: Final = ENDINGS.index("failed")
-#: Codes of the kinds of zones; 0 is none.
-_KINDS: Final = {"stick": 1, "slip": 2}
+#: Codes of the kinds of zones, by whether they stick with memory or slip back; 0 is none.
+_KINDS: Final = {
+    ("stick", False): 1,
+    ("slip", False): 2,
+    ("stick", True): 3,
+    ("slip", True): 4,
+}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -275,6 +280,6 @@ def _zone_columns(count: int, solved: dict[int, Solution]) -> dict[str, NDArray[
     outer = np.full((2, count, most), np.nan)
     for i, solution in solved.items():
         for k, zone in enumerate(solution.zones):
-            kinds[i, k] = _KINDS[zone.kind]
+            kinds[i, k] = _KINDS[zone.kind, zone.memory or zone.sense < 0]
             outer[:, i, k] = zone.outer, zone.outer_from_edge
     return {"zone_kind": kinds, "zone_outer": outer[0], "zone_outer_from_edge": outer[1]}

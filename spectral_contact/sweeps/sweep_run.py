@@ -168,7 +168,8 @@ def sweep(
         ``load_si`` and so on. Of every quantity its values and, as ``<name>_error``, the estimates
         of its relative errors; NaN where there is none. ``ending`` is ``"converged"``, the name of
         another `Ending` in small letters, or ``"failed"``, and ``message`` explains what did not
-        converge. Zones are ``zone_kind`` (1 stick, 2 slip, 0 none) and ``zone_outer``.
+        converge. Zones are ``zone_kind`` (1 stick, 2 slip, 3 stick with memory, 4 slip back, 0
+        none) and ``zone_outer``.
 
     Raises
     ------

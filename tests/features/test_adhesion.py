@@ -256,6 +256,15 @@ def test_continuations_and_sweeps_solve_what_solve_does():
     assert float(one.work_of_adhesion) == 1.0
 
 
+def test_a_list_may_mix_scenes_with_and_without_it():
+    scenes = [sticky(load=2.0), sticky(load=2.0).replace(work_of_adhesion=None)]
+    found = sweep(scenes)
+    assert found.ending.values.tolist() == ["converged", "converged"]
+    without = solve(scenes[1], 1e-8, ["contact_radius"])
+    assert float(found.contact_radius[1]) == pytest.approx(without.contact_radius, rel=1e-8)
+    assert np.isfinite(found.stiffness_on_branch.values).tolist() == [True, False]
+
+
 def test_sweeps_tell_errors_relative_to_the_value():
     # at this radius the load is 0 to seven digits, a difference of two larger parts
     scene = Scene(None, profile=profiles.Sphere(1.0), work_of_adhesion=0.01, load=0.0)

@@ -1,6 +1,7 @@
 """Scenes below their largest load in everything that takes scenes: files, sweeps, SI, commands."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -92,6 +93,14 @@ def test_a_sweep_over_the_load(solution):
     assert found.approach.values[1] == pytest.approx(0.8 * found.approach.values[0], rel=1e-14)
 
 
+def test_datasets_say_which_zones_have_memory_and_which_slip_back(solution):
+    assert solution.to_xarray().zone_kind.values.tolist() == [1, 2, 3]
+    *inner, last = solution.zones
+    edge = replace(last, kind="slip", memory=False, sense=-1)
+    turned = replace(solution, values={**solution.values, "zones": (*inner, edge)})
+    assert turned.to_xarray().zone_kind.values.tolist() == [1, 2, 4]
+
+
 def test_sweeps_of_unloaded_scenes_take_no_shortcut():
     several = np.linspace(0.05, 0.09, 30)
     columns = grid(SCENE, {"friction": several}).columns(np.arange(30))
@@ -101,6 +110,16 @@ def test_sweeps_of_unloaded_scenes_take_no_shortcut():
     assert not eligible(columns, request).any()
     stick = sweep(SCENE, friction=[math.inf], quantities=["total_shear", "approach"])
     assert stick.total_shear.values[0] == pytest.approx(0.8 * 0.464971875312765 * SCENE.kappa)
+
+
+def test_a_sweep_from_the_largest_load_on_takes_thresholds_of_the_load():
+    """At the largest load there are none, but the other quantities are there."""
+    names = ["reverse_ratio", "total_shear"]
+    found = sweep(SCENE.replace(friction=math.inf), unloaded_to=[1.0, 0.8], quantities=names)
+    assert found.ending.values.tolist() == ["converged", "converged"]
+    full, unloaded = found.total_shear.values
+    assert unloaded == pytest.approx(0.8 * full, rel=1e-14)
+    assert np.isnan(found.reverse_ratio.values).all()
 
 
 def test_datasets_of_loaded_scenes_stay_as_they_were():

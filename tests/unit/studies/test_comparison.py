@@ -335,6 +335,16 @@ def test_a_traction_that_changes_sign_is_compared_relative_to_friction():
     assert found.error == pytest.approx(1e-5, rel=1e-9)
 
 
+def test_a_traction_that_keeps_its_sign_below_the_largest_load_is_compared_relative_to_itself():
+    """Where nothing has slipped back friction may be far more than the traction."""
+    scene = Scene(0.1, 0.5, 0.5, 100.0, unloaded_to=0.6)
+    assert sc.compare(scene, traction=[0.0], s=[0.5]).error == pytest.approx(1.0)
+    truth = solve(scene.replace(friction=0.05), 1e-4, ["pressure", "traction", "zones"])
+    inner = truth.zones[0].outer / 2.0
+    found = sc.compare(truth.scene, traction=[0.0], s=[inner], truth=truth)
+    assert found.error == pytest.approx(1.0)
+
+
 def test_what_a_flat_punch_does_not_have_is_called_by_its_name():
     with pytest.raises(NotComputedError, match="load not computed: the punch is flat"):
         sc.compare(STEEL, load=5.0)
