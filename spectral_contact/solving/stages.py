@@ -187,7 +187,8 @@ class Stages:
         As functions of ``b``, flat punches in full stick have poles at negative ``b`` at distances
         in proportion to the least compliance (docs/theory, G.10). The load has zeros there, too, if
         the profile has different powers near and far, as the sum of a cone and a parabola: they are
-        about as far from 0 as the radius at which the power of ``H`` changes.
+        about as far from 0 as the radius where the power of ``H`` changes. The distance is at most
+        the radius at which it has changed by `_POWER_CHANGE`.
         """
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
         of_compliance = _ORIGIN * min((one for one in compliances if one > 0.0), default=0.0)
