@@ -73,9 +73,9 @@ def test_a_threshold_of_zones_is_an_end_of_panels():
     scene = Scene(0.3, 0.05, 1.0, 0.012)
     critical = solve(scene, 1e-10, ("critical_friction",)).critical_friction
     found = curve(scene, critical, 1e-2)
-    [low] = found._crossings
+    [low] = found._thresholds
     kinds = [
-        [zone.kind for zone in found._solved[tau][0].zones] for tau in (low, found._crossings[low])
+        [zone.kind for zone in found._solved[tau][0].zones] for tau in (low, found._thresholds[low])
     ]
     assert kinds[0] != kinds[1]
 
