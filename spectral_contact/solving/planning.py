@@ -104,9 +104,10 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
 def possible_quantities(scene: Scene) -> tuple[str, ...]:
     """Return the names of all quantities that a scene of this kind can have."""
     if scene.profile is None:
-        return QUANTITIES + UNLOADED_QUANTITIES * (scene.unloaded_to < 1.0)
-    more = ADHESION_QUANTITIES * (scene.work_of_adhesion is not None)
-    return (*PROFILE_QUANTITIES, *more, *QUANTITIES)
+        thresholds = UNLOADED_QUANTITIES if scene.unloaded_to < 1.0 else ()
+        return QUANTITIES + thresholds
+    of_adhesion = ADHESION_QUANTITIES if scene.work_of_adhesion is not None else ()
+    return PROFILE_QUANTITIES + of_adhesion + QUANTITIES
 
 
 def _no_traction_condition(scene: Scene) -> str:
