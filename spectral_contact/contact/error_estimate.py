@@ -314,9 +314,9 @@ class ZoneEstimate:
             logit_errors=self.logit_errors,
         )
         # no degree lowers the error of the corrections
-        fields.indicators[fields.indicators <= self.remaining] = 0.0
+        indicators = np.where(fields.indicators <= self.remaining, 0.0, fields.indicators)
         error = max(pressure_error, traction_error)
-        solution = SpaceSolution(value, error, fields.indicators, system.unknowns)
+        solution = SpaceSolution(value, error, indicators, system.unknowns)
         if system.symmetric and not system.pressure_known:
             return self._with_energies(solution)
         return solution

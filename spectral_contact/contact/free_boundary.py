@@ -27,6 +27,7 @@ from spectral_contact.contact.relative_changes import relative_changes
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
+    JACOBIAN_RANGE,
     MAX_CONTRACTION,
     MAX_STEPS,
     MIN_STEP_ANGLE,
@@ -42,6 +43,10 @@ from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.contact_system import ContactSystem
+
+#: Error of the fields from which a Jacobian is taken by differences, so that the step of these is
+#: COARSE_TOL of the width of a zone (`fd_jacobian`).
+JACOBIAN_FIELD_TOL = COARSE_TOL**3
 
 SystemAt = Callable[[Array], "ContactSystem"]
 
@@ -374,6 +379,28 @@ class FreeBoundary:
             fields, remaining = correct_to(iterate.fields, tolerance)
             iterate = replace(iterate, fields=fields, remaining=remaining)
         return replace(iterate, converged=converged)
+
+
+def fd_jacobian(
+    residual_at: Callable[[Array], Array], logits: Array, fraction: float = 1.0
+) -> Array:
+    """Return the derivatives of a residual by the logits, by central differences.
+
+    With w the width of the narrower zone at the boundary, over which the residual varies, the half
+    step h balances the noise of the residual and its third derivative:
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE. A fraction of
+    it is taken, which is 1 by default.
+    """
+    columns = []
+    widths = np.diff(logits)
+    for i in range(len(logits)):
+        width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
+        relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
+        half_step = fraction * min(relative_step, JACOBIAN_RANGE) * width
+        step = half_step * np.eye(len(logits))[i]
+        difference = residual_at(logits + step) - residual_at(logits - step)
+        columns.append(difference / (2.0 * half_step))
+    return np.array(columns).T
 
 
 def _broyden(jacobian: Array, secants: list[tuple[Array, Array]]) -> Array:

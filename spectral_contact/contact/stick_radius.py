@@ -1,4 +1,4 @@
-"""Roots of the boundary residual of one stick radius c, and Jacobians by central differences.
+"""The radius c of one stick disk: its range, guesses of it, and the root of its residual.
 
 The unknown is the logit ``ln(c**2/(1 - c**2))``, in which radii next to the centre and next to the
 edge are as easy as others.
@@ -10,16 +10,10 @@ from collections.abc import Callable
 from functools import cache
 from math import copysign, log, log1p, pi
 
-import numpy as np
-
 from spectral_contact.contact.resolution import EPSILON_DEPTH, TINY
-from spectral_contact.contact.tuning import COARSE_TOL, JACOBIAN_RANGE, ROUNDING
-from spectral_contact.fields.series import Array
+from spectral_contact.contact.tuning import JACOBIAN_RANGE, ROUNDING
 from spectral_contact.spectral.parameters import Parameters
 
-#: Error of the fields from which a Jacobian is taken by differences, so that the step of these is
-#: COARSE_TOL of the width of a zone (`fd_jacobian`).
-JACOBIAN_FIELD_TOL = COARSE_TOL**3
 #: Range of logits of stick radii c. The matrix of a disk scales like ``c**5`` (docs/theory), which
 #: keeps its digits as a double down to this logit; radii as close to the edge are represented, too.
 MAX_LOGIT = 2.0 * (-log(TINY) - EPSILON_DEPTH) / 5.0
@@ -118,25 +112,3 @@ def limiting_logit(parameters: Parameters) -> float:
     if beta > 0.0:
         logit = max(logit, 2.0 * (log(2.0 * beta) + log(friction)))
     return min(max(logit, MIN_LOGIT), MAX_LOGIT)
-
-
-def fd_jacobian(
-    residual_at: Callable[[Array], Array], logits: Array, fraction: float = 1.0
-) -> Array:
-    """Return the derivatives of a residual by the logits, by central differences.
-
-    With w the width of the narrower zone at the boundary, over which the residual varies, the half
-    step h balances the noise of the residual and its third derivative:
-    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE. A fraction of
-    it is taken, which is 1 by default.
-    """
-    columns = []
-    widths = np.diff(logits)
-    for i in range(len(logits)):
-        width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
-        relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
-        half_step = fraction * min(relative_step, JACOBIAN_RANGE) * width
-        step = half_step * np.eye(len(logits))[i]
-        difference = residual_at(logits + step) - residual_at(logits - step)
-        columns.append(difference / (2.0 * half_step))
-    return np.array(columns).T

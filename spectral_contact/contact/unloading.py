@@ -46,12 +46,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from spectral_contact.contact.free_boundary import JACOBIAN_FIELD_TOL
 from spectral_contact.contact.friction_law import DISTANCES, excused_excess
 from spectral_contact.contact.layout import Layout, NoBoundariesError, logit_at
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
-from spectral_contact.contact.stick_radius import JACOBIAN_FIELD_TOL
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
     MAX_STEPS,

@@ -18,21 +18,22 @@ import numpy as np
 
 from spectral_contact.contact.error_estimate import ZoneEstimate, ZoneSolution
 from spectral_contact.contact.free_boundary import (
+    JACOBIAN_FIELD_TOL,
+    Corrected,
     FieldSolution,
     FreeBoundary,
     Iterate,
     correct_to,
+    fd_jacobian,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import concatenate_spaces
 from spectral_contact.contact.stick_radius import (
-    JACOBIAN_FIELD_TOL,
     MIN_LOGIT,
     NoStickDiskError,
     enclosed_root,
-    fd_jacobian,
     min_logit,
 )
 from spectral_contact.contact.tuning import (
@@ -52,7 +53,7 @@ from spectral_contact.fields.series import Array, PressureField, Radius
 from spectral_contact.records import Ending
 from spectral_contact.spectral.contact_fields import KnownDisplacement
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.factored import FactoredSystem, factored
+from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
 
@@ -126,7 +127,12 @@ class FreeBoundaryProblem:
         return edge_power(self.parameters, self.states)
 
     def system(
-        self, spaces: Sequence[DiscreteSpace], logits: Array, *, with_contributions: bool = False
+        self,
+        spaces: Sequence[DiscreteSpace],
+        logits: Array,
+        *,
+        friction: float | None = None,
+        with_contributions: bool = False,
     ) -> ContactSystem:
         """Return the equations with given boundaries.
 
@@ -134,6 +140,8 @@ class FreeBoundaryProblem:
         ----------
         spaces : sequence of DiscreteSpace
         logits : ndarray
+        friction : float, optional
+            By default that of the parameters.
         with_contributions : bool
             Whether the contributions of the top two degrees of a known pressure and of its top one
             are right-hand sides, too, so that the error of the pressure enters the estimates.
@@ -154,11 +162,14 @@ class FreeBoundaryProblem:
                 # a pressure in closed form has no top degrees in a space of its own
                 zero = PressureField(None, None)
                 pressures += contributions or [zero, zero]
+        parameters = self.parameters
+        if friction is not None:
+            parameters = parameters._replace(friction=friction)
         return ContactSystem(
             radii,
             self.states,
             spaces,
-            self.parameters,
+            parameters,
             pressures,
             truncated=with_contributions and self._known is not None,
             displacement=self._displacement,
@@ -326,25 +337,24 @@ class _GivenRadius(FreeBoundaryProblem):
         """
         spaces = self.split(resolution)
         logits = np.array(self._layout.logits)
-        residuals = []
-        factors: FactoredSystem | None = None
-        for friction in (0.0, 1.0):
-            self.parameters = self.parameters._replace(friction=friction)
-            system = self.system(spaces, logits, with_contributions=True)
-            # the friction is in the right-hand sides only
-            factors = factors or factored(system)
-            start = FieldSolution.first(factors, system)
-            fields = correct_to(start, RESIDUAL_NOISE).fields
-            residuals.append(float(fields.boundary_residual[0]))
-        without_friction, unit_friction = residuals
+
+        def system_at(friction: float) -> ContactSystem:
+            return self.system(spaces, logits, friction=friction, with_contributions=True)
+
+        def solved(system: ContactSystem) -> Corrected:
+            return correct_to(FieldSolution.first(factors, system), RESIDUAL_NOISE)
+
+        frictionless = system_at(0.0)
+        # the friction is in the right-hand sides only, so that these factors serve for any
+        factors = factored(frictionless)
+        without_friction, unit_friction = (
+            float(solved(system).fields.boundary_residual[0])
+            for system in (frictionless, system_at(1.0))
+        )
         if not (without_friction > 0.0 and without_friction > unit_friction):
             raise NoStickDiskError(at_centre=False)
         friction = without_friction / (without_friction - unit_friction)
-        self.parameters = self.parameters._replace(friction=friction)
-        assert factors is not None
-        system = self.system(spaces, logits, with_contributions=True)
-        start = FieldSolution.first(factors, system)
-        fields, remaining = correct_to(start, RESIDUAL_NOISE)
+        fields, remaining = solved(system_at(friction))
         iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
         return self.estimate(iterate, spaces)
 

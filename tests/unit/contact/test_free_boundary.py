@@ -10,10 +10,10 @@ from spectral_contact.contact.free_boundary import (
     FreeBoundary,
     _broyden,
     correct_to,
+    fd_jacobian,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import solve_normal
-from spectral_contact.contact.stick_radius import fd_jacobian
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.factored import factored
 from spectral_contact.spectral.parameters import Parameters
