@@ -34,7 +34,6 @@ import numpy as np
 from scipy.special import beta as beta_function
 from scipy.special import betainc
 
-from spectral_contact.contact.error_estimate import ZoneSolution
 from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.stick_radius import MAX_LOGIT
@@ -46,6 +45,7 @@ from spectral_contact.contact.tuning import (
     SLIP_ROUNDING,
 )
 from spectral_contact.contact.zone_fields import edge_exponent, estimated_edge_stick_width
+from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,

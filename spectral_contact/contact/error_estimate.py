@@ -24,7 +24,7 @@ E(b) zero, so that the residual is ``E(b)/(kappa R)``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise, starmap
 from math import inf, pi
 from typing import TYPE_CHECKING, NamedTuple, cast
@@ -32,11 +32,11 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 
 from spectral_contact.contact.free_boundary import Iterate, Perturbation
-from spectral_contact.contact.layout import Layout, NoBoundariesError, ScalarResults
+from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.relative_changes import relative_changes
 from spectral_contact.contact.resolution import radius_errors
-from spectral_contact.contact.slip_displacement import SlipZone, StickZone, largest_displacement
+from spectral_contact.contact.slip_displacement import StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
     FIELD_ROUNDING,
     JACOBIAN_RANGE,
@@ -46,7 +46,8 @@ from spectral_contact.contact.tuning import (
     ROUNDING,
     TRACTION_ROUNDING,
 )
-from spectral_contact.fields.series import Array, LogSeries, Radius
+from spectral_contact.contact.zone_solution import ZoneSolution
+from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import OffsetRadii, gap
@@ -98,71 +99,6 @@ def _field_errors(
         indicator = indicators[field.part]
         np.maximum(indicator, relative, out=indicator)
     return FieldErrors(largest[0], largest[1], np.concatenate(indicators))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ZoneSolution(ScalarResults):
-    """The solution on any zones, before the friction law is checked.
-
-    Under a known pressure its approach is 1, and the errors of approach and pressure are those of
-    the contributions to that pressure alone; `slip_outcome.zones_outcome` puts approach and errors
-    of the normal contact in their place.
-
-    Attributes
-    ----------
-    stick_zones : list of StickZone
-        Quadrature of ``t^2 E dt`` over every stick zone, the source of the displacement in the slip
-        zones around it.
-    slip_width_error : float
-        Largest relative error of ``b^2 - a^2`` for a slip zone between a and b; it bounds the error
-        of slip next to the ends (`friction_law.slip_error_from_boundaries`).
-    residual_error : float
-        Estimate of the largest error of E where it drives the displacement in slip.
-    jacobian : ndarray
-        Derivatives of the boundary residual by the logits.
-    pressures, shears : list of LogSeries, dict of LogSeries
-        For unit load, p on every part of the mesh, outward: on the disk, then on the two halves of
-        every zone around it; and q/s on those that stick, by the number of the part.
-    system : ContactSystem
-    solution : ndarray, shape (unknowns, 3)
-        The vector of the system, and the contributions of the top two degrees and of the top one.
-    logit_errors : ndarray, shape (boundaries,)
-        Estimates of the errors of the logits of the boundaries.
-    """
-
-    stick_zones: list[StickZone]
-    slip_width_error: float
-    residual_error: float
-    jacobian: Array
-    pressures: list[LogSeries]
-    shears: dict[int, LogSeries]
-    system: ContactSystem
-    solution: Array
-    logit_errors: Array
-
-    @property
-    def layout(self) -> Layout:
-        """The zones with their Jacobian, from which nearly the same contact can start."""
-        logits = tuple(radius.logit for radius in self.system.radii)
-        return Layout(logits, self.system.states, self.jacobian)
-
-    @property
-    def slip_samples(self) -> tuple[list[SlipZone], float]:
-        """The slip zones with E at their sampling points, and the largest change of E there.
-
-        The displacement is ``(1/(pi s)) int t^2 E dt / sqrt(s^2 - t^2)`` from these points; as the
-        integral of 1 is ``s/4``, it changes by a quarter of that change at most.
-        """
-        zones = []
-        largest_change = 0.0
-        for zone, state in enumerate(self.system.states):
-            if state:
-                annulus = self.system.slip_annulus(zone)
-                residuals = self.system.residual_on_annulus(self.solution[:, :2], annulus)
-                zones.append(SlipZone(annulus, state, [residual[:, 0] for residual in residuals]))
-                changes = (float(np.abs(residual[:, 1]).max()) for residual in residuals)
-                largest_change = max(largest_change, *changes)
-        return zones, largest_change
 
 
 class ZoneEstimate:

@@ -17,7 +17,6 @@ from math import atan2, exp, inf, log, pi, sqrt
 
 import numpy as np
 
-from spectral_contact.contact.error_estimate import ZoneSolution
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, SpaceSolution
@@ -29,6 +28,7 @@ from spectral_contact.contact.resolution import (
     sample_depths,
 )
 from spectral_contact.contact.tuning import FIELD_ROUNDING
+from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import EDGE, DiskSeries, EdgeWeight, LogSeries, PressureField
 from spectral_contact.spectral.transforms import series_of

@@ -1,7 +1,7 @@
-"""Sequences of zones that stick or slip, and scalar results for a solution on them.
+"""Sequences of zones that stick or slip.
 
-s is the radius over that of the contact, and ``y = 1 - s**2``. Pressure p, traction q, friction f,
-approach delta, total shear ``Q = 2 pi int q s ds`` and coupling kappa are those of docs/theory.
+s is the radius over that of the contact, and ``y = 1 - s**2``. Pressure p, traction q and friction
+f are those of docs/theory.
 """
 
 from __future__ import annotations
@@ -104,34 +104,3 @@ def fixed_disk(logit: float) -> Layout:
     The derivative in its Jacobian is so large that every step of the boundary rounds to 0.
     """
     return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ScalarResults:
-    """Scalars and error estimates of a solution on zones, for unit load.
-
-    Without elastic coupling those of the traction are for kappa = 1.
-
-    Attributes
-    ----------
-    approach, total_shear : float
-        delta and Q, dimensionless.
-    approach_error, shear_error : float
-        Estimates of their relative errors.
-    pressure_error, traction_error : float
-        Estimates of the relative errors of p and of q/s at every radius.
-    radius_error : float
-        Estimate of the relative error of the radius of the central stick disk.
-    zones_error : float
-        The largest estimate of the relative error of a boundary: of its distance from the centre or
-        of that from the edge, whichever is larger; infinite if a zone may not exist.
-    """
-
-    approach: float
-    total_shear: float
-    approach_error: float
-    shear_error: float
-    pressure_error: float
-    traction_error: float
-    radius_error: float
-    zones_error: float

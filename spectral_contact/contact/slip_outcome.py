@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 from dataclasses import fields as fields_of
 from itertools import pairwise
 from math import inf, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,12 +34,13 @@ from spectral_contact.contact.friction_law import (
     slip_error_from_boundaries,
     stick_violation,
 )
-from spectral_contact.contact.layout import Layout, ScalarResults, Trial
+from spectral_contact.contact.layout import Layout, Trial
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import FIELD_ROUNDING, ROUNDING, UNCERTAIN_SLIP_ERROR
+from spectral_contact.contact.zone_solution import ScalarResults, ZoneSolution
 from spectral_contact.fields.series import (
     CENTRE,
     EDGE,
@@ -52,10 +52,6 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.records import Zone
 from spectral_contact.spectral.parameters import Parameters
-
-if TYPE_CHECKING:
-    from spectral_contact.contact.error_estimate import ZoneSolution
-
 
 #: Violation of the friction law at which zones are refuted if no digit of the slip is known: a
 #: missing zone violates it by 1, and zones that follow from less than a half are noise.
@@ -350,12 +346,14 @@ def _checked_outcome(
     # the slip at the edge, if the edge slips and a layer keeps it finite
     at_edge = slip_of_now.at_outer_ends[-1] / largest if beta * states[-1] else inf
 
+    # slip that is noise, nearly all of it in the wrong sense, leaves the zones no digit
+    sense_unknown = slip_error == inf and wrong > DOUBTFUL_VIOLATION
     traction_error = max(solved.traction_error, solved.pressure_error)
     scalars = {item.name: getattr(solved, item.name) for item in fields_of(ScalarResults)}
     scalars["traction_error"] = traction_error
     scalars["zones_error"] = max(
         solved.zones_error,
-        _sense_unknown(slip_error, wrong),
+        float(sense_unknown),
         _uncertain_zone_error(slip_error, zones),
         edge_sense_unknown(at_edge, excused),
     )
@@ -386,14 +384,6 @@ def _violation_text(excess: float, allowed: float, wrong: float, excused: float)
     if wrong <= max(UNRESOLVED_SLIP, excused):
         return ""
     return "the surface slips with the traction"
-
-
-def _sense_unknown(slip_error: float, wrong: float) -> float:
-    """Return the relative error of the zones by an unknown sense of the slip, 1 or 0.
-
-    It is 1, which is no digit, if the slip is noise and nearly all of that has the wrong sense.
-    """
-    return float(slip_error == inf and wrong > DOUBTFUL_VIOLATION)
 
 
 def _uncertain_zone_error(slip_error: float, zones: list[Zone]) -> float:

@@ -68,8 +68,8 @@ from spectral_contact.spectral.factored import factored
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.error_estimate import ZoneSolution
     from spectral_contact.contact.zone_search import Record, UncoupledSearch
+    from spectral_contact.contact.zone_solution import ZoneSolution
 
 
 class ZoneGrowth(NamedTuple):

@@ -32,7 +32,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.error_estimate import ZoneSolution
+    from spectral_contact.contact.zone_solution import ZoneSolution
 
 
 def all_positive(pressures: Sequence[LogSeries]) -> bool:

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spectral_contact.contact.error_estimate import ZoneEstimate, ZoneSolution
+from spectral_contact.contact.error_estimate import ZoneEstimate
 from spectral_contact.contact.free_boundary import (
     JACOBIAN_FIELD_TOL,
     Corrected,
@@ -43,6 +43,7 @@ from spectral_contact.contact.tuning import (
     RESIDUAL_NOISE,
     ROUNDING,
 )
+from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.contact.zone_spaces import (
     edge_power,
     first_spaces,

@@ -72,7 +72,7 @@ from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
-    from spectral_contact.contact.error_estimate import ZoneSolution
+    from spectral_contact.contact.zone_solution import ZoneSolution
 
 Record = Callable[[str, Any, float], Any]
 
@@ -226,11 +226,12 @@ class ZoneSearch(ABC):
         return replace(outcome, trials=tuple(self._trials))
 
     @cached_property
-    def _slip_where_full_stick_violates(self) -> Layout:
+    def _slip_where_full_stick_violates(self) -> Candidate:
         """Slip where full stick violates ``|q| <= f p``, stick elsewhere."""
         from spectral_contact.contact.onset import slip_where_exceeded
 
-        return slip_where_exceeded(self.stick, self.parameters)
+        zones = slip_where_exceeded(self.stick, self.parameters)
+        return Candidate(zones, "slip where full stick exceeds the friction")
 
     @property
     def _smooth_edge_sticks(self) -> bool:
@@ -324,9 +325,7 @@ class UncoupledSearch(ZoneSearch):
             return  # one stick disk it is: without a layer q has no other zones
         from spectral_contact.contact.onset import is_narrow
 
-        violated = Candidate(
-            self._slip_where_full_stick_violates, "slip where full stick exceeds the friction"
-        )
+        violated = self._slip_where_full_stick_violates
         if is_narrow(violated.zones):  # rings may miss it
             yield violated
         from spectral_contact.contact.active_set import ring_layout
@@ -438,15 +437,14 @@ class UncoupledSearch(ZoneSearch):
 
         The tolerance of the search bounds the error of the boundaries.
         """
-        with np.errstate(all="ignore"):
-            problem = FreeBoundaryProblem(
-                self.parameters,
-                zones,
-                tolerance,
-                known=self.contact,
-                boundary_tolerance=self.tolerance,
-            )
-            return refine(problem, tolerance, self.max_unknowns)
+        problem = FreeBoundaryProblem(
+            self.parameters,
+            zones,
+            tolerance,
+            known=self.contact,
+            boundary_tolerance=self.tolerance,
+        )
+        return refine(problem, tolerance, self.max_unknowns)
 
 
 class CoupledSearch(ZoneSearch):
@@ -481,9 +479,7 @@ class CoupledSearch(ZoneSearch):
 
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
-        violated = Candidate(
-            self._slip_where_full_stick_violates, "slip where full stick exceeds the friction"
-        )
+        violated = self._slip_where_full_stick_violates
         if is_narrow(violated.zones):  # rings may miss it or misplace it
             yield violated
         rings = ring_layout(self.parameters, coupled=True)

@@ -27,6 +27,7 @@ ZONES = {
     "slip_displacement",
     "stick_radius",
     "zone_problem",
+    "zone_solution",
     "zone_spaces",
 }
 FULL_STICK = NORMAL | ZONES | {"full_stick", "ratio"}
