@@ -41,7 +41,7 @@ def full_stick(
     pointwise: bool = True,
     ratios: bool = True,
 ) -> Refinement[FullStick]:
-    """Return the `FullStick` record of a contact that was solved to stick everywhere.
+    """Return the refinement of a contact that sticks everywhere, with `FullStick` as its value.
 
     Parameters
     ----------

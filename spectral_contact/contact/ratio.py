@@ -28,7 +28,10 @@ from spectral_contact.spectral.panels import LogPanels
 #: Depths of the samples in the tail beyond the panels of q, less the depth of the panels' end.
 _TAIL_DEPTHS = np.linspace(0.0, EPSILON_DEPTH, SAMPLES)[1:]
 #: Nodes of the polynomial that interpolates q/p around its largest sample. The ratio is analytic in
-#: x up to an imaginary part of about pi, so that PANEL_SAMPLES nodes represent it to rounding.
+#: x up to an imaginary part of about pi, so that PANEL_SAMPLES nodes represent it to rounding. That
+#: does not hold next to the centre, where s is the root of x: a maximum between the first two
+#: samples would lose digits that no estimate counts. Maxima lie at x > 0.93, the second sample at
+#: 0.57 at most (alpha = 1e-14).
 _NODES, _ = gauss_rule(PANEL_SAMPLES)
 #: The matrix from values at the nodes to the Legendre coefficients of the derivative.
 _DERIVATIVE = legder(legendre_expansion_matrix(PANEL_SAMPLES, PANEL_SAMPLES - 1))

@@ -82,7 +82,8 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
 
     No space of more than `max_unknowns` coefficients on its panels is tried, unless even the lowest
     degrees exceed that. The refinement ends in `Ending.ROUNDING` if two spaces in a row do not
-    lower the estimate, or if no degree can be raised.
+    lower the estimate, or if no degree can be raised: MAX_DEGREE may be too low for a field that is
+    not smooth inside a panel, and no panel is split.
     """
     resolution = within_budget(problem.start(), max_unknowns)
     history: list[RefinementStep] = []

@@ -1,15 +1,18 @@
-r"""Radial displacement u in slip.
+r"""Radial displacement u_r in slip.
 
-With the traction q, the drive g of the pressure (docs/theory) and the operator T,
+With the traction q, the inward displacement kappa g by the pressure, and the operator T
+(docs/theory),
 
-    -u(s) = kappa g - T q - beta q = (1/(pi s)) int_0^s t^2 E dt / sqrt(s^2 - t^2) - beta q,
+    -u_r(s) = kappa g - T q - beta q = (1/(pi s)) int_0^s t^2 E dt / sqrt(s^2 - t^2) - beta q,
     E(t) = kappa R(t) - G(t),
     R(t) = (2/t) int_0^t s p ds / sqrt(t^2 - s^2),     G(t) = int_t^1 q ds / sqrt(s^2 - t^2).
 
-E is known from pressure and traction, in stick as in slip. In stick u is zero, which is the
-tangential equation, so that only u in slip is computed. It takes E of all zones inside. kappa and f
-are those of the system: without elastic coupling kappa is 1 there and f stands for ``f / kappa``,
-so that displacements are ``u / kappa``.
+E is known from pressure and traction, in stick as in slip. In stick u_r is zero, which is the
+tangential equation, so that only u_r in slip is computed. It takes E of all zones inside. The term
+``beta q``, the displacement of the layer, is here and in `ContactSystem.masses`, which is for
+stick. kappa and f are those of the system: without elastic coupling kappa is 1 there and f stands
+for ``f / kappa``, so that displacements are ``u_r / kappa``. (The letter u alone is ``q/s`` in
+other modules.)
 
 Each slip zone is an annulus with two halves, whose panels are graded toward its boundaries: a
 `GradedMesh` is the panels of one half, and `OffsetRadii` are radii given by offsets of ``z = s**2``
@@ -109,8 +112,8 @@ class SlipFields(NamedTuple):
     largest : float
         The largest modulus of all values.
     unresolved : float
-        Estimate of the error that sampling on finitely many points leaves in u: twice the last
-        coefficients of the series of E and of u, as `GradedMesh.truncated` and `unresolved`
+        Estimate of the error that sampling on finitely many points leaves in u_r: twice the last
+        coefficients of the series of E and of u_r, as `GradedMesh.truncated` and `unresolved`
         measure them.
     """
 
@@ -227,7 +230,7 @@ def _integral_at(zone: StickZone, points: OffsetRadii) -> Array:
 
 
 def largest_displacement(stick_zones: list[StickZone], inner: Radius, outer: Radius) -> float:
-    """Return the largest modulus on an annulus of the part of u that stick zones inside it cause.
+    """Return the largest modulus on an annulus of the part of u_r that stick zones inside cause.
 
     The points are graded toward the inner boundary, where it is largest.
     """

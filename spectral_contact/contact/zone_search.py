@@ -153,8 +153,8 @@ class ZoneSearch(ABC):
         Most unknowns of a space.
     record : callable
         Takes the name of a step of the plan (`records.PARTIAL_SLIP`, `SLIP_FIELD` or
-        `ZONE_SEARCH`), its result and the time it began; notes the work and returns the value of
-        the result.
+        `ZONE_SEARCH`), its result and the time it began; notes the work and returns the result, of
+        a `Refinement` the value of its best solution.
     warm_start : Layout, optional
         The first candidate: zones that are predicted from scenes like this one.
     """

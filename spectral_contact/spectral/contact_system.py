@@ -286,7 +286,8 @@ class ContactSystem(ContactFields):
         """Yield, field by field, its place in a vector and its mass times its compliance.
 
         With `values`, vectors as columns, the products of these matrices with them take their
-        place.
+        place. The residual takes them always, the matrix unless `CholeskyFactoredSystem` has it
+        from the unit disk: that matrix has to have the same compliances.
         """
         for field in self.fields:
             part = self.parts[field.part]

@@ -152,7 +152,8 @@ class CholeskyFactoredSystem(FactoredSystem):
     that coarser spaces lack come last, so that the leading parts of the factor are those of the
     coarser spaces. If one disk of radius c sticks under a known pressure, its matrix is ``c**5``
     times that of the unit disk with the compliance ``beta / c``, because the kernels are
-    homogeneous (docs/theory, Abel factorisation); the factor for the unit disk is cached.
+    homogeneous (docs/theory, Abel factorisation). The space of the unit disk is cached, with its
+    mass and Gram matrix. This is `system_matrix` by another way, without `ContactSystem.masses`.
     """
 
     def __init__(self, system: ContactSystem) -> None:

@@ -10,6 +10,7 @@ class Parameters(NamedTuple):
 
     Without elastic coupling q is proportional to kappa if f/kappa is kept. Such a contact is solved
     with kappa = 1 and the friction f/kappa, and its traction is multiplied by kappa afterwards.
+    Many functions unpack the four by position.
 
     Attributes
     ----------
