@@ -21,7 +21,7 @@ class Parameters(NamedTuple):
         takes the opposite of a negative one, and of the traction that comes out. 1 without elastic
         coupling.
     friction : float
-        Coulomb's coefficient f. Without elastic coupling f/kappa.
+        Coulomb's coefficient f, the same at every radius. Without elastic coupling f/kappa.
     """
 
     alpha: float
