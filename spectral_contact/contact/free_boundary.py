@@ -74,6 +74,8 @@ class Perturbation(NamedTuple):
 class FieldSolution:
     """The fields on given boundaries for unit approach, with a continuous traction.
 
+    A known pressure has unit load instead, and `approach`, which scales to that, is 1.
+
     Attributes
     ----------
     system : ContactSystem

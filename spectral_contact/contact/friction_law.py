@@ -4,6 +4,9 @@ p, q and f are pressure, traction and friction. s is the radius over that of the
 1 - s**2``, the attribute `rest` of a `Radius`. Slip is sampled as the radial displacement times the
 sign of the traction: it is negative where the law holds, and positive, or of the wrong sense, where
 the displacement has the direction of the traction. It is sampled at the points `y` of an `Annulus`.
+
+That ``q = +-f p`` in slip is not checked here: it is built into the fields and rows of
+`spectral.contact_fields`. docs/contributing, another friction law, lists all places that take part.
 """
 
 from __future__ import annotations

@@ -59,7 +59,8 @@ class FullStick(NamedTuple):
     edge_ratio : float or None
         ``q/p`` at the edge; None where it has no limit, or is not wanted.
     critical : float
-        The largest ``|q|/p``, the critical friction; infinite where the pressure changes sign.
+        The largest ``|q|/p``, the critical friction, which is compared with f; infinite where the
+        pressure changes sign.
     critical_y : float
         ``y = 1 - s**2`` at that maximum.
     pressure_error, traction_error : float

@@ -67,7 +67,8 @@ class PartialSlip(ScalarResults):
     zones : tuple of Zone
     pressure : PressureField or ZonalField
     traction, slip : ZonalField
-        q, which is ``+-f p`` in slip; and the radial displacement u_r, zero in stick.
+        q, in slip the field p times the number ``+-f``; and the radial displacement u_r, zero in
+        stick.
     slip_error : float
         Estimate of the error of the displacement, relative to its largest value; infinite if no
         digit of it is known.
@@ -226,6 +227,9 @@ def zones_outcome(
     solved : ZoneSolution
         Boundaries and fields.
     parameters : Parameters
+        Of the contact. Those of `solved.system` differ where its disk is regularised
+        (`little_friction`). With beta = 0 in their place the displacement is that of the body alone
+        (`edge_stick`).
     contact : NormalContact, optional
         Normal contact, if the pressure was known; without it the pressure is part of `solved`.
     point_disk : bool

@@ -65,7 +65,8 @@ class MeshPart(NamedTuple):
     degrees : tuple of int
         Highest degree of an unknown on every panel.
     pressure_degrees, shear_degrees : tuple of int
-        Highest degrees of the expansions of p and of u, whether they are known or not.
+        Highest degrees of the expansions of p and of u, whether they are known or not. In slip
+        under a known pressure both are those of all functions of the panels.
     """
 
     zone: int
@@ -411,7 +412,8 @@ class ContactFields:
 
     def _assemble_loads(self) -> None:
         """Assemble ``int p s ds`` and ``int q ds`` of the parts, and the load of a vector."""
-        #: ``int p s ds``, and ``int u s ds = int q ds``, of the functions on every part
+        #: ``int p s ds``, and ``int u s ds = int q ds``, of the functions on every part; the second
+        #: is no part of the total shear, which is `shear_row`
         self.loads: list[Array] = []
         self.shear_loads: list[Array] = []
         for part in self.parts:
@@ -444,7 +446,10 @@ class ContactFields:
 
     @cached_property
     def shear_row(self) -> Array:
-        """``2 pi int q s ds``."""
+        """``2 pi int q s ds``.
+
+        In slip ``q = +-f p``, and it is taken from the loads of p: without `known_slip`.
+        """
         row = np.zeros((1, self.unknowns))
         friction = self.parameters.friction
         for k, part in enumerate(self.parts):

@@ -10,7 +10,6 @@ class Parameters(NamedTuple):
 
     Without elastic coupling q is proportional to kappa if f/kappa is kept. Such a contact is solved
     with kappa = 1 and the friction f/kappa, and its traction is multiplied by kappa afterwards.
-    Many functions unpack the four by position.
 
     Attributes
     ----------
@@ -22,7 +21,7 @@ class Parameters(NamedTuple):
         takes the opposite of a negative one, and of the traction that comes out. 1 without elastic
         coupling.
     friction : float
-        Coulomb's coefficient f. Without elastic coupling f/kappa.
+        Coulomb's coefficient f, the same at every radius. Without elastic coupling f/kappa.
     """
 
     alpha: float
