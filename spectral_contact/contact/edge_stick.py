@@ -177,8 +177,6 @@ def with_edge_stick(
         If the displacement by the body is not against the traction at the edge, so that nothing
         sticks there, or the stick is not narrow in comparison with the slip.
     """
-    beta = parameters.beta
-    friction = parameters.friction
     # the displacement of the body alone, because that of the compliance is infinite at the edge
     outcome = zones_outcome(solved, parameters._replace(beta=0.0), point_disk=point_disk)
     body_displacement = outcome.slip.pieces[-1].field
@@ -191,7 +189,10 @@ def with_edge_stick(
     if not (edge_displacement < 0.0 < amplitude):
         raise ArithmeticError("the edge is not moved against its traction")
     stick = EdgeStick.matched(
-        edge_exponent(parameters), amplitude, -edge_displacement, beta * friction
+        edge_exponent(parameters),
+        amplitude,
+        -edge_displacement,
+        parameters.beta * parameters.friction,
     )
     if stick.width >= half_width:
         raise ArithmeticError("the stick at the edge is no narrower than the slip")

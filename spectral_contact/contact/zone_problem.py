@@ -130,7 +130,7 @@ class FreeBoundaryProblem:
         spaces: Sequence[DiscreteSpace],
         logits: Array,
         *,
-        friction: float | None = None,
+        parameters: Parameters | None = None,
         with_contributions: bool = False,
     ) -> ContactSystem:
         """Return the equations with given boundaries.
@@ -139,8 +139,8 @@ class FreeBoundaryProblem:
         ----------
         spaces : sequence of DiscreteSpace
         logits : ndarray
-        friction : float, optional
-            By default that of the parameters.
+        parameters : Parameters, optional
+            By default those of the problem.
         with_contributions : bool
             Whether the contributions of the top two degrees of a known pressure and of its top one
             are right-hand sides, too, so that the error of the pressure enters the estimates.
@@ -161,14 +161,11 @@ class FreeBoundaryProblem:
                 # a pressure in closed form has no top degrees in a space of its own
                 zero = PressureField(None, None)
                 pressures += contributions or [zero, zero]
-        parameters = self.parameters
-        if friction is not None:
-            parameters = parameters._replace(friction=friction)
         return ContactSystem(
             radii,
             self.states,
             spaces,
-            parameters,
+            parameters or self.parameters,
             pressures,
             truncated=with_contributions and self._known is not None,
             displacement=self._displacement,
@@ -338,7 +335,8 @@ class _GivenRadius(FreeBoundaryProblem):
         logits = np.array(self._layout.logits)
 
         def system_at(friction: float) -> ContactSystem:
-            return self.system(spaces, logits, friction=friction, with_contributions=True)
+            parameters = self.parameters._replace(friction=friction)
+            return self.system(spaces, logits, parameters=parameters, with_contributions=True)
 
         def solved(system: ContactSystem) -> Corrected:
             return correct_to(FieldSolution.first(factors, system), RESIDUAL_NOISE)

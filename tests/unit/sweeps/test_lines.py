@@ -170,7 +170,7 @@ def test_the_friction_of_a_radius_is_that_of_the_best_space_and_not_of_the_last(
     estimate = _GivenRadius.estimate
 
     def kept(problem, iterate, spaces):
-        frictions.append(problem.parameters.friction)
+        frictions.append(iterate.fields.system.parameters.friction)
         return estimate(problem, iterate, spaces)
 
     monkeypatch.setattr(_GivenRadius, "estimate", kept)
