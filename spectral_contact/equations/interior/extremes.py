@@ -231,7 +231,8 @@ def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) ->
     near = on_line(np.clip(np.array([at - step, at + step]), grid[0], grid[-1]))
     u, v = line.both(np.array([at]))
     curvature = _curvature(value, near, step)
-    return _Found(value, chart.points(u, v), curvature, chart.scale(float(u[0])))
+    scale = chart.scale(float(u[0]), float(v[0]))
+    return _Found(value, chart.points(u, v), curvature, scale)
 
 
 def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[_Found]:
@@ -251,7 +252,7 @@ def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[
     near = [-negative(best.x + step * direction) for direction in np.vstack([_CROSS, -_CROSS])]
     u, v = chart.reflected(u, v)
     at = chart.points(np.array([u]), np.array([v]))
-    return [_Found(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u))]
+    return [_Found(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u, v))]
 
 
 #: The first simplex of the method of Nelder and Mead, and the directions of the two coordinates.

@@ -356,7 +356,7 @@ class BodyMesh:
         replaced = np.zeros((len(z), run.stop - run.start), dtype=bool)
         replaced[owner] = np.arange(run.stop - run.start) >= longest[:, None]
         left[:, run.start : run.stop] = ~(replaced if run.outward else replaced[:, ::-1])
-        offsets = tails.away[longest]
+        offsets = tails.offsets[longest]
         s, _ = self._ends.radii(place, offsets)
         ahead = beyond[owner, None] - offsets
         return MeshNodes(self._tail_nodes, owner, s, ahead, *tails.rings[:, longest])
