@@ -1,7 +1,8 @@
 """The elliptic kernels K1 and K2 of the half-space, free of cancellation.
 
 The paper (docs/theory) prints them as (2.4). These forms lose every digit where the two radii meet,
-and K2 also where one radius is much larger than the other. Here both are written in the complementary parameter
+and K2 also where one radius is much larger than the other. Here both are written in the
+complementary parameter
 ``m1 = 1 - rho**2 = |eta - s| (eta + s) / hi**2`` with ``rho = lo/hi``, which is exact to rounding
 everywhere. The kernels depend on the ratio of the two radii alone, so that their unit does not
 matter.

@@ -346,7 +346,7 @@ class Inside:
         if profile is not None:
             points, shape = self._points(r, 0.0, from_edge)
             radius = points.r.reshape(shape) * self._solution.contact_radius
-            # `gap` is so far the height of the body's surface above the face. Less the height of the
+            # `gap` is so far how far the body's surface is above the face. Less the height of the
             # profile it is the compression of the layer inside, and minus the distance outside.
             outside = points.from_edge.reshape(shape) < 0.0
             under_profile = radius <= profile.reach

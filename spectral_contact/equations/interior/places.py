@@ -25,8 +25,8 @@ _CLOSEST = 1e-16
 #: A point next to a corner may have the radius of the corner only by rounding. There the load is
 #: evaluated at a radius that is less by this, relative.
 _NUDGE = 4e-16
-#: Relative error of a stress at the distance x from an infinite pressure, over the scale that `lost`
-#: says: this times the rounding of doubles, over x. The largest factor that was measured is 0.6.
+#: Relative error of a stress at the distance x from an infinite pressure, over the scale in `lost`:
+#: this times the rounding of doubles, over x. The largest factor that was measured is 0.6.
 _AT_INFINITE = 3.0
 #: At the distance x from any other boundary: this times the rounding, over the root of x (largest
 #: factor measured: 0.02).
