@@ -25,7 +25,6 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
     values, change : ndarray, shape (unknowns,)
         The vector of the system, and a change of it.
     """
-    alpha, beta, _, _ = system.parameters
     # in a part where one field is singular at the edge, both are their leading terms from some
     # depth ``x = -ln d`` on, with d the distance from the edge in units of the extent
     singular_parts = {field.part for field in system.fields if field.panels.power}
@@ -35,7 +34,7 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
         extent = part.mesh.extent
         leading = inf
         if field.part in singular_parts:
-            leading = leading_depth(alpha, beta, extent)
+            leading = leading_depth(system.parameters, extent)
         cutoff = inf
         if part.boundary_number >= 0:
             cutoff = rounding_depth(part.mesh.boundary, extent)
@@ -60,15 +59,15 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     ``f p/s`` there, the most that u can be. REGULARISING_COMPLIANCE marks a regularising disk. Its
     traction, the last field, is rounding that changes no other field, so that its size is infinite.
     """
-    _, beta, kappa, friction = system.parameters
+    parameters = system.parameters
     sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
     ]
     changes_sign = any((size * size[0] <= 0.0).any() for size in sizes)
     if changes_sign and not (system.pressure_known or system.radii):  # in full stick
         pressure, shear = sizes
-        sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
-    if beta == REGULARISING_COMPLIANCE:
+        sizes = [np.hypot(pressure, shear), np.hypot(shear, parameters.kappa * pressure)]
+    if parameters.beta == REGULARISING_COMPLIANCE:
         sizes[-1][:] = inf
     if system.displacement_coefficients:
         pressures, _ = system.series(values)
@@ -76,5 +75,5 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
             if field.part in system.displacement_coefficients:
                 series = pressures[field.part]
                 radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
-                sizes[i] = friction * series.at_ends() / radii
+                sizes[i] = parameters.friction * series.at_ends() / radii
     return sizes
