@@ -10,8 +10,9 @@ because N is positive: the energy (Ritz) bounds m from below and the complementa
 above. With elastic coupling and full stick the same holds for the system of both equations, whose
 elastic part is positive because it is the work on an elastic body: A, u and r have two components,
 and the last bound is ``<r_1, r_1>/alpha + <r_2, r_2>/beta``. The residual is computed with the
-elliptic kernels (`equations.residuals`), which share no step with the solver. So the bounds are
-rigorous up to the rounding and the quadrature of these integrals.
+elliptic kernels (`equations.residuals`), by quadrature that shares no step with the solver; from
+the solver come u itself and the ends of its panels. So the bounds are rigorous up to the rounding
+and the quadrature of these integrals.
 """
 
 from __future__ import annotations
@@ -69,7 +70,8 @@ def approach_bounds(
     compliance : float
         ``alpha*``, positive.
     approach : float
-        ``delta*`` as computed; it scales the pressure, and need not be accurate.
+        ``delta*`` as computed: the pressure over this is u. It need not be accurate, as the bounds
+        hold for any u.
     pressure : PressureField
         ``p*``.
     coupled : CoupledTraction, optional
@@ -86,7 +88,8 @@ def approach_bounds(
     places = from_edge.tolist()
     deflection = np.array([normal_displacement(pressure_at, d, breaks) for d in places])
     residual = approach - compliance * p - deflection
-    # compliance, field and residual of each equation; fields and residuals are delta times u and r
+    # compliance, field and residual of each equation; with the approach delta, as computed, fields
+    # are delta u and residuals delta r
     equations = [(compliance, p, residual)]
     if coupled is not None:
         traction = coupled.field
@@ -105,11 +108,13 @@ def approach_bounds(
             (compliance, p, residual + lift),
             (coupled.compliance, q, inward - outward - coupled.compliance * q),
         ]
-    # 2 pi delta (<1, u> + <r, u>), and the most that 2 pi delta m exceeds it by
-    energy = 2.0 * pi * load(pressure_at, breaks=breaks)
-    energy += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in equations)
+    # bounds of 2 pi delta m from below, 2 pi delta (<1, u> + <r, u>), and by how much that from
+    # above is larger; the approach itself is 1/(2 pi m)
+    least = 2.0 * pi * load(pressure_at, breaks=breaks)
+    least += sum(2.0 * pi * float(weights @ (r * u)) / approach for _, u, r in equations)
     excess = sum(2.0 * pi * float(weights @ r**2) / (c * approach) for c, _, r in equations)
-    upper, lower = approach / energy, approach / (energy + excess)
+    upper = approach / least
+    lower = approach / (least + excess)
     return lower * (1.0 - _ROUNDING), upper * (1.0 + _ROUNDING)
 
 

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 
 #: Panels shrink by this factor towards the edge, the breaks of the profile and the centre (chosen).
 _RATIO = 0.3
-#: Number of the panels. The first point is 5e-15 from a break, over half of the interval: closer, a
-#: radius has too few digits of its distance from the break.
+#: Number of the panels. The first point is at 5e-15 of half the interval from a break: of a closer
+#: one, the radius would have too few digits of the distance.
 _PANELS = 24
 #: Gauss points of each panel (chosen).
 _POINTS = 16
-#: Heights of profiles are not evaluated farther out than this, where powers of radii overflow.
+#: Heights of profiles are not evaluated beyond this radius, as powers of it would overflow.
 _FARTHEST = 1e100
 
 
@@ -52,7 +52,8 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     field = solution.pressure_field
     assert field is not None
     weight = field.weight
-    # a weight without shift is infinite at the edge, but its displacement is known in closed form
+    # the endpoint weight of the pressure is 1/sqrt(1 - s**2 + shift) times its amplitude; without
+    # shift it is infinite at the edge, but its displacement is known in closed form
     singular = weight if weight is not None and weight.shift == 0.0 else None
     if singular is not None:
         field = replace(field, weight=None)
@@ -61,16 +62,16 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     radius = 1.0 + past_edge[:, None]
     for inner, outer in pairwise([0.0, *(b / a for b in profile.breaks if b < a), 1.0]):
         half = (outer - inner) / 2.0
-        from_inner = inner + half * nodes  # radii
-        from_outer = (1.0 - outer) + half * nodes  # distances from the edge
-        for eta, from_edge in ((from_inner, 1.0 - from_inner), (1.0 - from_outer, from_outer)):
+        radii = inner + half * nodes  # of the inner half, graded to its inner end
+        depths = (1.0 - outer) + half * nodes  # from the edge, of the outer half
+        for eta, from_edge in ((radii, 1.0 - radii), (1.0 - depths, depths)):
             ring_loads = eta * (half * weights) * field(eta, from_edge)
             # 1 - m of the parameter m = (eta/radius)**2, without cancellation
             complement = (past_edge[:, None] + from_edge) / radius * ((radius + eta) / radius)
             displacement += ellipkm1(complement) @ ring_loads
     displacement /= pi * (1.0 + past_edge)
     if singular is not None:
-        # a pressure A/sqrt(1 - s**2) moves the surface by A arcsin(1/s)/2 of the radius
+        # a pressure A/sqrt(1 - s**2) moves the surface at s > 1 by (A/2) arcsin(1/s) contact radii
         tangent = np.sqrt(past_edge) * np.sqrt(2.0 + past_edge)
         displacement += singular.amplitude / 2.0 * np.arctan2(1.0, tangent)
     gap = profile.height(a * (1.0 + past_edge)) - solution.approach + a * displacement

@@ -1,9 +1,11 @@
 """The elliptic kernels K1 and K2 of the half-space, free of cancellation.
 
-The printed forms (2.4) of the paper lose every digit where the two radii meet, and K2 also far
-off the diagonal. Here both are written in the complementary parameter
+The paper (docs/theory) prints them as (2.4). These forms lose every digit where the two radii meet,
+and K2 also where one radius is much larger than the other. Here both are written in the
+complementary parameter
 ``m1 = 1 - rho**2 = |eta - s| (eta + s) / hi**2`` with ``rho = lo/hi``, which is exact to rounding
-everywhere. The kernels are homogeneous of degree 0.
+everywhere. The kernels depend on the ratio of the two radii alone, so that their unit does not
+matter.
 """
 
 from __future__ import annotations
@@ -53,7 +55,7 @@ def normal_kernel(
 
     Notes
     -----
-    Equations (2.4) and (3.4) of the paper, with Landen's transformation undone.
+    Equations (2.4) and (3.4) of the paper, which prints them after Landen's transformation.
     """
     eta, _, hi, m1 = _ordered(eta, s, distance)
     with np.errstate(divide="ignore"):

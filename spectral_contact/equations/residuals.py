@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
 #: The tanh-sinh rule on [0, 1], whose nodes are ``(1 + tanh u)/2`` with ``u = (pi/2) sinh t``: the
-#: equidistant t, of which the first and the last node lie 3e-185 and 6e-183 from the ends.
+#: equidistant t, from -5.6 to 5.5875. The first node is 3e-185 from 0, the last 6e-183 from 1.
 _T = np.arange(-5.6, 5.6001, 1.0 / 32.0)
 _U = np.pi / 2.0 * np.sinh(_T)
 #: Distances of the nodes from 0 and from 1, and the weights.
@@ -56,7 +56,7 @@ def load(pressure: Field, *, inside: float = 0.0, breaks: Sequence[float] = ()) 
 
 
 def approach_slope(pressure: Field, breaks: Sequence[float] = ()) -> float:
-    """Return ``ddelta*/dalpha* = 2 pi int p**2 s ds``, by reciprocity of (3.5).
+    """Return ``ddelta*/dalpha* = 2 pi int p**2 s ds``, as the operator N of (3.5) is symmetric.
 
     The pressure, its breaks, and errors are as of `load`. On a thin layer `edge_layer_breaks` are
     needed.
@@ -67,8 +67,9 @@ def approach_slope(pressure: Field, breaks: Sequence[float] = ()) -> float:
 def edge_layer_breaks(compliance: float) -> list[float]:
     """Return breaks at the edge between which the quadrature resolves a pressure on a layer.
 
-    Towards the edge it changes like ``1/sqrt(d + c)``, where c is about the compliance. The rule
-    resolves this if no interval is much more than a hundred times as long as ``d + c``.
+    Towards the edge it changes like ``1/sqrt(d + c)`` at the distance d, where c is about the
+    compliance. The rule resolves this if no interval is much more than a hundred times as long as
+    ``d + c`` at its end next to the edge.
     """
     hundredfolds = max(-np.log10(compliance), 0.0) / 2.0
     return [float(compliance * 100.0**k) for k in range(int(np.ceil(hundredfolds)))]
@@ -99,15 +100,15 @@ def normal_displacement(pressure: Field, from_edge: float, breaks: Sequence[floa
 def outer_displacement(pressure: Field, beyond: float, breaks: Sequence[float] = ()) -> float:
     """Return ``N p`` outside the contact, at a distance `beyond` the edge.
 
-    It is the displacement of the free surface, by the integral of (3.5). The pressure, its breaks,
-    and errors are as of `load`.
+    The free surface moves down by it: the same integral as within the contact. The pressure, its
+    breaks, and errors are as of `load`.
     """
     field = _field("pressure", pressure)
     past_edge = positive("beyond", beyond)
     radius = 1.0 + past_edge
     # the kernel changes over the distance of the point from the edge: a break at that distance
-    cuts = [b for b in (past_edge, *_cuts(breaks)) if 0.0 < b < 1.0]
-    nodes = _NodesBetween.between({0.0, 1.0, *cuts})
+    inner_cuts = [b for b in (past_edge, *_cuts(breaks)) if 0.0 < b < 1.0]
+    nodes = _NodesBetween.between({0.0, 1.0, *inner_cuts})
     complement = (past_edge + nodes.d) / radius * ((radius + nodes.s) / radius)
     total = nodes.integral(lambda: field(nodes.d) * nodes.s * ellipkm1(complement))
     return total / (np.pi * radius)
@@ -183,7 +184,7 @@ class _NodesBetween(NamedTuple):
     left, right : ndarray, of the same shape
         Distances of every node from the two ends of its interval.
     cuts : ndarray, shape (intervals + 1,)
-        Ends of the intervals, as distances from the edge.
+        Ends of all intervals, as distances from the edge in rising order.
     """
 
     d: Array
@@ -221,7 +222,8 @@ class _NodesBetween(NamedTuple):
 
     def integral(self, integrand: Callable[[], Array]) -> float:
         """Integrate a function whose values at the nodes `integrand` returns."""
-        with np.errstate(over="ignore", invalid="ignore"):  # of fields that are not smooth or wrong
+        # a field that is singular, or that a user wrote wrongly, may overflow or be NaN
+        with np.errstate(over="ignore", invalid="ignore"):
             by_interval = integrand().reshape(-1, len(_T)) @ _WEIGHT
             return float(np.diff(self.cuts) @ by_interval)
 

@@ -1,13 +1,14 @@
 r"""Half-integrals on one annulus in fixed point.
 
-With the distances ``a`` and ``b = w - a`` from its inner and outer end in ``s**2``, panels are
-equal in ``X = ln(a/b)``, and so graded to both ends. There
+Let the annulus have the width w in ``s**2``, and let ``a`` and ``b = 1 - a`` be the distances of a
+point from its inner and outer end in ``s**2``, over w. Panels are equal in ``X = ln(a/b)``, and so
+graded to both ends. With X of z, and Y and b_t of t^2,
 
-    1/2 int_X psi dz / sqrt(z - t^2) = sqrt(w / b_t) / 2 int_Y F psi dX / sqrt(1 - exp(Y - X)),
+    1/2 int_{t^2} psi dz / sqrt(z - t^2) = sqrt(w / b_t) / 2 int_Y F psi dX / sqrt(1 - exp(Y - X)),
 
-X and Y being those of z and of t^2, and the weight ``F = sqrt(a) b`` for ``w = 1``: a convolution
-with one kernel for both ends, and for the integral from the other side. In the tail at either end
-functions are polynomials in the root of ``a/b`` or of ``b/a``, which is called the odds.
+both integrals up to the outer end, with the weight ``F = sqrt(a) b``: a convolution with one kernel
+for both ends, and for the integral from the other side. The quotient ``a/b``, next to the outer end
+``b/a``, is called the odds; in the tail at either end functions are polynomials in its root.
 """
 
 from __future__ import annotations
@@ -73,14 +74,14 @@ class Blocks:
     Attributes
     ----------
     offset, root : ndarray of int, shape (points,)
-        The nodes: in a panel, distances in X from its start; in a tail, roots of the odds over
-        those where the tail begins.
+        The nodes: in a panel, distances in X from its start; in a tail, the root of the odds over
+        the root of the odds at which the tail begins.
     weights : ndarray of int, shape (points,)
         Gauss weights on [-1, 1].
     expand : ndarray of int, shape (points, points)
         From values at the nodes to Legendre coefficients.
     limit : ndarray of int, shape (points,)
-        From those of the inner tail to the value at the inner end.
+        From values at the nodes of the inner tail to the value at the inner end.
     near : Near
         Each of them a matrix of shape (points, points).
     """
@@ -124,7 +125,7 @@ class Blocks:
 
     @cached_property
     def poled(self) -> Near:
-        """`near` for functions that in the outer tail are a polynomial divided by the root."""
+        """`near` for functions that in the outer tail are polynomials over the root of the odds."""
         f = self.fixed
         to_end = self._h - self.offset
         shallow = f.exp(to_end // 2)
@@ -140,16 +141,18 @@ class Blocks:
         return Near(*map(self.fixed.floats, self.poled if pole else self.near))
 
     def _convolved(self, lower: Ints, upper: Ints, shift: Ints) -> Ints:
-        """Return integrals over ``lower < X - Y < upper``, where a panel starts at ``-shift``."""
+        """Return integrals over ``lower < X - Y < upper``; the panel starts at ``Y - shift``."""
         f = self.fixed
         u, weights, _ = root_rule(f, self._rule, lower, upper)
         local = 2 * f.over(u + shift[:, None], self._h) - f.one
         return self.interpolated(weights, local)
 
     def _rooted(self, root: Ints, top: Ints, of: Any, factor: Any = None, power: int = 1) -> Ints:
-        """Return ``int_0^top psi v**power factor dtheta`` in a tail, with ``v = root of(theta)``.
+        """Return ``int_0^top psi v**power factor dtheta`` in a tail.
 
-        It is a matrix: psi is given at the nodes of the tail, and root, top and factor at points.
+        There v, the root of the odds over that where the tail begins, is `root` times the function
+        `of` of theta. It is a matrix: psi is given at the nodes of the tail, and `root`, `top` and
+        `factor` at points.
         """
         f = self.fixed
         g, w = f.gauss(2 * self._rule)
@@ -175,8 +178,8 @@ class AnnulusMesh:
     before, after : int
         Numbers of panels inside and outside the middle, ``a = b``.
     pole : bool
-        Whether `half_integral` is of functions that have a pole in the root of the odds at the
-        outer end, as ``1/t`` has at the centre.
+        Whether `half_integral` is of functions that have a pole at the outer end, in the root of
+        the odds. In a mesh that is reflected the centre is the outer end, where ``1/t`` has one.
 
     Attributes
     ----------
@@ -240,11 +243,11 @@ class AnnulusMesh:
         """Return ``1/2 int_{z > t^2} psi dz / sqrt(z - t^2)`` at the nodes, of values there."""
         f, b, cells = self.fixed, self.blocks, len(values)
         blocks = b.poled if self._pole else b.near
-        near, masses = f.times(values, self._near_weight), f.times(values, self._far_weight)
+        weighted, masses = f.times(values, self._near_weight), f.times(values, self._far_weight)
         result, far = np.empty_like(values), 0 * b.decay
         for c in reversed(range(cells)):
             total = 0 * b.offset
-            for block, source in zip(blocks.at(c, self.panels), near[c : c + 2], strict=True):
+            for block, source in zip(blocks.at(c, self.panels), weighted[c : c + 2], strict=True):
                 total = total + block @ source
             if c + 2 < cells:
                 sources = b.sources if c + 3 < cells else b.tail_sources[:, ::-1]
@@ -325,9 +328,9 @@ class PreciseAnnulusSeries:
             (inside, mesh.inner_end, -mesh.before * h - 1),
             (~inside, mesh.outer_end, mesh.after * h),
         ):
-            near = rows & (odds >= end).astype(bool)
+            on_panels = rows & (odds >= end).astype(bool)
             x[rows] = beyond
-            x[near] = f.map(f.mp.log, odds[near]) * (1 if beyond < 0 else -1)
+            x[on_panels] = f.map(f.mp.log, odds[on_panels]) * (1 if beyond < 0 else -1)
         own = np.clip([int(v // h) + mesh.before + 1 for v in x], 0, last)
         values = np.empty(len(x), dtype=object)
         for c in np.unique(own):

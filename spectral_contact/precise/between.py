@@ -1,9 +1,9 @@
 """Sums over ``1/sqrt(z - t^2)`` from one annulus to another in fixed point.
 
-Both annuli are cut into cells, graded in the distance from the gap between them. Two cells at like
-distances interact by the kernel itself; two of which one is much nearer to the gap than the other,
-by a power series. The cells next to the far end of an annulus are summed together, by a power
-series about that end.
+Both annuli are cut into cells, which are graded towards the gap between them. What one cell does to
+another is computed with the kernel itself if the two are about equally far from the gap. If one is
+much nearer to it than the other, the kernel is a power series. The cells next to the far end of an
+annulus are summed together, by a power series about that end.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ class Between:
     widths : tuple of int
         Those of the two annuli, in ``s**2``.
     gap : int
-        That between them, in ``s**2``: 0 if they are neighbours, else wider than their tails.
+        The distance between them, in ``s**2``: 0 if they are neighbours, else more than the widths
+        of their tails.
     """
 
     def __init__(
@@ -80,7 +81,8 @@ class _Cells:
         graded = self.distance[:count]
         self.low, self.high = graded.min(axis=1), graded.max(axis=1)
         self.terms = ceil((mesh.blocks.digits + 6) / -log(_RATIO, 10.0)) + 1
-        #: powers of distances over the largest one in the cell, and of the least one over distances
+        #: powers of the ratio of a node's distance to the largest one in its cell, and of the ratio
+        #: of the least one in the cell to the node's
         self.rise = self.powers(f.over(graded, self.high[:, None]))
         self.fall = self.powers(f.over(self.low[:, None], graded))
         #: powers of the distances from the far end, for the cells next to it
@@ -98,7 +100,11 @@ class _Cells:
 
 
 class _EndExpansion:
-    """The series about the far end of sources at the nodes of targets: powers, and inverse root."""
+    """The kernel as a series about the far end of the sources, at the nodes of the targets.
+
+    `roots` has the kernel for a source at that end, and `powers` those of the ratio of the distance
+    of the end from the gap to that between end and target.
+    """
 
     def __init__(self, targets: _Cells, sources: _Cells) -> None:
         f, distance = targets.fixed, sources.end + targets.distance
@@ -152,8 +158,9 @@ class _Sums:
             object
         )
         high, low = sources.high, sources.low
-        self._rise = sources.powers(f.over(high[:-1], high[1:]))
-        self._fall = sources.powers(f.over(low[:-1], low[1:]))
+        # factors of sums over cells that are passed on to the next cell, away from the gap and back
+        self._to_farther = sources.powers(f.over(high[:-1], high[1:]))
+        self._to_nearer = sources.powers(f.over(low[:-1], low[1:]))
         self._masses_over_root = f.times(sources.masses[: sources.count], sources.roots)
         self._target_end_masses = f.times(
             sources.masses[: sources.count], self._target_end.roots[: sources.count]
@@ -183,16 +190,17 @@ class _Sums:
         f, targets, sources, count = self._fixed, self._targets, self._sources, len(values)
         masses = f.times(values, sources.masses[:count])
         outer = f.times(values, self._masses_over_root)
-        below = []  # sums over the cells up to each
-        above = []  # sums over the cells from each on
+        # cells are in the order of their distances from the gap
+        below = []  # for each cell, the sums over it and all that are nearer
+        above = []  # for each cell, the sums over it and all that are farther
         for s in range(count):
             below.append(f.dot(masses[s], sources.rise[s]))
             if s:
-                below[s] = below[s] + f.times(self._rise[s - 1], below[s - 1])
+                below[s] = below[s] + f.times(self._to_farther[s - 1], below[s - 1])
         for s in reversed(range(count)):
             above.append(f.dot(outer[s], sources.fall[s]))
             if s < count - 1:
-                above[-1] = above[-1] + f.times(self._fall[s], above[-2])
+                above[-1] = above[-1] + f.times(self._to_nearer[s], above[-2])
         above.reverse()
         result = 0 * targets.roots
         for t in range(targets.count):

@@ -40,16 +40,17 @@ if TYPE_CHECKING:
 
 _Solve: TypeAlias = "Callable[..., Solution]"
 
-#: Of the solution, and of the second one that checks it: digits beyond those asked for, and panel
-#: width.
-_SOLUTION, _CHECK = (4, 2.0), (2, 1.5)
+#: How many digits beyond those asked for the solution aims at, and the width of its panels.
+_SOLUTION = (4, 2.0)
+#: The same of the second solution, which checks it.
+_CHECK = (2, 1.5)
 _MOST_DIGITS = 60
 #: Tolerance of the solution in double precision of a contact on a nonlinear layer.
 _DOUBLE = 1e-11
-#: Where a contact has no edge, pressures are left out that are below the largest one by so many
-#: digits more than are asked for.
+#: A contact without an edge is cut off where the pressure is below the largest one by the digits
+#: asked for and so many more.
 _SPARE = 8
-#: Bisections of the radius at which that happens: 40 leave it twelve digits.
+#: Steps of bisection for the radius of the cut: 40 give it twelve digits.
 _STEPS = 40
 #: Where in a stick zone the tractions are compared, as shares of its width.
 _SHARES = (1e-9, 1e-3, 0.25, 0.5, 0.75, 0.999, 1.0 - 1e-9)
@@ -86,7 +87,8 @@ def _on_zones(scene: Scene, digits: int, solve: _Solve, tell: ProgressLine) -> R
     """Solve on two meshes and compare."""
     began = perf_counter()
     asked = scene
-    if scene.mismatch is not None:  # traction and shear only change sign with kappa
+    # with the sign of kappa traction and shear change theirs, and nothing else changes
+    if scene.mismatch is not None:
         scene = scene.replace(kappa=abs(scene.mismatch), physical=None)
     tell("zones, in double precision", 0.0)
     layout = _layout(scene, solve)
@@ -271,9 +273,12 @@ def _layout(scene: Scene, solve: _Solve) -> PreciseLayout | None:
         kinds = ", ".join(zone.kind for zone in zones)
         raise NotComputedError("the reference", f"its zones are {kinds}")
     unresolved = error is not None and not error < 1.0
-    if unresolved and compliance > 0.0:  # slip is about to begin: the search starts in full stick
+    # the zones that `solve` found are no guess. With tangential compliance slip is about to begin,
+    # and the search starts in full stick
+    if unresolved and compliance > 0.0:
         return PreciseLayout((0,), ())
-    if unresolved and states == [0]:  # without compliance the edge slips, however narrowly
+    # without it the edge slips, if in a zone too narrow for doubles, and there is no guess
+    if unresolved and states == [0]:
         raise NotComputedError("the reference", "double precision does not resolve its zones")
     radii = tuple(Radius(zone.outer, zone.outer_from_edge) for zone in zones[:-1])
     return PreciseLayout(tuple(states), radii)
@@ -316,9 +321,9 @@ def _zones(run: PreciseRun | PreciseCoupledRun) -> tuple[Zone, ...]:
 def _compare(
     run: PreciseRun | PreciseCoupledRun, check: PreciseRun | PreciseCoupledRun
 ) -> tuple[ErrorEstimates, float]:
-    """Return twice the relative differences of two runs, at least what the check aims at.
+    """Return error estimates: twice the relative differences of two runs.
 
-    The largest of them is returned, too.
+    None is below the accuracy that the second run aims at. The largest is returned, too.
     """
     mp = run.fixed.mp
     floor = 10.0**-check.digits
@@ -364,8 +369,8 @@ def _compare(
 def _sizes(run: PreciseRun | PreciseCoupledRun, s: Any, p: Any, q: Any) -> tuple[Any, Any]:
     """Return the sizes that errors of p and q are relative to.
 
-    These are p and q themselves but where one of them changes sign: there they are those of the
-    two together.
+    These are p and q themselves. With coupling, if one of them is not positive at all radii, they
+    are those of the two together, at all radii.
     """
     if not run.scene.couples or min(p.min(), q.min()) > 0:
         return p, q

@@ -1,7 +1,9 @@
 """Normal and tangential contact of a disk as one system in fixed point: elastic coupling.
 
-What pressure and traction do to each other is products of moments, without a kernel. The solution
-is refined with a factorisation of the whole system in double precision, as in `disk`.
+What pressure and traction do to each other is products of moments, without a kernel. Distances d
+are ``1 - s**2``. As ``s ds`` is ``-dd/2``, integrals over two radii are a quarter of those over
+distances. *Deeper* is nearer to the edge, as in `disk`. The solution is refined with a
+factorisation of the whole system in double precision, as there.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ class CoupledDisk:
     Parameters
     ----------
     normal, tangential : Disk
-        Of p, and of u where ``q = s u``: the same mesh but for the endpoint weight.
+        For p, and for ``u = q/s``. Their meshes differ in the endpoint weight alone.
     """
 
     def __init__(self, normal: Disk, tangential: Disk) -> None:
@@ -39,7 +41,7 @@ class CoupledDisk:
         f, steps = self.fixed, np.arange(normal.panels.count, dtype=object)
         leads = [f.of(1.0 + disk.panels.power) for disk in (normal, tangential)]
         h = f.of(normal.panels.width)
-        #: factors of the moments on every panel, those on the first being 1
+        #: for each of the two, factors of the moments on every panel over those on the first
         self._falls = [f.exp(-f.times(lead, h) * steps) for lead in leads]
 
     def solve(self, alpha: Any, beta: Any, kappa: Any) -> tuple[Ints, Ints]:
@@ -87,7 +89,10 @@ class CoupledDisk:
         )
 
     def _on_normal(self, u: Ints) -> Ints:
-        """Return the products of ``int_s^1 s u deta`` with all functions of the pressure."""
+        """Return the products of ``int_s^1 eta u(eta) deta`` with all functions of the pressure.
+
+        The integral is of the traction: by kappa times this it lifts the surface.
+        """
         f, (table, tail) = self.fixed, self.normal.split(u)
         result = np.zeros(len(u), dtype=object)
         out, out_tail = self.normal.split(result)
@@ -101,7 +106,10 @@ class CoupledDisk:
         return result // 4
 
     def _on_tangential(self, p: Ints) -> Ints:
-        """Return the products of ``g[p]`` with all functions of the traction."""
+        """Return the products of g with all functions of the traction.
+
+        With ``g = (1/s) int_0^s p eta deta`` the pressure moves the surface inward by kappa g.
+        """
         f, (table, tail) = self.fixed, self.normal.split(p)
         result, shallower = np.zeros(len(p), dtype=object), 0
         out, out_tail = self.normal.split(result)
@@ -115,7 +123,7 @@ class CoupledDisk:
 
 
 def _panel_rule(disk: Disk) -> FixedRule:
-    """Return ``x`` and weights of ``d**power dd`` on the first panel, and the polynomials there."""
+    """Return ``x = -ln d``, weights of ``d**power dd``, and polynomials on the first panel."""
     f, h = disk.fixed, disk.fixed.of(disk.panels.width)
     g, w = f.gauss(disk.rule_points)
     x = f.times(h, f.one + g) // 2
@@ -146,7 +154,7 @@ def _own(normal: Disk, tangential: Disk) -> Ints:
 
 
 def _tail_rule(disk: Disk, upper: Ints) -> FixedRule:
-    """Return points d, weights of ``int_0^upper . d**power dd``, and the tail polynomials there."""
+    """Return points d, weights of ``d**power dd`` from 0 to `upper`, and the tail polynomials."""
     f = disk.fixed
     g, w = f.gauss(2 * TAIL_TERMS + 2)
     v = (f.one + g) // 2

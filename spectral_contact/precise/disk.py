@@ -56,7 +56,8 @@ class PreciseMesh:
         """Return the mesh of a solution that settles like ``exp(-rate x)`` beyond `layer`.
 
         `layer` is the x at which the layer next to the rim begins. `power` is that of d in the
-        endpoint weight. No degree is below `lowest`. How the degrees fall was found by trial.
+        endpoint weight. No degree is below `lowest`. Beyond the layer degrees fall in proportion to
+        the part of the digits that is still missing there; the formula was found by trial.
         """
         top = ceil((1.3 * digits + 8.0) * np.sqrt(width / 2.0))
         settle = (digits * _LN10 + 4.0) / rate
@@ -91,7 +92,7 @@ class PreciseSeries:
     tail: Ints
 
     def at(self, d: Ints, x: Ints | None = None) -> Ints:
-        """Evaluate at distances, or with their ``-ln d`` where that is known; any shape."""
+        """Evaluate at distances d of any shape. If `x`, their ``-ln d``, is given, it is used."""
         f, shape = self.fixed, np.shape(d)
         d = np.ravel(d)
         deep = f.floats(d) < np.exp(-len(self.table) * self.width) * (1.0 - 1e-9)
@@ -132,9 +133,9 @@ class FarField:
     weight, near : ndarray of int, shape (rule_points,)
         The factors of the integrand and of e for the places of the source in its panel.
     lead : int
-        The integrand has the factor ``exp(-lead u)`` besides the series.
+        The integrand is ``exp(-lead u)`` times the series.
     offsets : list of ndarray of int
-        Sets of points: their distances in x from the end of their panel.
+        Sets of points, as distances in x of each from the end of the panel that it is on.
 
     Attributes
     ----------
@@ -166,7 +167,11 @@ class FarField:
         self.nothing = 0 * self.decay
 
     def passed_on(self, far: Ints, coefficients: Ints) -> Ints:
-        """Return the sums of a panel from those of its neighbour and a source two panels away."""
+        """Return the sums at the points of a panel.
+
+        They follow from `far`, those of its neighbour, and from the coefficients of the panel
+        beyond the neighbour, which the neighbour's sums do not have yet.
+        """
         f = self._fixed
         own = f.dot(self.sources[:, : len(coefficients)], coefficients)
         return np.asarray(f.times(self.decay, far + own))
@@ -183,7 +188,7 @@ class Disk:
     Attributes
     ----------
     x, d, rest : ndarray of int
-        The nodes: ``x`` of those on the panels; for all of them ``d = 1 - t**2`` and ``1 - d``.
+        The nodes: ``d = 1 - t**2`` and ``rest = 1 - d`` of all, ``x`` of those on panels.
     weights : ndarray of int
         Weights of ``dt``.
     end : int
@@ -206,7 +211,8 @@ class Disk:
     def _place_nodes(self) -> None:
         """Set nodes and weights.
 
-        Substitutions remove the roots at the deep ends of panels, and on the first at the centre.
+        Half-integrals have a root at the deep end of every panel, and dt is an inverse root at the
+        centre: substitutions remove them.
         """
         f, p, h = self.fixed, self.panels.count, self._h
         count = 2 * self.panels.degree + ceil(0.7 * self.mesh.digits) + 8
@@ -315,7 +321,8 @@ class Disk:
         result = np.zeros(self.panels.size, dtype=object)
         table, tail = self.split(result)
         tail += f.dot(density, self._tails)
-        seen = [far, far]  # the sums of the last two panels: they are too near for the far field
+        # sums over the nodes of the last two panels, which are not yet two panels away
+        seen = [far, far]
         for i, rows in enumerate(self._rows):
             scaled = f.times(density[rows], self._root[rows])
             far = f.times(self._far.decay, far + seen[0])
@@ -413,7 +420,7 @@ class Disk:
         )
 
     def share(self, step: Ints, coefficients: Ints) -> float:
-        """Return the largest share of a step on any panel."""
+        """Return the largest step on a panel over the largest coefficient, of the worst panel."""
         shares = [
             float(self.fixed.numbers(self.fixed.over(np.abs(a).max(), np.abs(b).max() + 1)))
             for part in zip(self.split(step), self.split(coefficients), strict=True)

@@ -22,9 +22,10 @@ def coupling_constant(scene: Scene, fixed: Fixed) -> Any:
 
 
 class PreciseDrive:
-    """The pressure for unit load, and what drives the tangential problem: integrals of it.
+    """The pressure for unit load, and the integrals of it that the tangential problem needs.
 
-    Its transform R is the half-integral that full stick demands for ``kappa = 1`` (docs/theory).
+    One of these is R, the value that the half-integral of the traction has in full stick for
+    ``kappa = 1`` (docs/theory).
     """
 
     fixed: Fixed
@@ -41,7 +42,7 @@ class PreciseDrive:
         raise NotImplementedError
 
     def outside(self, top: Any) -> tuple[Ints, Ints]:
-        """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        """Return points ``y < top`` and weights of ``1/2 int_0^top p f dy`` for functions f."""
         raise NotImplementedError
 
     def load_inside(self, y: Ints) -> Ints:
@@ -75,7 +76,7 @@ class SmoothDrive(PreciseDrive):
         return np.asarray(f.over(2 * f.map(f.mp.atanh, t), f.times(self._tau, t)))
 
     def outside(self, top: Any) -> tuple[Ints, Ints]:
-        """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        """Return points ``y < top`` and weights of ``1/2 int_0^top p f dy`` for functions f."""
         f = self.fixed
         g, w = f.gauss(self._points)
         root = f.sqrt(top)
@@ -118,7 +119,7 @@ class RoughDrive(PreciseDrive):
         return self._target.at(y, x)
 
     def outside(self, top: Any) -> tuple[Ints, Ints]:
-        """Return points ``y < top`` and weights of ``1/2 int_0^top p . dy``."""
+        """Return points ``y < top`` and weights of ``1/2 int_0^top p f dy`` for functions f."""
         f, (table, tail) = self.fixed, self._disk.split(self._coefficients)
         h = f.of(self.series.width)
         shallowest = -f.map(f.mp.log, top)
@@ -146,7 +147,7 @@ class RoughDrive(PreciseDrive):
 
     @cached_property
     def _mean(self) -> PreciseSeries:
-        """``(1/y) int_0^y p dy``, the mean of the pressure outside a radius."""
+        """``(1/y) int_0^y p dy``, the mean of the pressure on the annulus outside a radius."""
         f, series = self.fixed, self.series
         h, (count, terms) = f.of(series.width), series.table.shape
         # in the tail p is a polynomial, and so is its mean
@@ -187,7 +188,8 @@ class RoughDrive(PreciseDrive):
         end = f.exp(-count * h)
         d = f.times(end, f.one + f.gauss(TAIL_TERMS + 1)[0]) // 2
         beyond = -f.map(f.mp.log, d) - (count - 1) * h
-        # here the sources are shallower than the points, and offsets are counted from starts
+        # here sources are shallower than the points, and the offsets of points are counted from the
+        # starts of their panels
         far_field = FarField(self._disk, f.exp(-start // 2), f.exp(start - h), 0, [start, beyond])
         near, near_tail = self._outer(start), self._outer(beyond)
         table, tail = self._disk.split(self._coefficients)
@@ -218,7 +220,8 @@ class RoughDrive(PreciseDrive):
     def _outer(self, from_start: Ints) -> list[Ints]:
         """Return ``1/2 int_{d' > d} psi dd'/sqrt(d' - d)`` over a panel itself and the one before.
 
-        This is for a source panel whose shallow end is ``x_j = 0``: it scales with ``exp(-x_j/2)``.
+        This is for a source panel that begins at ``x = 0``. For one that begins at ``x_j`` it is
+        ``exp(-x_j/2)`` times as large.
         """
         f = self.fixed
         h = f.of(self._disk.panels.width)
@@ -234,7 +237,10 @@ class RoughDrive(PreciseDrive):
         return blocks
 
     def _outer_tail(self, d: Ints, end: Any, tail: Ints) -> Ints:
-        """Return the integral over the tail beyond `d`; in ``w^2 = d' - d`` a polynomial."""
+        """Return the integral over the part of the tail with ``d' > d``.
+
+        In ``w``, where ``w^2 = d' - d``, the integrand is a polynomial.
+        """
         f = self.fixed
         g, w = f.gauss(TAIL_TERMS + 1)
         span = f.sqrt(end - d)[:, None]

@@ -44,6 +44,7 @@ class Fixed:
         self.one = libmp.MPZ(1) << bits
         self.mp = MPContext()
         self.mp.prec = bits + 16
+        # gmpy2's integers, if mpmath has them, need the root of theirs
         isqrt = math.isqrt if libmp.MPZ is int else libmp.isqrt
         self._root = np.frompyfunc(lambda v: isqrt(v << bits), 1, 1)
         cube = self.one**3
@@ -133,8 +134,9 @@ class Fixed:
     def moments(self, weights: Ints, x: Ints, degree: int) -> Ints:
         """Return the sums over the last axis of weights and Legendre polynomials at `x`.
 
-        The recurrence is that of the Chebyshev polynomials, which takes half the operations; a
-        matrix product turns their sums into those of Legendre polynomials.
+        Summed with the weights are Chebyshev polynomials, whose recurrence takes half the
+        operations. As each Legendre polynomial is a sum of these, a matrix product then gives the
+        sums of Legendre polynomials.
         """
         before = 0 * x + self.one
         last = x
@@ -159,7 +161,7 @@ class Fixed:
     def _gauss(self, points: int) -> tuple[Ints, Ints]:
         """Return nodes and weights of the Gauss-Legendre rule on [-1, 1]."""
         x = self.of(gauss_rule(points)[0])
-        # Newton's method doubles the digits: the nodes in doubles have some 50 bits
+        # the nodes begin with the 50 bits or so of doubles, and each of Newton's steps doubles them
         for _ in range(math.ceil(math.log2(self.bits / 50.0)) + 1):
             values = self.legendre(x, points)
             last, before = values[:, points], values[:, points - 1]
@@ -205,7 +207,7 @@ class FixedRule(NamedTuple):
 
 
 def root_rule(f: Fixed, points: int, lower: Ints, upper: Ints) -> FixedRule:
-    """Return u, weights of ``int . du / (2 sqrt(1 - exp(-u)))``, and ``exp(-u)``.
+    """Return points u, weights that sum f to ``int f du / (2 sqrt(1 - exp(-u)))``, ``exp(-u)``.
 
     The rule is Gauss's in the root of u, from each of `lower` to its `upper`: in the root the
     integrand is analytic.

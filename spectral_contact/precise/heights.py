@@ -1,4 +1,6 @@
-"""Heights of profiles and their transforms H of a contact on a smooth surface, in many digits.
+"""Heights of profiles in many digits, and their transforms H.
+
+On a smooth surface the contact of radius a has the approach H(a)/2 (docs/profiles).
 
 Written anew from the definitions: no digit comes from `profiles`, which is in double precision.
 """
@@ -18,9 +20,9 @@ from spectral_contact.profiles.profile_base import Profile
 
 Function = Callable[[Any], Any]
 
-#: Digits that a node of a Chebyshev series gains if the function is analytic within the length of
-#: the panel from it: the logarithm of ``2 + sqrt(5)``, the sum of the semi-axes of the ellipse
-#: through 2i, if the panel is [-1, 1].
+#: Digits that each node of a Chebyshev series adds if no singularity is closer to a panel than its
+#: length. With the panel as [-1, 1] the length is 2, and the function is analytic in the ellipse
+#: through 2i: the sum of the semi-axes is ``2 + sqrt(5)``, of which this is log10.
 _PER_NODE = 0.62
 
 
@@ -39,9 +41,9 @@ class Heights:
     breaks : list of mpf
         Radii at which a derivative jumps.
     order : mpf
-        At the centre the height is a smooth function of ``r**2`` plus ``r**order`` times another; 0
-        if it is one smooth function of ``r**2``. For pointed tables it is 1, or 2 if the slope is
-        0 there.
+        Near the centre the height is ``f(r**2) + r**order g(r**2)`` with smooth functions f and g;
+        0 stands for a height without the second term. For pointed tables it is 1, or 2 if the slope
+        is 0 at the centre.
     """
 
     def __init__(self, mp: Any, profile: Profile) -> None:
@@ -58,7 +60,7 @@ class Heights:
         raise NotImplementedError
 
     def rate(self, t: Any) -> Any:
-        """Return ``H' root(t)``, which stays finite at breaks."""
+        """Return ``H'(t) root(t)``: H' alone may be infinite at a break."""
         raise NotImplementedError
 
     def root(self, t: Any) -> Any:
@@ -157,7 +159,7 @@ class _RoundedFlatHeights(Heights):
         mp, b = self._mp, self.breaks[0]
         if t <= b:
             return mp.zero
-        # next to the flat part all cancels but b (root / b)^3 / 3
+        # next to the flat part it is about b (root/b)^3/3, which is little of its two terms
         with mp.extraprec(2 * max(-mp.mag(self.root(t) / b), 0) + 10):
             root = self.root(t)
             risen = root - b * mp.atan(root / b)
@@ -248,8 +250,8 @@ class _SampledHeights(Heights):
     def _panelled(self, function: Function, piece: int) -> tuple[list[Any], list[list[Any]]]:
         """Return panels in `root` on a piece, and Chebyshev series of a function on them.
 
-        The function is singular at the smaller breaks: no panel is longer than its distance from
-        them.
+        The function is singular at the smaller breaks: no panel is longer, in `root`, than its
+        distance from them.
         """
         mp, edges = self._mp, self._edges
         low, high = edges[piece], edges[piece + 1]
@@ -324,7 +326,8 @@ class _SumHeights(Heights):
     def rate(self, t: Any) -> Any:
         whole, total = self.root(t), self._mp.zero
         for one in self._both:
-            own = one.root(t)  # 0 only at a break of its own, which is the last of both
+            # 0 only if t is a break of this one; then t is the last break of the sum, too
+            own = one.root(t)
             total += one.rate(t) * (whole / own if own else 1)
         return total
 

@@ -2,9 +2,9 @@ r"""Normal contact under a profile in fixed point, collocated on parts between t
 
 On the unit disk ``(alpha/a) p + N p = (delta - h(a s))/a``, with ``N p = (1/pi) int_0^s F(t) dt /
 sqrt(s^2 - t^2)`` and the half-integral F of p. It is solved for two right-hand sides, ``(D - h)/a``
-and 1. The second is the flat punch; a multiple of it is added so that the pressure is zero at the
-edge. With ``D = H(a)/2``, the approach on a smooth surface, the multiple is small, and no digit is
-lost.
+and 1. The second is the flat punch. To the solution of the first a multiple of that of the second
+is added, such that the sum is zero at the edge; delta is D plus a times the multiple. D is
+``H(a)/2``, the approach on a smooth surface: so the multiple is small, and no digit is lost.
 """
 
 from __future__ import annotations
@@ -54,8 +54,11 @@ class Contact:
         """Return p at mpmath's radii over a, whose distances to the edge are given, too."""
         raise NotImplementedError
 
-    def law(self) -> tuple[Any, Any]:
-        """Return the least pressure inside over its mean, and the least gap over the approach."""
+    def margins(self) -> tuple[Any, Any]:
+        """Return the least pressure inside over its mean, and the least gap over the approach.
+
+        In a contact both are positive.
+        """
         raise NotImplementedError
 
 
@@ -90,10 +93,7 @@ class RoughContact(Contact):
             rows, width, series = own == k, places.widths[k], self.series[k]
             above = np.maximum(f.over(z[rows] - places.squares[k], width), 0)
             below = np.maximum(f.over(y[rows] - places.rests[k + 1], width), 0)
-            if k < len(self.series) - 1:
-                values[rows] = series.at(above, below)
-                continue
-            if not self._vanishes:
+            if k < len(self.series) - 1 or not self._vanishes:
                 values[rows] = series.at(above, below)
                 continue
             # in the tail next to the edge the pressure is proportional to the distance: it is
@@ -111,10 +111,10 @@ class RoughContact(Contact):
 
     @property
     def _approach_of_gap(self) -> Any:
-        """The approach that closes the gap; a layer may reach out by some of it."""
+        """The approach less the clearance that a nonlinear layer needs to begin to carry."""
         return self.approach
 
-    def law(self) -> tuple[Any, Any]:
+    def margins(self) -> tuple[Any, Any]:
         """Return the least pressure inside over its mean, and the least gap over the approach."""
         f, mp = self.fixed, self.fixed.mp
         mean = self.load / (mp.pi * self.radius**2)
@@ -132,15 +132,16 @@ class RoughContact(Contact):
         for beyond in OUTSIDE:
             square = (1 + mp.mpf(beyond)) ** 2
             far = self.fixed.of(square - 1)
-            moved = sum(
+            potential = sum(
                 f.over(f.times(w, half), f.sqrt(far + y)).sum()
                 for w, half, y in zip(weights, self.half, places.y, strict=True)
             )
             r = self.radius * mp.sqrt(square)
             if r >= self.heights.reach:
                 break
-            lifted = f.numbers(moved) / mp.pi * self.radius
-            gaps.append(self.heights.height(r) - self._approach_of_gap + lifted)
+            # by so much the pressure lowers the free surface
+            lowered = f.numbers(potential) / mp.pi * self.radius
+            gaps.append(self.heights.height(r) - self._approach_of_gap + lowered)
         return min(gaps, default=mp.one)
 
 
@@ -152,7 +153,7 @@ class AdhesiveContact(RoughContact):
     def _vanishes(self) -> bool:
         return False
 
-    def law(self) -> tuple[Any, Any]:
+    def margins(self) -> tuple[Any, Any]:
         """Return one, as the pressure may be negative, and the least gap over the radius."""
         return self.fixed.mp.one, self._least_gap() / self.radius
 
@@ -300,9 +301,11 @@ class RoughIndented:
     def _panels(self, radius: float, width: float) -> list[tuple[int, int]]:
         """Return the number of panels in the inner and the outer half of every part.
 
-        At the edge p over its slope is ``d + d**2 ln d``, at a break ``1 + d + d**2 ln d``, and
-        under a tip ``1 + r**n + r**(n+1) ln r``, all in units of the layer; at the edge also in
-        units of the distance to the pole of the half-integral beyond it, if that is less.
+        The panels end where the terms that no polynomial has are below the digits. With the
+        distance d from it, p varies next to the edge like ``d + d**2 ln d``, next to a break like
+        ``1 + d + d**2 ln d``, and at the radius r under a tip like ``1 + r**n + r**(n+1) ln r``.
+        Lengths are over the width of the edge layer, alpha over the radius; at the edge over the
+        distance to the pole that the half-integral has beyond it, if that is less.
         """
         breaks = [b for b in self._profile.breaks if b < radius]
         inner = [0.0, *(b / radius for b in breaks), 1.0]
@@ -313,7 +316,7 @@ class RoughIndented:
         centre = log(widths[0])
         if self._profile.pointed:
             power = getattr(self._profile, "exponent", 1.0)
-            # the first term that is no polynomial in r, which is what the tail is
+            # power of the first term that is not in the tail, a polynomial in r
             first = 2.0 if float(power).is_integer() else min(power, 2.0)
             centre = 2.0 * (log(min(inner[1], layer)) - settle / first)
         ends = [(centre, outer[0]), *pairwise(outer)]
@@ -356,8 +359,9 @@ class RoughIndented:
             kind = AdhesiveContact
         flat_load = 2 * mp.pi * places.integral(flat)
         load = 2 * mp.pi * radius**2 * places.integral(p)
-        lowered = [f.times(v, f.of(approach) - w) for v, w in zip(p, h, strict=True)]
-        work = mp.pi * radius**2 * places.integral(lowered)
+        # half of p times the displacement delta - h
+        density = [f.times(v, f.of(approach) - w) for v, w in zip(p, h, strict=True)]
+        work = mp.pi * radius**2 * places.integral(density)
         return kind(
             f,
             places,
@@ -385,8 +389,8 @@ class RoughIndented:
     def _growth(self, places: DiskInParts, last: Ints, rate: Ints) -> Any:
         """Return ``ddelta/da``.
 
-        `last` has the values on the last part of the function that is zero at the edge, and `rate`
-        those of its derivative by delta.
+        The pressure, or the overclosure, is zero at the edge: `last` has its values on the last
+        part, and `rate` those of its derivative by delta at a fixed radius.
         """
         f, mesh = self.fixed, self._meshes[-1]
         ends = f.one - mesh.outer_end, mesh.outer_end
@@ -425,10 +429,10 @@ class RoughIndented:
             f"refinement stalls before {self.digits} digits", "ask for fewer digits"
         )
 
-    def _split(self, places: DiskInParts, flat: Ints) -> list[Ints]:
+    def _split(self, places: DiskInParts, vector: Ints) -> list[Ints]:
         """Return the values on every part from those of all nodes in one vector."""
         parts = zip(self._meshes, places.slices, strict=True)
-        return [flat[own].reshape(mesh.above.shape) for mesh, own in parts]
+        return [vector[own].reshape(mesh.above.shape) for mesh, own in parts]
 
     def _share(self, places: DiskInParts, step: Ints, p: Ints) -> float:
         """Return the largest step relative to the largest value in its cell."""

@@ -1,8 +1,9 @@
 r"""Normal contact under a profile on a smooth surface: quadrature in mpmath, and no system.
 
 The half-integral is known, ``F = H(a) - H(t)``, and ``p(r) = (2/pi) int_r^a H'(t) dt /
-sqrt(t^2 - r^2)``. The integral is cut at the breaks; with ``t^2 = t0^2 + w0^2 sinh(x)^2`` from the
-start t0 of each part the integrand is smooth in x.
+sqrt(t^2 - r^2)``. The integral is cut at the breaks. On each part the integrand has roots at two
+radii: at its start t0, and at a smaller one, r or a break. With w0^2 the difference of their
+squares, it is smooth in x, where ``t^2 = t0^2 + w0^2 sinh(x)^2``.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class SmoothIndented(Contact):
     def __init__(self, mp: Any, profile: Profile, radius: Any, adhesion: float = 0.0) -> None:
         self._mp, self.radius = mp, mp.mpf(radius)
         self._adhesive = adhesion > 0.0
-        #: how much adhesion lowers the approach by, as Johnson, Kendall and Roberts have it
+        #: by how much adhesion lowers the approach, by the theory of Johnson, Kendall and Roberts
         self._pull = mp.sqrt(mp.pi * self.radius * mp.mpf(adhesion) / 2)
         self.heights = heights(mp, profile)
         self._edge_transform = self.heights.transform(self.radius)
@@ -77,7 +78,10 @@ class SmoothIndented(Contact):
         return self._edge_transform - self.heights.transform(t) - 2 * self._pull
 
     def _integral(self, function: Callable[[Any], Any]) -> Any:
-        """Return the integral over v, part by part, with ``t^2 = b^2 + v^2`` from the start b."""
+        """Return the integral of a function of t over v, where ``t^2 = b^2 + v^2``.
+
+        On each part between breaks b is its start.
+        """
         mp, total = self._mp, self._mp.zero
         for b, end in pairwise([mp.zero, *self._breaks, self.radius]):
             top = mp.sqrt((end - b) * (end + b))
@@ -102,27 +106,26 @@ class SmoothIndented(Contact):
         starts = [b for b in self._breaks if b > r]
         for low, high in pairwise([r, *starts, self.radius]):
             before = max((b for b in self._breaks if b <= low), default=mp.zero)
-            # the integrand has roots at r and at the last break: of these two radii one is where
-            # this part starts, and the part is seen from the other
+            # the integrand has roots at r and at the last break, of which the larger is `low`
             inner, outer = (before, r) if low == r else (r, low)
-            start = mp.sqrt((outer - inner) * (outer + inner))
+            scale = mp.sqrt((outer - inner) * (outer + inner))  # w0 of the module's docstring
             extent = mp.sqrt((high - low) * (high + low))
             if high == self.radius and low == r:
                 extent = self.radius * mp.sqrt(from_edge * (1 + s))
-            if start == 0:  # at a break
+            if scale == 0:  # r is at a break
                 if self.heights.rate(low) > mp.sqrt(mp.eps) * self._edge_transform:
                     return mp.inf  # a corner
-                # t^2 - b^2 loses half the digits next to the break
+                # t is next to the break b, and t^2 - b^2 then has half of its digits only
                 with mp.workprec(2 * mp.prec):
                     total += mp.quad(lambda v, b=low: self._over(mp.hypot(b, v), v), [0, extent])
                 continue
             if inner == 0 and self.heights.order == 0:  # H'/t is smooth
                 total += self._smoothly(low, extent)
                 continue
-            top = mp.asinh(extent / start)
+            top = mp.asinh(extent / scale)
             steps = mp.linspace(0, top, max(ceil(top / _LONGEST), 1) + 1)
             total += mp.quad(
-                lambda x, low=low, start=start: self._over(mp.hypot(low, start * mp.sinh(x)), 1),
+                lambda x, low=low, scale=scale: self._over(mp.hypot(low, scale * mp.sinh(x)), 1),
                 steps,
                 method="gauss-legendre",
             )
@@ -130,10 +133,10 @@ class SmoothIndented(Contact):
 
     def _smoothly(self, low: Any, extent: Any) -> Any:
         """Return the integral of ``H'/t`` over v, with ``t^2 = low^2 + v^2``."""
-        at = self._mp.hypot
+        hypot = self._mp.hypot
 
         def value(v: Any) -> Any:
-            t = at(low, v)
+            t = hypot(low, v)
             return self.heights.rate(t) / (t * t)
 
         return self._mp.quad(value, [0, extent], method="gauss-legendre")
@@ -148,7 +151,8 @@ class SmoothIndented(Contact):
         if order == 1:
             return mp.inf
         first, *others = [*self._breaks, self.radius]
-        # the integral of H'/t over t; under a tip over u, with t = u^(1/(n - 1))
+        # it is the integral of H'/t dt. Under a tip of the order n this is not smooth at 0: there
+        # the variable is u, with t = u^(1/(n - 1))
         power = 1 / (order - 1) if order else mp.one
         total = mp.quad(
             lambda u: self.heights.rate(u**power) * power / u ** (power + 1),
@@ -159,7 +163,7 @@ class SmoothIndented(Contact):
             total += mp.quad(lambda v, b=low: self._over(t := mp.hypot(b, v), t), [0, top])
         return 2 / mp.pi * total
 
-    def law(self) -> tuple[Any, Any]:
+    def margins(self) -> tuple[Any, Any]:
         """Return the least pressure inside over its mean, and the least gap over the approach."""
         mp = self._mp
         mean = self.load / (mp.pi * self.radius**2)
@@ -170,11 +174,11 @@ class SmoothIndented(Contact):
             r = self.radius * (1 + mp.mpf(beyond))
             if r >= self.heights.reach:
                 break
-            lifted = self._integral(partial(self._lift, r))
+            lowered = self._integral(partial(self._lowering, r))
             size = self.radius if self._adhesive else self.approach
-            gaps.append((self.heights.height(r) - self.approach + lifted / mp.pi) / size)
+            gaps.append((self.heights.height(r) - self.approach + lowered / mp.pi) / size)
         return inside, min(gaps, default=mp.one)
 
-    def _lift(self, r: Any, t: Any) -> Any:
-        """Return the integrand, over v, of how far the surface at r is lifted by F at t."""
+    def _lowering(self, r: Any, t: Any) -> Any:
+        """Return the integrand, over v, of pi times the depth of the free surface at r by F."""
         return self._half(t) * self.heights.root(t) / t / self._mp.sqrt((r - t) * (r + t))

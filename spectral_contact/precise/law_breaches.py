@@ -2,8 +2,8 @@
 
 The quantity that has to be positive is a Legendre series on every cell of a zone's mesh. No
 Legendre polynomial exceeds 1 in modulus, so the coefficients bound it; where these bounds do not
-decide its sign, the cell is halved. At a boundary between zones the law is an equality: next to it
-nothing can be decided, and nothing has to be.
+decide its sign, the cell is halved. At a boundary between zones the quantity is zero, so that next
+to it bounds never decide. There the sign is taken from the next place where they do.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from spectral_contact.precise.zone_trial import ZoneTrial
 
 #: A cell is halved at most so many times.
 _MOST_HALVINGS = 60
-#: Of the digits aimed at, the last ones that are not trusted.
+#: How many of the digits aimed at, the last ones, are not trusted.
 _UNTRUSTED = 2
 
 
@@ -37,7 +37,8 @@ class Breach:
     wanted : int
         The state that the law asks for: 0 for stick, +1 or -1 for slip with that sign.
     amount : float
-        The violation, relative to the largest margin of the zone.
+        The violation, relative to the largest value in the zone of the quantity that has to be
+        positive.
     decided : bool
         Whether the law is known not to hold.
     """
@@ -95,7 +96,7 @@ def breaches(trial: ZoneTrial, sticking: dict[int, Ints], digits: int) -> list[B
             found += zone.below_zero(-state * displacements[k], 0, digits, noise)
             continue
         bound, q = trial.bound(k), sticking[k]
-        # times s, and times the root that makes a singular pressure finite at the edge
+        # both are times s, and a pressure that is infinite at the edge times the root sqrt(y), too
         weight = f.sqrt(trial.z[k])
         if problem.drive.singular:
             weight = f.times(weight, f.sqrt(trial.y[k]))
@@ -115,7 +116,7 @@ def excesses(mesh: AnnulusMesh, bound: Ints, traction: Ints, digits: int) -> lis
 def obeying(
     states: Sequence[int], logits: Sequence[Any], found: Sequence[Breach]
 ) -> tuple[tuple[int, ...], tuple[Any, ...]]:
-    """Return states and boundaries of the zones after every breach has the state that it wants."""
+    """Return the states and boundaries of zones that have in every breach the state it wants."""
     inf = found[0].ends[0].context.inf
     ends = [-inf, *logits, inf]
     parts: list[tuple[int, Any]] = []  # states, and where each begins
@@ -143,8 +144,9 @@ class _LawZone:
     stop: Any
 
     def below_zero(self, values: Ints, wanted: int, digits: int, noise: Any = 0) -> list[Breach]:
-        """Return where the function through values at the nodes is not known to be positive.
+        """Return where a function is below zero, or is not known to be positive.
 
+        Its values are those at the nodes.
         Values within the noise count as undecided.
         """
         f = self.mesh.fixed
@@ -152,8 +154,8 @@ class _LawZone:
         noise = max(noise, f.times(f.of(f.mp.mpf(10) ** (_UNTRUSTED - digits)), largest))
         pieces = self._judged(values, noise)
         found = []
-        for fine, group in groupby(enumerate(pieces), key=lambda each: each[1].verdict > 0):
-            if fine:
+        for positive, group in groupby(enumerate(pieces), key=lambda each: each[1].verdict > 0):
+            if positive:
                 continue
             run = list(group)
             (first, inner), (last, outer) = run[0], run[-1]

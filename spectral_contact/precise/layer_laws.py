@@ -1,8 +1,8 @@
 """Laws of layers in mpmath, with their derivatives and integrals.
 
 They are written anew from the definitions: no digit comes from `layers`, which is in double
-precision. Overclosures `w` are counted from the one at which the pressure begins, or from 0 if
-there is pressure at every gap.
+precision. An overclosure `w` is counted from that at which the pressure begins; from 0 if there is
+pressure at every gap. Pressures are over E' = E/(4 (1 - nu**2)), which is E*/4.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Law:
         raise NotImplementedError
 
     def energy(self, w: Any) -> Any:
-        """Return the integral of the pressure, up to w."""
+        """Return the integral of the pressure over all overclosures up to w."""
         raise NotImplementedError
 
 
@@ -88,7 +88,7 @@ class _Abaqus(Law):
 
     def energy(self, w: Any) -> Any:
         mp, x = self.mp, max(w, 0) / self._size
-        # near 0 all cancels but x^3/3
+        # it is about x^3/3 for small x, which is little of its terms
         with mp.extraprec(3 * max(-mp.mag(x), 0) + 10 if x else 0):
             integral = (x - 1) * mp.exp(x) + 1 - x**2 / 2
         return self._unit * self._size * integral
@@ -119,6 +119,7 @@ class _Asperities(Law):
         super().__init__(mp, layer)
         self._size, self._gaussian = mp.mpf(layer.height_deviation), layer.heights == "gaussian"
         density, tip = mp.mpf(layer.density), mp.mpf(layer.tip_radius)
+        # Hertz's 4/3 E* sqrt(tip) of one asperity, in E': E* is 4 E'
         self._unit = density * mp.sqrt(tip) * 16 / 3 * self._size ** (mp.mpf(3) / 2)
 
     def _moment(self, w: Any, order: int) -> Any:
@@ -178,7 +179,7 @@ def law_of(mp: Any, layer: Layer) -> Law:
     Raises
     ------
     NotComputedError
-        If it has bends, or a user wrote it.
+        If the law has bends, or is written by a user.
     """
     if is_user_law(layer):
         told = "laws that users write are not solved to so many digits"

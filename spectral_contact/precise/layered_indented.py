@@ -1,9 +1,9 @@
 r"""Normal contact through a nonlinear layer in fixed point: the overclosure at the nodes.
 
-``w + N p(w) = (delta - h - start)/a`` on the disk of radius a, where start is the overclosure at
-which the pressure begins, by Newton's method: the residual has all digits, the correction comes
-from a matrix in doubles. If the contact has an edge, a multiple of ``dw/ddelta`` is added so that w
-is zero there.
+The equation is ``w + N p(w) = (delta - h - w0)/a`` on the disk of radius a, where w0 is the
+overclosure at which the pressure begins, the `origin` of the law, and w counts from it, over a. It
+is solved by Newton's method: the residual has all digits, the correction comes from a matrix in
+doubles. If the contact has an edge, a multiple of ``dw/ddelta`` is added so that w is zero there.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from spectral_contact.profiles import Flat, Profile
 from spectral_contact.threads import cached_property
 
 _MOST_SWEEPS = 30
-#: The first corrections each have a new matrix; the later ones keep the last of these.
+#: Each of so many first corrections has a matrix of its own; later ones keep the last of these.
 _ANEW = 3
 
 
@@ -38,9 +38,9 @@ class InitialContact:
     pressure : callable
         Takes distances from the edge over the radius.
     thin : float
-        The layer's compliance at the largest pressure, the least of them.
+        The layer's compliance at the largest pressure, where it is least.
     cuts : tuple of float
-        Where there is no edge: radii between parts on which all is smooth.
+        If there is no edge: the radii at which the disk is cut into parts. Else empty.
     """
 
     radius: float
@@ -58,7 +58,7 @@ class LayeredContact(RoughContact):
     ----------
     compression : Law
     edged : bool
-        Whether the pressure ends with the overclosure.
+        Whether the contact has an edge at which overclosure and pressure are zero.
     """
 
     compression: Law
@@ -74,14 +74,15 @@ class LayeredContact(RoughContact):
     def _vanishes(self) -> bool:
         return self.edged
 
-    def law(self) -> tuple[Any, Any]:
-        """Return the least overclosure inside over the mean pressure, and the least gap.
+    def margins(self) -> tuple[Any, Any]:
+        """Return the least overclosure inside, and the least gap, outside over the approach.
 
+        The overclosure has the sign of the pressure; it is over the radius and the mean pressure.
         Under a law with pressure at every gap neither has to be positive: 1 stands for both.
         """
         if self.compression.gapless:
             return self.fixed.mp.one, self.fixed.mp.one
-        return super().law()
+        return super().margins()
 
     @property
     def _approach_of_gap(self) -> Any:
@@ -91,7 +92,15 @@ class LayeredContact(RoughContact):
 
 @dataclass(frozen=True)
 class _Fields:
-    """Overclosure, what is added to the approach, ``dw/ddelta`` and ``dp/dw`` at the nodes."""
+    """The solution at the nodes, with lengths over the radius.
+
+    Attributes
+    ----------
+    overclosure, rate, slope : ndarray of int
+        w, ``dw/ddelta`` and ``dp/dw``.
+    more : int
+        What the approach is more than on a smooth surface.
+    """
 
     overclosure: Ints
     more: Any
@@ -157,11 +166,12 @@ class LayeredIndented(RoughIndented):
         pressure = np.frompyfunc(law.pressure, 1, 1)(at)
         p = self._split(places, f.of(pressure))
         stored = self._split(places, f.of(np.frompyfunc(law.energy, 1, 1)(at)))
-        bent = [
+        # p times the displacement of the body, whose integral is twice the elastic energy
+        elastic = [
             f.times(v, f.over(f.of(delta - law.origin) - z, f.of(radius)) - u)
             for v, z, u in zip(p, h, own, strict=True)
         ]
-        energy = places.integral(stored) + radius * places.integral(bent) / 2
+        energy = places.integral(stored) + radius * places.integral(elastic) / 2
         growth = mp.zero
         if self._edged:
             growth = self._growth(places, own[-1], self._split(places, rate)[-1])
@@ -191,7 +201,7 @@ class LayeredIndented(RoughIndented):
             [self._start.pressure(y / (1.0 + np.sqrt(1.0 - y))).ravel() for y in rests]
         )
         assert self._normal is not None
-        more = 0.0  # of the approach than on a smooth surface, over the radius
+        more = 0.0  # as in `_Fields`
         if self._edged:
             more = self._start.approach - float(self._law.origin)
             more = (more - float(self.heights.transform(+radius)) / 2.0) / float(radius)

@@ -34,7 +34,7 @@ class PreciseOneDisk:
         ``q / (s/c)`` as a function of ``1 - s^2/c^2``.
     total_shear : int
     slope : mpf
-        Derivative by the logit of the mismatch, which is zero at the right radius.
+        Derivative of the mismatch by the logit. The mismatch is zero at the right radius.
     """
 
     logit: Any
@@ -44,11 +44,12 @@ class PreciseOneDisk:
 
 
 class _PreciseSlipSource:
-    """The half-integral ``int_c^1 p ds/sqrt(s^2 - t^2)`` where ``c^2 - t^2 = e``.
+    """The half-integral ``int_c^1 p ds/sqrt(s^2 - t^2)`` at points of the stick disk.
 
-    Next to the rim of the stick disk, in three quarters of the slip zone in ``s^2``, p is a
-    polynomial. The integrals of its powers obey recurrences, which lose some bits at each step:
-    `_wide` has 7 more bits for each of the terms. Next to the edge the kernel is a power series.
+    A point is given by ``e = c^2 - t^2``. The slip zone is cut in two. In three quarters of it in
+    ``s^2``, next to the rim of the stick disk, p is taken for a polynomial. The integrals of powers
+    obey recurrences, each step of which loses some bits: `_wide` has 7 more bits for every term of
+    the polynomial. In the quarter next to the edge the kernel is a power series.
     """
 
     def __init__(self, drive: PreciseDrive, square: Any, rest: Any, digits: int) -> None:
@@ -57,7 +58,8 @@ class _PreciseSlipSource:
         terms = ceil(2.2 * digits) + 12
         self._wide = Fixed(f.bits + 7 * terms)
         self._extra = 7 * terms
-        # the factor 1/s of dz is part of the polynomial, unless its pole at the centre is near
+        # ds is dz/(2 s): unless the centre, where 1/s has a pole, is near, 1/s is part of the
+        # polynomial
         self._folded = 2 * square >= f.one
         w, fit = self._wide, self._fit(terms)
         self._length = 3 * rest // 4
@@ -184,8 +186,9 @@ def solve_one_disk(
         If the radius does not settle.
     """
     mp = drive.fixed.mp
-    # without compliance the traction ends in a root at the rim. An error of the radius adds an
-    # inverse root, which exceeds it where the distance is less than the error: twice the digits
+    # Without compliance the traction ends in a root at the rim. An error of the radius adds an
+    # inverse root, which is larger than the root at distances that are smaller than the error: the
+    # radius needs twice the digits.
     goal = mp.mpf(10) ** -((disk.mesh.digits + 2) if beta else 2 * disk.mesh.digits)
     before, step = None, mp.mpf(10) ** -13
     for number in range(1, _MOST_TRIALS + 2):
@@ -214,7 +217,8 @@ class _PreciseTrial:
         self._compliance = f.over(beta, f.sqrt(self.square))
         self._source = _PreciseSlipSource(drive, self.square, self.rest, disk.mesh.digits)
         edge = np.array([self.rest], dtype=object)
-        #: what the mismatch has to be small against; without compliance nothing: the step decides
+        #: size that the mismatch has to be small against; infinite without compliance, where the
+        #: step alone decides
         self.scale = mp.inf
         if beta:  # the traction is continuous at the rim: its jump is zero
             bound = f.times(friction, drive.pressure(edge)[0])

@@ -47,8 +47,9 @@ class PreciseCoupledRun:
         compliances = scene.normal_compliance, scene.tangential_compliance
         layers = [max(-log(c), 0.0) for c in compliances if c]
         self._smooth = not layers
-        # with one compliance alone the fields have roots at the edge. On a smooth surface the end
-        # of the mesh perturbs them like exp(-x), and they oscillate up to it: degrees stay high
+        # with one compliance alone the fields have roots at the edge. On a smooth surface they
+        # oscillate up to the end of the mesh: degrees stay high, and the end perturbs the fields
+        # by an error that falls like exp(-x) with the distance x from it
         rate = 1.0 if len(layers) == 2 else 0.5
         powers = [0.0 if c else -0.5 for c in compliances]
         meshes = [
@@ -91,7 +92,7 @@ class PreciseCoupledRun:
         """Let go of the operators; none are kept."""
 
     def breaches(self) -> list[Breach]:
-        """Return where |q| exceeds f p, or is not known not to; with p < 0 it always does."""
+        """Return where |q| exceeds f p, which is everywhere if p < 0, or is not known not to."""
         f, scene = self.fixed, self.scene
         if scene.friction == inf:
             return []
@@ -99,7 +100,7 @@ class PreciseCoupledRun:
         [mesh] = self.layout.meshes(f, *compliances, self.digits, self._width)
         y = mesh.below
         p, u = (one.at(y) for one in self._series)
-        if not compliances[0]:  # the series is p times the root of y: so is the traction's then
+        if not compliances[0]:  # the series is sqrt(y) p: q is multiplied by the same root
             u = f.times(u, f.sqrt(y))
         bound = f.times(f.of(f.mp.mpf(scene.friction)), p)
         return excesses(mesh, bound, f.times(f.sqrt(mesh.above), u), self.digits)
@@ -137,7 +138,7 @@ class PreciseCoupledRun:
         edge = mp.nan if self._smooth else mp.sign(f.numbers(self._series[k].limit)) * mp.inf
         values = np.array([edge] * len(y), dtype=object)
         deep = np.array(
-            [self._smooth and 0 < v < mp.exp(-self._oscillation) for v in y], dtype=bool
+            [self._smooth and 0 < v < mp.exp(-self._oscillation_start) for v in y], dtype=bool
         )
         values[deep] = [self._oscillating(-mp.log(v))[k] for v in y[deep]]
         rest = np.array([v > 0 for v in y], dtype=bool) & ~deep
@@ -145,15 +146,15 @@ class PreciseCoupledRun:
         return np.array([v / mp.sqrt(d) if d else v for v, d in zip(values, y, strict=True)])
 
     @property
-    def _oscillation(self) -> float:
-        """``-ln y`` beyond which the fields of a smooth surface are the oscillation at the edge."""
+    def _oscillation_start(self) -> float:
+        """``-ln y`` beyond which fields on a smooth surface are those of `_oscillating`."""
         return self.depth / 2.0
 
     @cached_property
-    def _phase(self) -> tuple[Any, Any]:
-        """Amplitude and phase at `_oscillation` of ``sqrt(y) (p + i q)``."""
+    def _amplitude_and_phase(self) -> tuple[Any, Any]:
+        """Amplitude and phase at `_oscillation_start` of ``sqrt(y) (p + i q)``."""
         f, mp = self.fixed, self.fixed.mp
-        at = f.of([mp.exp(-mp.mpf(self._oscillation))])
+        at = f.of([mp.exp(-mp.mpf(self._oscillation_start))])
         p, u = (f.numbers(one.at(at))[0] for one in self._series)
         return mp.hypot(p, u), mp.atan2(u, p)
 
@@ -164,17 +165,20 @@ class PreciseCoupledRun:
 
     def _oscillating(self, x: Any) -> tuple[Any, Any]:
         """Return p and q, times ``sqrt(y)``, near the edge of a smooth surface."""
-        mp, (size, phase) = self.fixed.mp, self._phase
-        angle = phase + self._theta * (x - self._oscillation)
+        mp, (size, phase) = self.fixed.mp, self._amplitude_and_phase
+        angle = phase + self._theta * (x - self._oscillation_start)
         return size * mp.cos(angle), size * mp.sin(angle)
 
     # the edge
 
     @cached_property
     def opening(self) -> Any:
-        """The largest distance from the edge at which p changes sign; None if it does not."""
+        """The largest distance from the edge at which p changes sign; None if it does not.
+
+        The sign is taken at four places in each unit of ``x = -ln y``.
+        """
         f, mp, series = self.fixed, self.fixed.mp, self._series[0]
-        last = self._oscillation if self._smooth else self.depth
+        last = self._oscillation_start if self._smooth else self.depth
         x = np.linspace(1e-3, last, ceil(4.0 * last))
         signs = np.sign(f.floats(series.at(f.exp(-f.of(x)), f.of(x))))
         negative = np.flatnonzero(signs <= 0.0)
@@ -188,7 +192,8 @@ class PreciseCoupledRun:
                 verify=False,  # the comparison of two meshes is more
             )
         elif self._smooth:
-            root = self._oscillation + (mp.pi / 2 - self._phase[1]) / self._theta
+            phase = self._amplitude_and_phase[1]
+            root = self._oscillation_start + (mp.pi / 2 - phase) / self._theta
         else:
             return None
         y = mp.exp(-root)

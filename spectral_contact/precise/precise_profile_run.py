@@ -27,7 +27,8 @@ _MOST_STEPS = 10
 _APART = 1e-9
 #: Digits of mpmath beyond those aimed at, on a smooth surface.
 _GUARD = 12
-#: Where the pressure of two solutions is compared: distances from the edge, and from breaks.
+#: Where the pressures of two solutions are compared, over the contact radius: distances from the
+#: edge, and from the centre. From breaks they are these fractions of the break.
 _DEPTHS = np.concatenate([np.linspace(0.02, 0.98, 13), 10.0 ** -np.arange(2.0, 31.0, 2.0)])
 _ASIDE = (1e-12, 1e-6, 1e-3)
 
@@ -44,7 +45,8 @@ class PreciseProfileRun:
     width : float
         Panel width.
     guess : mpf or float
-        Of the contact radius; of the approach where the radius is no unknown.
+        Of the unknown: the contact radius or, if that is fixed, as under a flat punch or where
+        there is no edge, the approach.
     tell : callable
         Is told every step.
     start : InitialContact, optional
@@ -69,8 +71,9 @@ class PreciseProfileRun:
         profile, alpha = scene.profile, scene.normal_compliance
         adhesion = scene.work_of_adhesion or 0.0
         assert profile is not None
-        self._given_radius = isinstance(profile, Flat) or endless(scene)
-        #: the contact of a radius, or of an approach where the radius is no unknown
+        #: whether the radius is fixed, so that the approach is the unknown
+        self._approach_unknown = isinstance(profile, Flat) or endless(scene)
+        # `_solve` takes the unknown and returns the contact
         if scene.layer is not None:
             assert start is not None
             tell("operators")
@@ -91,16 +94,16 @@ class PreciseProfileRun:
 
     @property
     def fixed(self) -> PreciseProfileRun:
-        """The run itself: it has `mp` and `bits`, as the `fixed` of the other runs."""
+        """The run itself: it has `mp` and `bits`, which the `fixed` of other runs has."""
         return self
 
     def _found(self, guess: Any) -> Contact:
         """Return the contact of the scene, by Newton's method from a guess.
 
-        The unknown is the radius; under a flat punch, and where there is no edge, the approach.
+        The unknown is the radius or, if that is fixed, the approach.
         """
         scene, mp = self.scene, self.mp
-        if self._given_radius and scene.approach is not None:
+        if self._approach_unknown and scene.approach is not None:
             self._tell("contact")
             return self._solve(mp.mpf(scene.approach))
         if scene.contact_radius is not None:
@@ -112,7 +115,7 @@ class PreciseProfileRun:
         for step in range(_MOST_STEPS):
             self._tell(f"contact radius, step {step + 1}")
             contact = self._solve(a)
-            if self._given_radius:
+            if self._approach_unknown:
                 change = (scene.load - contact.load) / contact.stiffness
             elif scene.load is not None:
                 change = (scene.load - contact.load) / (contact.stiffness * contact.growth)
@@ -146,8 +149,8 @@ class PreciseProfileRun:
 
     @property
     def place(self) -> Any:
-        """The unknown that was found: the radius, or the approach where the radius is given."""
-        return self.contact.approach if self._given_radius else self.contact.radius
+        """The unknown that was found: the radius or, if that is fixed, the approach."""
+        return self.contact.approach if self._approach_unknown else self.contact.radius
 
     @property
     def values(self) -> dict[str, Any]:
@@ -179,16 +182,16 @@ class PreciseProfileRun:
 
 
 def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEstimates, float]:
-    """Return twice the relative differences of two runs, at least what the check aims at.
+    """Return error estimates: twice the relative differences of two runs.
 
-    The largest of them is returned, too.
+    None is below the accuracy that the second run aims at. The largest is returned, too.
 
     Raises
     ------
     ConvergenceError
         If the pressure or the gap is not positive.
     """
-    least, gap = run.contact.law()
+    least, gap = run.contact.margins()
     if not (least > -(10.0**-run.digits) and gap > 0):
         told = f"least pressure {float(least):.1e} of its mean, least gap {float(gap):.1e}"
         raise ConvergenceError(f"the solution is no contact: {told}", "report the scene")
@@ -204,7 +207,8 @@ def compared(run: PreciseProfileRun, check: PreciseProfileRun) -> tuple[ErrorEst
         errors["contact_radius"] = 0.0
     s, rest = _places(run)
     pairs = list(zip(run.pressures(s, rest), check.pressures(s, rest), strict=True))
-    if endless(run.scene):  # relative to pressure plus mean, as the pressure falls towards 0
+    # without an edge the pressure falls towards 0: differences are relative to it plus its mean
+    if endless(run.scene):
         mean = own["load"] / (mp.pi * own["domain_radius"] ** 2)
         pairs = [(a + mean, mp.mpf(b) + mean) for a, b in pairs]
     errors["pressure"] = error(pairs)

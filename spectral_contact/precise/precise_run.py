@@ -21,7 +21,7 @@ from spectral_contact.threads import cached_property
 from spectral_contact.view.progress import silent
 
 _LN10 = log(10.0)
-#: An existing mesh is used in place of a new one if it has at most so many panels too many.
+#: An existing mesh serves for another problem if it has no more than so many panels too many.
 _SPARE = 12
 
 
@@ -68,14 +68,15 @@ class PreciseRun:
         self._stick_layer = self._layer
         #: beyond the layer the traction settles like ``exp(-rate x)``; 0.5 if it has a root there
         self._rate = 0.5 if alpha == 0.0 and self._one_disk else 1.0
-        #: of y, the endpoint weight of the traction
+        #: power of y in the endpoint weight of the traction
         self._power = 0.0
-        # the decades from 1 down to the smallest number that needs all digits
+        # how far below 1 the smallest number may be, in decades, with all of its digits
         decades = digits + abs(log(alpha or 1.0)) / _LN10
         if layout is not None and self._one_disk:
             self._grade_to_rim(alpha, beta)
             decades += self._decades_of_rim(beta)
-        # a diagonal entry of the last panel is about exp(-x) (compliance + exp(-x)), x its depth
+        # the smallest numbers are the matrix's diagonal entries of the last panel, at the depth x:
+        # about exp(-x) (compliance + exp(-x))
         depth = max(self._layer, self._stick_layer) + (digits * _LN10 + 6.0) / self._rate
         deepest = _start_of_layer(min(alpha or 1.0, beta)) if beta else depth
         decades += (depth + min(depth, max(deepest, self._stick_layer))) / _LN10
@@ -84,6 +85,7 @@ class PreciseRun:
         # 3.33 bits a decade; ten decades and 64 bits to spare were chosen
         self.fixed = Fixed(ceil((decades + 10.0) * 3.33) + 64)
         self._disks: list[Disk] = []
+        # full stick (the endpoint weight is its) without compliances: a closed form
         self._smooth = alpha == beta == 0.0 and self._power != 0.0
 
     def _grade_to_rim(self, alpha: float, beta: float) -> None:
@@ -107,7 +109,7 @@ class PreciseRun:
 
     @property
     def _one_disk(self) -> bool:
-        """Whether there is at most one stick disk, which `one_disk` solves, its rim not held."""
+        """Whether `one_disk` solves it: at most one stick disk, and its rim is not held."""
         return self.layout is None or (self.layout.states in ((0,), (0, 1)) and not self._held)
 
     @property
@@ -159,7 +161,7 @@ class PreciseRun:
 
     @property
     def depth(self) -> float:
-        """``-ln y`` beyond which, next to the edge, the fields of this mesh no longer vary."""
+        """``-ln y`` at which the meshes end; nearer to the edge the fields no longer vary."""
         return max(disk.mesh.depth for disk in self._disks) if self._disks else self.digits * _LN10
 
     @property
@@ -217,7 +219,7 @@ class PreciseRun:
 
     @cached_property
     def annuli(self) -> Zones:
-        """The zones if there is not one stick disk alone, for ``kappa = 1``."""
+        """The solved zones if `one_disk` does not solve them, for ``kappa = 1``."""
         assert self.layout is not None
         near = None if self._near is None else self._near.annuli
         return solve_zones(self._problem, self.layout.radii, self._tell, held=self._held, near=near)
@@ -308,6 +310,7 @@ class PreciseRun:
             ]
             return self.kappa / mp.pi**2 * self._singular(np.array(ratios), y)
         ends = [(mp.zero, mp.one), *self.radii, (mp.one, mp.zero)][zone : zone + 2]
+        # how far in s**2 the radii are below the inner end of the zone, and below the outer one
         below = [np.where(s < 0.5, b - s, from_edge - e) * (b + s) for b, e in ends]
         if self._one_disk:
             c = self.radius[0]
@@ -343,5 +346,5 @@ class PreciseRun:
 
 
 def _start_of_layer(width: float) -> float:
-    """Return ``x = -ln d`` at which a layer of this width begins; 0 if it is none, or is wide."""
+    """Return ``x = -ln d`` at the distance ``d = width``; 0 if there is no layer, or it is wide."""
     return max(-log(width), 0.0) if width else 0.0

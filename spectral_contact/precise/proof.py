@@ -45,7 +45,8 @@ _MOST_TERMS: Final = 65536
 #: The residual is expanded in more polynomials than the solution, by this factor; the rest of it,
 #: its tail, is bounded.
 _EXPANDED: Final = 4
-#: Conjugate gradients leave a residual that adds this many digits less than asked for to the width.
+#: Conjugate gradients stop when what their residual adds to the width of the interval is so many
+#: digits below the width asked for.
 _SPARE_DIGITS: Final = 2
 _MOST_DIGITS: Final = 30
 
@@ -68,7 +69,7 @@ class Enclosure:
 
     @property
     def width(self) -> float:
-        """The width over the upper end, of which half is the error of the middle at most."""
+        """The width over the upper end; half of it bounds the relative error of the middle."""
         return float((self.upper - self.lower) / self.upper)
 
     @property
@@ -146,8 +147,9 @@ def enclose_approach(scene: Scene, digits: int = 20) -> Enclosure:
 def enclose_edge_pressure(scene: Scene, digits: int = 20) -> Enclosure:
     """Return an interval that is proved to contain the edge pressure p*(1) of a flat punch.
 
-    From the identity ``2 pi alpha p(1)**2 = delta + alpha d delta/d alpha`` (docs/theory, Proved
-    bounds). Parameters, result and errors are as of `enclose_approach`.
+    It follows from bounds of the approach delta and of its derivative, by the identity
+    ``2 pi alpha p(1)**2 = delta + alpha d delta/d alpha`` (docs/theory, Proved bounds). Parameters,
+    result and errors are as of `enclose_approach`.
 
     Raises
     ------
@@ -248,7 +250,8 @@ class _Expansion:
         twice_pi = 2 * self.flint.arb.pi()
         least, most = self._moments()
         lower, upper = self._norms()
-        # by Schwarz's inequality <1, w>**2 <= <1, 1> <w, w>: d delta/d alpha is at least 1/pi
+        # d delta/d alpha is <w, w>/(2 pi m**2), and at least 1/pi, as by Schwarz's inequality
+        # m**2 = <1, w>**2 is at most <1, 1> <w, w> = <w, w>/2
         slopes = (lower / (twice_pi * most**2)).max(2 / twice_pi), upper / (twice_pi * least**2)
         ends = []
         for moment, slope in zip((most, least), slopes, strict=True):
@@ -295,7 +298,10 @@ class _Expansion:
         return _Residual(products[:terms], squared + arb(0).union(tail))
 
     def _convolved(self, indices: range, coefficients: list[Any]) -> list[Any]:
-        """Return the convolution of ``h`` at indices with coefficients, where all of them count."""
+        """Return the convolution of ``h`` at indices with coefficients.
+
+        Only the sums over all coefficients are returned, not those that the ends cut short.
+        """
         poly = self.flint.arb_poly
         kernel = poly([self.flint.fmpq(1, 4 * j**2 - 1) for j in indices])
         product = kernel * poly(coefficients)
@@ -311,9 +317,9 @@ class _Expansion:
 def _galerkin(compliance: float, source: np.ndarray, digits: int) -> np.ndarray:
     """Return the coefficients that Galerkin's method has for ``A u = source``, in doubles.
 
-    By conjugate gradients with the diagonal as preconditioner, until the square of the residual
-    over ``alpha`` is below what the digits allow of ``<source, u>``. The matrix of N is a Toeplitz
-    and a Hankel matrix between diagonal ones: products are convolutions.
+    By conjugate gradients with the diagonal as preconditioner, until ``<r, r>/alpha`` is below
+    ``<source, u>`` by as many digits as are wanted. The matrix of N is a Toeplitz and a Hankel
+    matrix between diagonal ones: products are convolutions. `residual` has ``<r, P_k>``.
     """
     terms = len(source)
     k = np.arange(terms)
@@ -353,13 +359,16 @@ def _kernel(j: np.ndarray) -> np.ndarray:
 
 
 def _end(ball: Any) -> Any:
-    """Return a ball of radius 0 as an mpf, exactly."""
+    """Return the midpoint of a ball as an mpf, exactly: all of a ball that has the radius 0."""
     mantissa, exponent = ball.mid().man_exp()
     return _exact(int(mantissa), int(exponent))
 
 
 def _exact(mantissa: int, exponent: int) -> Any:
-    """Return ``mantissa * 2**exponent`` as an mpf of a context that has as many bits as balls."""
+    """Return ``mantissa * 2**exponent`` as an mpf, without rounding.
+
+    Its context has as many bits as balls: so many have numbers that are computed from it.
+    """
     context = MPContext()
     context.prec = _BITS
     return context.make_mpf(from_man_exp(mantissa, exponent))

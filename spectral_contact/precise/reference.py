@@ -24,8 +24,8 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     scene : Scene
         Its parameters are taken as exactly the doubles they are.
     digits : int
-        Relative accuracy of everything, from 15 to 60. The number of unknowns grows like its
-        square.
+        Correct digits of every number of the solution, from 15 to 60. The number of unknowns grows
+        like its square.
     progress : bool, optional
         Whether to show progress (extra: progress); by default on a terminal and in notebooks.
 
@@ -40,9 +40,9 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
     NotComputedError
         With elastic coupling and slip. With a profile and friction, or with so many breaks that
         the dense system would have more than 12,000 unknowns. With a nonlinear layer whose law has
-        bends, or one with pressure at every gap under a profile with a tip or a break. If `solve`
-        finds slip everywhere because the stick disk is too small for it or, without tangential
-        compliance, stick everywhere because the slip zone is too narrow for it.
+        bends, or whose law has pressure at every gap if the profile has a tip or a break. If the
+        stick disk is so small that `solve` finds slip everywhere. If there is no tangential
+        compliance and the slip zone is so narrow that `solve` finds stick everywhere.
     ConvergenceError
         If the digits are not reached: the error carries the solution. If no zones are found on
         which the friction law holds, or if these digits do not decide whether it holds: the error
@@ -50,9 +50,9 @@ def reference(scene: Scene, digits: int = 30, *, progress: bool | None = None) -
 
     Notes
     -----
-    Two solutions on different meshes are compared, the second with two digits less: twice their
-    difference is the error estimate. `solve` provides a first guess of the zones and their
-    boundaries, and none of the digits. The friction law is checked everywhere; where it is
+    Two solutions on different meshes are compared, of which the second aims at two digits fewer:
+    twice their difference is the error estimate. `solve` provides a first guess of the zones and
+    their boundaries, and none of the digits. The friction law is checked everywhere; where it is
     violated, the zones are changed accordingly and solved for again.
 
     Examples

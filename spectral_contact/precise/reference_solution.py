@@ -39,13 +39,13 @@ class ReferenceSolution:
         From the centre to the edge; empty without friction.
     edge_ratio : mpf or None
         q/p at the edge where everything sticks, which may be infinite; None in partial slip, and
-        with coupling where it has no limit or no meaning.
+        with coupling where it has no limit, or where p changes sign.
     opening : mpf or None
         Largest distance from the edge at which coupling makes the pressure change sign.
     error : ErrorEstimates
         Relative errors, from a second solution on another mesh.
     converged : bool
-        Whether all of them, and that of the opening, are at most ``10**-digits``.
+        Whether all of these errors, and that of the opening, are at most ``10**-digits``.
     unknowns : int
         Dimension of the largest discrete space.
     bits : int
@@ -53,8 +53,13 @@ class ReferenceSolution:
         floating-point numbers.
     seconds : float
         Time that the solution took.
-    contact_radius, load, stiffness, indentation_work : mpf or None
-        Of a scene with a profile, in the units of the scene, as the approach is then, too.
+    contact_radius, load : mpf or None
+        Of a scene with a profile. The approach and these have the units of the scene then.
+    stiffness : mpf or None
+        Under a profile the derivative of the load by the approach at a fixed contact radius.
+    indentation_work : mpf or None
+        Under a profile the work of the load from the first contact to this one. It is the elastic
+        energy of body and layer, with adhesion less the work of adhesion times the contact area.
     domain_radius : mpf or None
         Where the contact has no edge: the radius that `s` = 1 stands for.
     """
@@ -90,8 +95,8 @@ class ReferenceSolution:
         Returns
         -------
         mpf or ndarray of mpf
-            At the edge of a surface without normal compliance it is infinite, with coupling of
-            either sign; with coupling and without any compliance it is NaN there. Under a profile
+            At the edge of a flat punch without normal compliance it is infinite; with coupling it
+            may be minus infinity there, and without any compliance it is then NaN. Under a profile
             on a smooth surface it is infinite at tips and corners.
 
         Raises
@@ -118,10 +123,10 @@ class ReferenceSolution:
             exact.append(_fraction(value))
             if not 0 <= exact[-1] <= 1:
                 raise SceneError(name, value, "in [0, 1]")
-        with mp.workprec(self.bits):  # of the solution, which is more than that of its results
+        with mp.workprec(self.bits):  # more than the results have: the bits of the computation
             near = np.empty(len(exact), dtype=object)
             near[:] = [_rounded(mp, one) for one in exact]
-            # the distance to the other end is taken before anything is rounded
+            # 1 minus the given number, both from the edge and from the centre, without rounding
             far = np.empty(len(exact), dtype=object)
             far[:] = [_rounded(mp, 1 - one) for one in exact]
             found = function(near, far) if from_edge is None else function(far, near)

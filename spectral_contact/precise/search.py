@@ -16,8 +16,8 @@ from spectral_contact.scene import Scene
 from spectral_contact.view.progress import silent
 
 _MOST_ROUNDS = 12
-#: If a boundary ends farther than this from its guess, in logits, the zones are solved again on
-#: meshes that are made for where it ended.
+#: If a boundary is found farther than this from its guess, in logits, the zones are solved again on
+#: meshes that are made for the boundary found.
 _FAR = 0.5
 
 
@@ -77,7 +77,8 @@ def lawful(
         try:
             run = solved(scene, digits, width, layout, tell, held=held)
         except ConvergenceError:
-            # only with tangential compliance is there a solution for any given boundaries
+            # boundaries can be held at any place only if there is a tangential compliance: without,
+            # there is a solution at the right boundaries alone
             if held or layout is None or not (layout.radii and scene.tangential_compliance):
                 raise
             # with boundaries held where they are the problem is linear, and the breaches of the law
@@ -96,7 +97,7 @@ def lawful(
 
 def _no_zones(found: list[Breach]) -> ConvergenceError:
     """Return the error of a search that ends without zones."""
-    last = f"on the last {found[0]}" if found else "the last did not settle"
+    last = f"on the last zones {found[0]}" if found else "the last boundaries did not settle"
     cause = f"the friction law holds on no zones that were tried; {last}"
     return ConvergenceError(cause, "ask for more digits")
 
@@ -110,7 +111,8 @@ def _changed(run: PreciseRun, found: list[Breach]) -> PreciseLayout:
         if not known:
             raise ConvergenceError(f"{found[0]}", "ask for more digits")
         states, logits = obeying(states, logits, known)
-    # the centre sticks; slips of opposite signs cannot meet, as between them the traction passes 0
+    # the centre sticks; zones that slip in opposite directions cannot meet, as the traction between
+    # them would pass 0
     slip_meets_slip = any(a and b for a, b in pairwise(states))
     if states[0] or slip_meets_slip:
         raise _no_zones(found)
@@ -125,7 +127,7 @@ def _radius(run: PreciseRun, logit: Any) -> Radius:
 
 
 def _moved(layout: PreciseLayout | None, run: PreciseRun | PreciseCoupledRun) -> float:
-    """Return how far, in logits, a boundary is from its guess at most."""
+    """Return the largest distance, in logits, of a boundary from its guess."""
     if layout is None or isinstance(run, PreciseCoupledRun):
         return 0.0
     pairs = zip(layout.radii, run.logits, strict=True)

@@ -1,7 +1,7 @@
 """Zones with given boundaries, in fixed point: the residual of the tangential equation.
 
-The equation is collocated at the Gauss points of the zones. Where a zone slips, the residual is the
-displacement.
+The equation, that the displacement u_r is zero, is collocated at the Gauss points of the zones that
+stick. What is its residual there is the displacement in the zones that slip.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ class PreciseLayout:
     @property
     def widths(self) -> list[float]:
         """Widths of the zones in ``s**2``."""
-        ends = [Radius(0.0, 1.0), *self.radii, EDGE]
-        return [gap(a, b) for a, b in pairwise(ends)]
+        boundaries = [Radius(0.0, 1.0), *self.radii, EDGE]
+        return [gap(a, b) for a, b in pairwise(boundaries)]
 
     def decades(self, alpha: float, beta: float, digits: int, width: float) -> float:
-        """Return the decades from 1 down to the smallest number that fixed point has to resolve."""
+        """Return how many decades below 1 the last digit of the smallest number is."""
         deepest = width * max(map(max, self.panels(alpha, beta, digits, width))) / _LN10
-        # the equation is divided by beta and by s^2, which at the innermost nodes is down to 1e-8
+        # a solution divides by the diagonal, beta s^2; at the innermost nodes s^2 is down to 1e-8
         # of that of the first boundary
         first = log10(self.radii[0].square) if self.radii else 0.0
         return digits + deepest + 8.0 + abs(log10(beta or 1.0)) - 2.0 * first
@@ -63,20 +63,21 @@ class PreciseLayout:
     def panels(self, alpha: float, beta: float, digits: int, width: float) -> list[tuple[int, int]]:
         """Return the number of panels in the inner and the outer half of every zone.
 
-        At a boundary the traction settles like ``d**2 ln d``, at the edge like ``d ln d`` below the
-        scales of the problem, and slip under a singular pressure like a root.
+        At a distance d that is below all scales of the problem, the traction differs from its value
+        at a boundary by ``d**2 ln d``, and at the edge by ``d ln d``. In slip under a pressure that
+        is infinite at the edge it is a root.
         """
         widths = self.widths
         settle = (digits + 2.0) * _LN10
-        ends = []  # logarithms of the distances at which the panels end and the tail begins
+        log_ends = []  # logarithms of the distances at which panels end and the tail begins
         for b, near in zip(self.radii, pairwise(widths), strict=True):
             layers = beta * b.value or 1.0, b.rest + alpha
-            ends.append(log(min(*near, *layers)) - settle / 2.0)
+            log_ends.append(log(min(*near, *layers)) - settle / 2.0)
         rooted = alpha == 0.0 and self.states[-1] != 0
         settle *= 2.0 if rooted else 1.0
-        ends.append(log(min(widths[-1], beta or 1.0, alpha or 1.0)) - settle)
+        log_ends.append(log(min(widths[-1], beta or 1.0, alpha or 1.0)) - settle)
         # at the centre the traction is smooth: the mesh is not graded to it
-        pairs = pairwise([log(widths[0]), *ends])
+        pairs = pairwise([log(widths[0]), *log_ends])
         depths = [[log(w) - end for end in pair] for w, pair in zip(widths, pairs, strict=True)]
         return [(max(ceil(a / width), 1), max(ceil(b / width), 1)) for a, b in depths]
 
@@ -97,11 +98,12 @@ class Zones:
     logits : tuple of mpf
         ``ln(b**2/(1 - b**2))`` of the boundaries, outward.
     tractions : tuple of PreciseAnnulusSeries or None
-        ``q / s`` in every zone that sticks.
+        ``q / (kappa s)`` in every zone that sticks.
     total_shear : int
     unknowns : int
     slopes : ndarray or None
-        Derivatives of `ZoneTrial.mismatch` by the logits; the tractions solve the equation at each.
+        Derivatives of `ZoneTrial.mismatch` by the logits, at tractions that solve the equation for
+        each set of boundaries.
     """
 
     logits: tuple[Any, ...]
@@ -112,9 +114,9 @@ class Zones:
 
 
 def panel_points(digits: int, width: float) -> int:
-    """Return how many nodes of a panel resolve a function with singularities ``i pi`` from it.
+    """Return how many nodes of a panel resolve a function whose singularities are ``i pi`` away.
 
-    These are at ``i reach`` from the panel on [-1, 1]. Its Chebyshev series converges like the
+    With the panel as [-1, 1] they are ``i reach`` away. Its Chebyshev series converges like the
     powers of ``reach + sqrt(1 + reach**2)``, the sum of the semi-axes of the ellipse through them.
     """
     reach = 2.0 * pi / width
@@ -196,7 +198,7 @@ class ZoneTrial:
     ) -> None:
         self.problem, self.logits = problem, logits
         f, mp = problem.drive.fixed, problem.drive.fixed.mp
-        #: logits of the ends of all zones
+        #: logits of the ends of all zones, infinite at the centre and at the edge
         self.ends = [-mp.inf, *logits, mp.inf]
         self._f = f
         self.squares = [0 * f.one, *(f.of(1 / (1 + mp.exp(-x))) for x in logits), f.one]
@@ -272,7 +274,8 @@ class ZoneTrial:
         """Return the jumps of the traction at the boundaries, over f p."""
         f, values = self._f, self.problem.split(flat)
         limits = {k: self.problem.meshes[k].limits(v) for k, v in values.items()}
-        # of two neighbours one slips, with its state as the sign of the traction, and one is 0
+        # one of two neighbours sticks, with the state 0; the state of the other, which slips, is
+        # the sign of the traction at their boundary
         senses = [a + b for a, b in pairwise(self.problem.states)]
         found = [
             f.times(factor, limits[k][end]) - sense * f.one

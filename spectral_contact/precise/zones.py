@@ -29,14 +29,15 @@ Array = NDArray[np.float64]
 _MOST_SWEEPS = 20
 #: Accuracy of the tractions at which the slopes of the mismatch are computed.
 _CLOSE = 1e-8
-#: Slopes are differences over ``2**-_STEP`` in the logit of a boundary.
-_STEP = 50
+#: Slopes are difference quotients, in which the logit of a boundary changes by ``2**-_STEP_BITS``.
+_STEP_BITS = 50
 #: Newton's step, in the measure of `_length`, below which factorisation and slopes are kept.
 _NEAR = 0.02
 #: The longest step that is taken, in the same measure.
 _LONGEST = 0.6
 _MOST_STARTS = 8
-#: Jumps of the tractions that are tolerated, over the accuracy of the boundaries.
+#: The largest jump of the tractions that is tolerated, as a multiple of the accuracy of the
+#: boundaries.
 _CONTINUOUS = 100.0
 
 
@@ -104,16 +105,18 @@ def _settled(
 ) -> Zones:
     """Move the boundaries until they settle, and the tractions with them.
 
-    The first of the goals is the accuracy of the boundaries, in logits, and of the tractions; the
-    second is that of the boundaries relative to the width of the zones beside them.
+    The first of the goals is the largest last step of the boundaries, in logits, and of the
+    tractions; the second is that of the boundaries in the measure of `_length`.
     """
     f, problem = trial.problem.drive.fixed, trial.problem
     before = shift = np.zeros_like(slopes[0])
-    size = expected = 0.0  # of this step of the boundaries, and of the next one
+    size = 0.0  # of the last step of the boundaries, in logits
+    expected = 0.0  # size of the next one
     for _ in range(_MOST_SWEEPS):
         flat = factored.refined(trial, flat, max(goals[0], 1e-4 * expected))
         mismatch = f.floats(trial.mismatch(flat))
-        # Broyden's update; after a smaller step the difference would be the tractions' error
+        # Broyden's update, but not after a small step: its change of the mismatch would be that by
+        # the errors of the tractions
         if size > 1e6 * goals[0]:
             slopes = slopes + np.outer(mismatch - before - slopes @ shift, shift) / (shift @ shift)
         before, shift = mismatch, _step(slopes, mismatch)
@@ -166,15 +169,16 @@ class _Preconditioned:
     def slopes(self, trial: ZoneTrial, flat: Ints) -> Array:
         """Return the derivatives of the mismatch by the logits of the boundaries.
 
-        The tractions solve their equation at each: this is a Schur complement.
+        For each set of boundaries the tractions solve their equation, so these derivatives are a
+        Schur complement in the Jacobian of both.
         """
         f = self._f
         before = trial.residual(flat), trial.mismatch(flat)
         columns, corner = [], []
         for j in range(len(trial.logits)):
             logits = list(trial.logits)
-            logits[j] += f.mp.ldexp(1, -_STEP)
+            logits[j] += f.mp.ldexp(1, -_STEP_BITS)
             moved = ZoneTrial(trial.problem, logits)
-            columns.append(f.floats((moved.residual(flat) - before[0]) << _STEP))
-            corner.append(f.floats((moved.mismatch(flat) - before[1]) << _STEP))
+            columns.append(f.floats((moved.residual(flat) - before[0]) << _STEP_BITS))
+            corner.append(f.floats((moved.mismatch(flat) - before[1]) << _STEP_BITS))
         return np.array(corner).T - trial.conditions() @ self._factored.solved(np.array(columns).T)

@@ -43,6 +43,7 @@ from spectral_contact.equations.interior.sampling import (
 )
 from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
+from spectral_contact.fields.series import Radius
 from spectral_contact.io import checks, choices
 from spectral_contact.io.documents import (
     checked_path,
@@ -77,7 +78,7 @@ class Material:
     poisson_ratio : float
         ν of the body.
     share : float
-        E'/E'ᵢ, the fraction of the displacement of both bodies that is that of this one.
+        E'/E'ᵢ, the displacement of this body over the sum of those of both.
     sense : float
         1 for the half-space, −1 for the punch, on which the traction acts the other way.
     """
@@ -93,8 +94,9 @@ class Inside:
     Points are given by their distance from the axis, or from the edge, and their depth. Everything
     is in the units of the solution: `Solution.inside` is dimensionless, and
     `PhysicalSolution.inside` in SI units, as `PhysicalSolution.punch_inside` of an elastic punch,
-    whose depth is counted into the punch. Under a profile places are in contact radii, as
-    those of the pressure, displacements in L and stresses in E'.
+    whose depth is counted into the punch. Under a profile places are in contact radii, as those of
+    the pressure, displacements in the unit of length L of the profile and stresses in the modulus
+    E' (docs/profiles).
 
     The fields are the response of an elastic half-space to the pressure and the traction of the
     solution. The model without coupling neglects the normal displacement by the traction; the
@@ -114,7 +116,8 @@ class Inside:
     SceneError
         If one of them is something else, or the scene does not have Poisson's ratio of the body.
     NotComputedError
-        If the pressure or the traction was not asked for; under a profile contact radius and load.
+        If the pressure or the traction was not asked for; under a profile also if the contact
+        radius or the load was not.
     """
 
     def __init__(
@@ -142,7 +145,8 @@ class Inside:
         ]
         if self._sheared and self._material.sense < 0.0:
             loads[1] = _opposite(loads[1])
-        self._singular = places.singular(solution)
+        #: the edge, tips and corners at which the stress is infinite or depends on the direction
+        self._singular: list[Radius] = places.singular(solution)
         self._sampler = Sampler(
             places.grading(solution),
             loads[0],
@@ -153,10 +157,11 @@ class Inside:
         )
 
     def _floors(self) -> tuple[float, float]:
-        """Return the moduli of pressure and traction that their errors are relative to at least.
+        """Return the least absolute values of pressure and traction that errors are relative to.
 
-        Under a profile the loads vanish at places, and their errors are relative to the mean
-        pressure and to the largest traction there; those of a flat punch, to the local values.
+        The errors of the loads of a flat punch are relative to the local values: these are 0. Under
+        a profile the loads vanish at some places, and their errors there are relative to the mean
+        pressure and to the largest traction.
         """
         solution = self._solution
         if solution.scene.profile is None:
@@ -175,7 +180,7 @@ class Inside:
             given = checked_lengths("r", r, self._units)
             length = self._units.length
             radius = np.asarray(given / length)
-            # next to the edge this difference is exact, and one of quotients is not
+            # next to the edge this difference has no rounding; 1 minus the quotient would have it
             distance = np.asarray((length - given) / length)
         else:
             distance = scaled_lengths("from_edge", from_edge, self._units, high=1.0)
@@ -209,15 +214,15 @@ class Inside:
         r : array_like, optional
             Distances from the axis, at least 0.
         z : array_like
-            Depths, at least 0; of a shape that broadcasts with that of the other. On the surface
-            the values are the limits from the body.
+            Depths, at least 0; their shape broadcasts with that of `r` or `from_edge`. On the
+            surface the values are the limits from the body.
         from_edge : array_like, optional
             Instead of `r`: distances from the edge, ``1 - r`` if dimensionless; negative outside
             the contact.
         rtol : float, optional
-            What the integration may miss by, in [1e-13, 1e-2]; all digits if not given. From 1e-12
-            on a grid of many points is much faster. The estimates say what was met: they contain
-            the errors of the solution, too.
+            Relative error that the integration may have, in [1e-13, 1e-2]; if not given, it is
+            computed to all digits. With 1e-12 or more, a grid of many points is much faster. The
+            estimates say what was reached: they contain the errors of the solution, too.
 
         Returns
         -------
@@ -341,6 +346,8 @@ class Inside:
         if profile is not None:
             points, shape = self._points(r, 0.0, from_edge)
             radius = points.r.reshape(shape) * self._solution.contact_radius
+            # `gap` is so far how far the body's surface is above the face. Less the height of the
+            # profile it is the compression of the layer inside, and minus the distance outside.
             outside = points.from_edge.reshape(shape) < 0.0
             under_profile = radius <= profile.reach
             height = profile.height(np.where(under_profile, radius, 0.0))
@@ -513,16 +520,18 @@ class Inside:
         Raises
         ------
         NotComputedError
-            If the approach or the slip was not asked for; with friction under a profile, as it
-            dissipates while the contact grows; below the largest load after slip; of one of two
-            elastic bodies.
+            If the approach or the slip was not asked for. With friction under a profile, as the
+            energy that it dissipates depends on how the contact grew. Below the largest load after
+            slip. For one of two elastic bodies.
         """
         if self._solution.scene.mismatch is not None:
             raise NotComputedError("energies", "the load does work on both bodies together")
         own = self._unscaled
         units = self._units
-        size = 1.0 if self.flat else self._solution.contact_radius
-        unit = units.stress * units.length**2 * units.displacement * size
+        if self.flat:
+            unit = units.stress * units.length**2 * units.displacement
+        else:  # `energies` takes those over the square of the contact radius, in E' and L
+            unit = units.stress * self._solution.contact_radius**2
         with ProgressLine(progress) as tell:
             return energies(
                 self._solution,

@@ -1,10 +1,10 @@
 """Coordinates for a search: toroidal ones, and polar ones around where loads are not smooth.
 
-One coordinate of either kind is the logarithm of the distance from such a place, or from the edge,
-which so is infinitely far away. In a plane through the axis the edge is two points. With the
-distances d1 from the one and d2 from the other, the toroidal coordinates are tau = ln(d2/d1), which
-counts e-folds towards the edge, and sigma, the angle between the directions to the two: pi on the
-contact, 0 on the free surface.
+Towards the edge, or such a place, one coordinate of either kind grows like minus the logarithm of
+the distance, so that the place itself is infinitely far away. In a plane through the axis the edge
+is two points. With the distances d1 from the one and d2 from the other, the toroidal coordinates
+are tau = ln(d2/d1), which counts e-folds towards the edge, and sigma, the angle between the
+directions to the two: pi on the contact, 0 on the free surface.
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from spectral_contact.fields.series import CENTRE, Radius
 #: for sigma (chosen).
 _LINE = 241
 _NET = (61, 41)
-#: Smallest tau of a line, which is 2000 radii away, and the largest, 1e-15 from the edge.
+#: Smallest tau of a line along the surface, and smallest sigma of that along the axis: either is
+#: 2000 radii away. On the contact this tau is 5e-4 from the centre. Largest tau, 1e-15 from the
+#: edge.
 _FARTHEST = 1e-3
 _CLOSEST = 35.0
 #: The same of polar coordinates, for the e-folds towards the place and for the angle (chosen).
@@ -64,7 +66,7 @@ class CoordinateLine:
 def from_toroidal(tau: Array, sigma: Array) -> BodyPoints:
     """Return the points of toroidal coordinates.
 
-    On the axis tau is 0; at infinity both coordinates are.
+    On the axis tau is 0, at infinity tau and sigma are.
     """
     # with the point as the complex number w = r + i z, (w - 1)/(w + 1) is exp(q)
     q = -tau + 1j * sigma
@@ -81,7 +83,8 @@ class Toroidal:
     Parameters
     ----------
     centre : bool
-        Whether the centre of the contact is left to another chart.
+        Whether the loads are not smooth at the centre of the contact. Then another chart has the
+        centre, and the line along the axis ends just below it.
 
     Attributes
     ----------
@@ -115,9 +118,13 @@ class Toroidal:
         """Return whether coordinates lie inside the chart, and not on its boundaries."""
         return 0.0 < v < np.pi and abs(u) < _CLOSEST
 
-    def scale(self, _u: float) -> float:
-        """Return the length of a unit of a coordinate at most, over the distance from the edge."""
-        return 1.0
+    def scale(self, u: float, v: float) -> float:
+        """Return a bound of the length of a unit of either coordinate, over that from the edge.
+
+        A unit is as long as d1 d2/2, so over the distance d1 it is d2/2. Where that is below 1 the
+        bound is 1.
+        """
+        return max(1.0, float(1.0 / np.abs(np.expm1(-u + 1j * v))))
 
 
 class Polar:
@@ -129,7 +136,7 @@ class Polar:
     ----------
     place : Radius
     reach : float
-        Distance from the place up to which the chart goes.
+        Distance from the place up to which the chart goes, at most half of that to the edge.
 
     Attributes
     ----------
@@ -167,9 +174,14 @@ class Polar:
         """Return whether coordinates lie inside the chart, and not on its boundaries."""
         return 0.0 < v < self._largest_angle and 0.0 < u < _FOLDS
 
-    def scale(self, u: float) -> float:
-        """Return the length of a unit of a coordinate at most, over the distance from the edge."""
-        return float(min(self._reach * np.exp(-u) / self._place.from_edge, 1.0))
+    def scale(self, u: float, _v: float) -> float:
+        """Return a bound of the length of a unit of either coordinate, over that from the edge.
+
+        A unit is as long as the distance from the place, by which a point can be closer to the edge
+        than the place is. The bound is 1 at most, as `reach` goes half way to the edge at most.
+        """
+        length = self._reach * np.exp(-u)
+        return float(length / (self._place.from_edge - length))
 
 
 #: Two coordinates of the quarter plane.
@@ -187,7 +199,7 @@ def around(boundaries: list[Radius], *, centre: bool) -> list[Chart]:
         Whether they are not smooth at the centre, either.
     """
     charts: list[Chart] = [Toroidal(centre)]
-    # of the distances between neighbours
+    # half of each distance between neighbours
     halves = [
         (a.from_edge - b.from_edge if a.value > 0.5 else b.value - a.value) / 2.0
         for a, b in pairwise(boundaries)

@@ -10,8 +10,9 @@ from scipy.special import ellipe, ellipkm1
 
 from spectral_contact.fields import Array
 
-#: Below this parameter the integrals are taken from the series of C, whose 31 terms are right to
-#: rounding there; above, from their definitions, of which that of C loses two digits at most.
+#: Below this parameter C is summed from its series, whose 31 terms are right to rounding, and B, D
+#: and D - C follow from K and C. Above it all follow from their definitions: that of C loses two
+#: digits at most.
 _SMALL = 0.3
 
 
@@ -36,7 +37,7 @@ class Elliptic(NamedTuple):
         ``K``, ``E``, ``B = (E - (1 - m) K)/m``, ``D = (K - E)/m`` and
         ``C = ((2 - m) K - 2 E)/m**2 = (D - B)/m``.
     d_less_c : ndarray
-        ``D - C``, without the logarithm that both have at ``m = 1``.
+        ``D - C``, which is finite at ``m = 1``, where D and C are infinite as logarithms.
     """
 
     m: Array
@@ -82,7 +83,8 @@ def solid_angle(integrals: Elliptic, z: Array, a: Array, difference: Array, tota
     z, a : ndarray
         Height of the point above the disk, and its largest distance from the rim.
     difference, total : ndarray
-        Radius of the disk minus the distance of the point from its axis, and the sum of the two.
+        The radius of the disk minus the distance of the point from its axis, and the radius plus
+        that distance.
     """
     ratio = difference / total
     in_plane = np.heaviside(difference, 0.5)
@@ -97,8 +99,9 @@ def solid_angle(integrals: Elliptic, z: Array, a: Array, difference: Array, tota
 def _bulirsch(kc: Array, p: Array, sum_: Array, ratio: Array) -> Array:
     """Return Bulirsch's ``cel(kc, p**2, sum_, ratio * sum_)``, by his doubling (1969).
 
-    The names are those of his procedure, in which `p` is the root of the argument. The iteration
-    converges quadratically, so that it ends at half of the digits.
+    `a`, `b`, `e`, `kc` and `p` are the variables of his procedure, not integrals of `Elliptic`; `p`
+    is the root of the argument that cel has. Each step doubles the digits, so that the iteration
+    ends when half of them agree.
     """
     a = sum_
     b = ratio * sum_ / p

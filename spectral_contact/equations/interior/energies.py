@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Move = Callable[[BodyPoints], Displacement]
 
-#: A ring that carries less than this fraction of the loads changes no digit.
+#: Rings whose load is below this fraction of the sum of all are left out: they change no digit.
 _NEGLIGIBLE = 1e-17
 #: Number of portions of the rings, after each of which progress is reported.
 _PORTIONS = 10
@@ -31,7 +31,7 @@ def energies(
     """Return the energies of a solution.
 
     Under a flat punch the state is proportional to the load, and each energy is half of the final
-    tractions times the final displacements; below the largest load this holds if nothing has
+    tractions times the final displacements. Once the load has fallen this is so only if nothing has
     slipped. Under a profile the state is not proportional to the load. Without friction body and
     layer still store these halves, and their sum is the work of the load. With friction the
     energies depend on the history, and are refused.
@@ -45,7 +45,8 @@ def energies(
     move : callable
         Dimensionless displacements of the body at points.
     unit : float
-        Factor of all energies, into the units that are asked for.
+        Factor of all energies into the units that are asked for, from those of a flat punch, or
+        under a profile from E' L**3 times the square of the contact radius.
     tell : ProgressLine
         Shows the progress.
     """
@@ -91,9 +92,9 @@ def _external(solution: Solution) -> tuple[float, float]:
 def _adhesion(solution: Solution, external: float) -> tuple[float, float]:
     """Return the energy of the surfaces in contact, and the energy that errors are relative to.
 
-    Both are over the square of the contact radius. The energy is counted along the curve of states
-    that grow from no contact. A flat punch is in contact at any load, so that the energy of its
-    surfaces does not change with the load.
+    Both are over the square of the contact radius. The energy is 0 before the contact begins, and
+    minus the work of adhesion times the area after. A flat punch is in contact at any load, so that
+    the energy of its surfaces does not change with the load: 0.
     """
     scene = solution.scene
     if scene.work_of_adhesion is None or isinstance(scene.profile, Flat):
@@ -152,11 +153,12 @@ def _of_rings(
         layer += scene.normal_compliance * p * normal_load
     if scene.tangential_compliance > 0.0:
         layer += scene.tangential_compliance * q * shear_load
-    friction = -shear_load * slip
+    friction = -shear_load * slip  # the slip, positive outward, opposes the traction
     defect = np.zeros_like(strain)
     if not scene.couples:
         defect = scene.kappa * shear_load * load_inside / points.r
-    parts = np.pi * np.stack([strain, layer, friction, defect])  # half of 2 pi s ds
+    # half of 2 pi, the s ds being in the loads
+    parts = np.pi * np.stack([strain, layer, friction, defect])
     # each part has two factors, which are as wrong as the loads
     of_loads = 2.0 * ((error.pressure or 0.0) + (error.traction or 0.0)) * np.abs(parts).sum()
     displacement_error = displacement.modulus * displacement.error

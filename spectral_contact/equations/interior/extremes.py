@@ -38,14 +38,15 @@ MEASURES: dict[str, Callable[[Stress], Array]] = {
     "max_shear": lambda stress: np.asarray(stress.max_shear),
     "surface_tension": lambda stress: np.asarray(stress.principal[0]),
 }
-#: Distance from the edge at which the limit of the stress along a direction is evaluated: stress is
-#: given down to 1e-16.
+#: Distance from the edge at which stress stands for its limit along a direction. It is refused
+#: below 1e-16.
 _AT_EDGE = 1e-15
 #: A place that is closer than this to an infinite pressure counts as being there (chosen).
 _AT_TIP = 1e-7
 #: Tolerance of stress at the nodes of nets and lines (chosen).
 _COARSE = 1e-8
-#: A bracket is narrowed to this fraction of its place.
+#: A bracket is narrowed to this: on a line relative to the coordinate of its upper end, on a net in
+#: the coordinates themselves.
 _NARROW = 1e-9
 #: Nodes of the nets with less than this fraction of the largest value are not followed up (chosen).
 _WORTH = 0.8
@@ -64,10 +65,10 @@ class _Found(NamedTuple):
     at : BodyPoints
         The one point where it is.
     curvature : float
-        By the coordinates of the chart: at the distance x in them the value is less by
-        ``curvature x**2 / 2``.
+        Second derivative with the sign changed, in coordinates of the chart: a step x from the
+        place lowers the value by ``curvature x**2 / 2``.
     scale : float
-        Length of a unit of these coordinates, over the distance from the edge.
+        Bound of the length of a unit of these coordinates, over the distance from the edge.
     """
 
     value: float
@@ -108,13 +109,15 @@ def _extreme(best: _Found, solution: Solution, stress: StressAt) -> Extreme:
     """Return the largest value with the errors of it and of its place."""
     here = stress(best.at, None)
     error = float(here.error[0] * here.norm[0] / best.value) if best.value else 0.0
-    # so far from the maximum values are less than it by no more than their error
+    # the computed maximum may be anywhere where the value is lower by no more than twice its error
     drop = 2.0 * best.value * max(error, 1e-15)
     place_error = float(np.sqrt(drop / best.curvature) + _NARROW) * best.scale if drop else 0.0
     r = float(best.at.r[0])
     z = float(best.at.z[0])
     r = 0.0 if r <= max(AXIS, place_error * float(best.at.to_edge[0])) else r
-    for tip in _tips(solution):  # at nu = 0.5 stress next to it depends on the direction alone
+    # At nu = 0.5 stress next to a tip depends on the direction alone, and the search stops at some
+    # small distance. The value is the supremum but for an error of 20 times that distance.
+    for tip in _tips(solution):
         away = float(distance(best.at, tip)[0])
         if away < _AT_TIP:
             remark = "supremum, approached where the pressure is infinite"
@@ -180,7 +183,7 @@ def _search(
     if not tension:
         found += _off_lines(charts, on_chart, max(one.value for one in found))
     largest_value = max(one.value for one in found)
-    # of values that are equal but for rounding, the first
+    # if values are equal but for rounding, the first of them
     return next(one for one in found if one.value >= largest_value * (1.0 - 1e-13))
 
 
@@ -197,7 +200,7 @@ def _off_lines(
 def _at_places(
     measure: Callable[[Stress], Array], solution: Solution, stress: StressAt, ends: list[Radius]
 ) -> list[_Found]:
-    """Return the values where loads are not smooth, but stress has a limit."""
+    """Return the values at those ends of zones at which stress has a limit."""
     infinite = singular(solution)
     found = []
     for end in ends:
@@ -231,7 +234,8 @@ def _along(chart: Chart, measure: Callable[..., Array], line: CoordinateLine) ->
     near = on_line(np.clip(np.array([at - step, at + step]), grid[0], grid[-1]))
     u, v = line.both(np.array([at]))
     curvature = _curvature(value, near, step)
-    return _Found(value, chart.points(u, v), curvature, chart.scale(float(u[0])))
+    scale = chart.scale(float(u[0]), float(v[0]))
+    return _Found(value, chart.points(u, v), curvature, scale)
 
 
 def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[_Found]:
@@ -251,7 +255,7 @@ def _climbed(chart: Chart, measure: Callable[..., Array], start: Array) -> list[
     near = [-negative(best.x + step * direction) for direction in np.vstack([_CROSS, -_CROSS])]
     u, v = chart.reflected(u, v)
     at = chart.points(np.array([u]), np.array([v]))
-    return [_Found(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u))]
+    return [_Found(-float(best.fun), at, _curvature(-best.fun, near, step), chart.scale(u, v))]
 
 
 #: The first simplex of the method of Nelder and Mead, and the directions of the two coordinates.
@@ -272,9 +276,9 @@ def _peaks(chart: Chart, measure: Callable[..., Array]) -> list[tuple[float, Arr
     return [(float(values.flat[k]), np.array([u[k], v[k]])) for k in order]
 
 
-def _curvature(value: float, around: object, step: float) -> float:
-    """Return the least curvature at a maximum, from values around it at a step of a coordinate."""
-    drop = float(np.min(value - np.asarray(around)))
+def _curvature(value: float, near: object, step: float) -> float:
+    """Return the least curvature at a maximum, from values a step of a coordinate away."""
+    drop = float(np.min(value - np.asarray(near)))
     return max(2.0 * drop / step**2, 1e-12 * abs(value))
 
 
@@ -302,8 +306,8 @@ def _edge(
         ).x
     there = at(np.array([best]))
     value = float(max(measure(there)[0], values.max()))
-    # At the distance d from the edge the stress differs from its limit by about d ln d over the
-    # width of the layer; ln d is less than 40 in modulus. On a smooth surface by sqrt(d).
+    # At the distance d from the edge the stress differs from its limit by about (d/width) ln d,
+    # with the width of the layer and abs(ln d) < 40; on a smooth surface by sqrt(d).
     size = 1.0 if solution.scene.profile is None else solution.contact_radius
     width = max(solution.scene.normal_compliance / size, 1e-300)
     away = _AT_EDGE * (1.0 + 40.0 / width) if np.isfinite(pressure) else np.sqrt(_AT_EDGE)

@@ -59,13 +59,15 @@ _PAPER = UnitNames("a", "4 (1 - nu^2) P / (a E)", "P / a^2")
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """Factors of places, stresses and displacements from those over the contact radius.
+    """Factors into the units that are asked for.
 
     Attributes
     ----------
     length, stress, displacement : float
-    names : tuple of str
-        Of the units of places, displacements and stresses.
+        What places over the contact radius, and stresses and displacements as the body computes
+        them from the loads, are multiplied by.
+    names : UnitNames
+        Of places, displacements and stresses, in this order.
     """
 
     length: float = 1.0
@@ -87,7 +89,7 @@ def si_units(length: float, stress: float, displacement: float) -> Units:
 
 
 def scaled_lengths(name: str, values: Any, units: Units, high: float = _FARTHEST) -> Array:
-    """Return lengths over the contact radius, after `checked_lengths`."""
+    """Return lengths over the contact radius, from lengths that `checked_lengths` allows."""
     return np.asarray(checked_lengths(name, values, units, high) / units.length + 0.0)
 
 
@@ -116,7 +118,7 @@ def columns(body: Inside, r: Array, z: Array, rtol: float | None) -> dict[str, A
     """
     displacement = body.displacement(r, z, rtol=rtol)
     refused = body.is_singular(r, z)
-    # in place of points that `stress` refuses, some that it does not
+    # `stress` refuses singular points: it gets others in their place, one contact radius deeper
     stress = body.stress(r, np.where(refused, body.radius, z), rtol=rtol)
     stresses = {f"sigma_{part}": getattr(stress, part) for part in ("rr", "tt", "zz", "rz")}
     stresses |= {name: getattr(stress, name) for name in ("von_mises", "max_shear", "mean")}
@@ -139,7 +141,7 @@ def unit_of(name: str, units: UnitNames) -> str:
 
 def dataset(body: Inside, r: Array, z: Array, rtol: float | None) -> xarray.Dataset:
     """Return all columns over the grid of radii and depths, if xarray is installed."""
-    make_dataset = optional("xarray", "sweep").Dataset
+    make_dataset = optional("xarray", "sweep").Dataset  # "sweep" is the extra that installs it
     values = columns(body, *np.meshgrid(r, z), rtol)
     units = body.unit_names
     long_names = {**QUANTITIES, "r": "distance from the axis", "z": "depth"}

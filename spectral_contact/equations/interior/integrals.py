@@ -33,8 +33,9 @@ class Integrals:
     ----------
     values : ndarray
     of_pressure, of_traction : ndarray
-        Sums of the moduli of the terms of either load, whose moduli count for at least the
-        `floors` of `integrate`.
+        Sums of the absolute values of the terms of either load: a relative error of the load,
+        times this, bounds the error of the integral. In them the load counts for at least its floor
+        of `integrate`.
     quadrature : ndarray
         Estimated error of quadrature and rounding.
     """
@@ -60,16 +61,17 @@ class Integrals:
 def _sums(
     mesh: BodyMesh, points: BodyPoints, kernels: Kernels, nu: float, floors: tuple[float, float]
 ) -> tuple[Array, Array]:
-    """Return the integrals by each rule, and those of the moduli of each load by the first.
+    """Return the integrals by each rule, and the sums of absolute values of their terms.
 
-    The shapes are (rules, components, points) and (loads, components, points).
+    The latter are by the first rule, for each load. The shapes are (rules, components, points) and
+    (loads, components, points).
     """
     depth = np.where(points.on_surface, 0.0, points.z)
     values = np.zeros((mesh.rules, 4, len(depth)))
     moduli = np.zeros((2, 4, len(depth)))
     for block, parts in mesh.rows(points):
         block_points = points[block]
-        # nodes of every rule in every row, rule after rule and row after row
+        # numbers of nodes: those of each rule in the first row, in the second row, and so on
         lengths = np.concatenate([_lengths(part) for part in parts])
         owner = np.concatenate([part.owner for part in parts])
         s = _joined([part.s for part in parts])
@@ -145,15 +147,15 @@ def integrate(
     Parameters
     ----------
     mesh : BodyMesh
-        With the rule that is used and, last, the one that it is compared with. With one rule only,
-        `quadrature` is rounding alone.
+        Its first rule gives the values, and its last the difference that is taken for the error of
+        quadrature. If there is only one rule, `quadrature` is the rounding alone.
     points : BodyPoints
     kernels : tuple of callable
         For rings of pressure and of traction; only the first for a contact without traction.
     nu : float
         Poisson's ratio.
     floors : tuple of float
-        Least moduli of pressure and of traction in the sums of moduli.
+        Least absolute values of pressure and of traction in `of_pressure` and `of_traction`.
     """
     values, moduli = _sums(mesh, points, kernels, nu, floors)
     quadrature = np.abs(values[0] - values[-1]) + _ROUNDING * (moduli[0] + moduli[1])

@@ -31,9 +31,9 @@ _NEAR = 1.0
 #: E-folds of the panels towards a zone boundary, down to 2e-15 of the first: closer, doubles do not
 #: resolve radii.
 _FOLDS = 34
-#: A smaller depth counts as none. Next to an infinite pressure stress varies over the distance from
-#: it, which is at least 1e-16, and like a power of it down to -3/2. Fourth powers of depths must
-#: not underflow.
+#: A depth counts as none if it is below this and 1e-16 of the distance from the edge: fourth powers
+#: of depths must not underflow. Nothing is lost by that, as stress varies over the distance from an
+#: infinite pressure, which is at least 1e-16.
 _SHALLOWEST = 1e-40
 #: Points that are evaluated together, which bounds the memory. On the surface they are fewer: each
 #: has many nodes there, which are to stay in the cache.
@@ -51,7 +51,7 @@ class Rule(NamedTuple):
     width : float
         Largest length of a piece of a panel that is cut, in ``asinh(distance / depth)``.
     apart : float
-        A tail replaces its panels for points that are this many times its length away.
+        A tail replaces its panels for points that are at least this many lengths of it away.
     """
 
     panel: int
@@ -60,8 +60,8 @@ class Rule(NamedTuple):
     apart: float
 
 
-#: The rule that is used and the one that it is compared with, for tolerances in any digit, from
-#: 1e-11 on and from 1e-9 on (`sampling`).
+#: The rule that is used, and the one that it is compared with: for all digits, for tolerances of
+#: 1e-11 and more, and for those of 1e-9 and more (`sampling`).
 TIGHT = Rule(16, 20, 1.0, 2.0), Rule(12, 16, 1.0, 2.0)
 MEDIUM = Rule(12, 16, 1.25, 1.75), Rule(10, 14, 1.25, 1.75)
 FAST = Rule(10, 14, 1.5, 1.5), Rule(8, 12, 1.5, 1.5)
@@ -142,8 +142,8 @@ class Grading(NamedTuple):
     at : ndarray of int, shape (panels + 1,)
         Index of the boundary that an end is counted from.
     offset : ndarray, shape (panels + 1,)
-        How far outward of it the end is; next to it this is known to relative accuracy, and the
-        radius is not.
+        How far outward of it the end is. Next to the boundary this has all of its digits, while the
+        difference of two radii would have few.
     runs : list of Shrinking
     """
 
@@ -164,7 +164,7 @@ class Grading(NamedTuple):
     @property
     def lengths(self) -> Array:
         """Lengths of the panels."""
-        # where the two ends of a panel are counted from different boundaries, their distance counts
+        # if the ends of a panel are counted from two boundaries, the distance of these is added
         gaps = np.array([*(_between(*both) for both in pairwise(self.places)), 0.0])
         return np.asarray(np.diff(self.offset) + gaps[self.at[:-1]] * np.diff(self.at))
 
@@ -214,7 +214,7 @@ def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0)
     centre_folds : int
         The same towards the centre; 0 where the loads are smooth.
     """
-    # of boundaries that coincide, the first
+    # if boundaries coincide, the first of them is kept
     places = list(boundaries[:1])
     places += [outer for inner, outer in pairwise(boundaries) if _between(inner, outer) > 0.0]
     offsets = []
@@ -261,7 +261,7 @@ class BodyMesh:
         self._fractions = np.concatenate([(1.0 + nodes) / 2.0 for nodes, _ in gauss])
         self._weights = np.concatenate([weights / 2.0 for _, weights in gauss])
         lengths = self._lengths[:, None]
-        # of every panel: the boundary that it is counted from, and offsets of its nodes from there
+        # the boundary from which the places of a panel are counted, and the offsets of its nodes
         self._boundary = ends.at[:-1]
         self._offsets = ends.offset[:-1, None] + lengths * self._fractions
         self._s, self._d = ends.radii(self._boundary[:, None], self._offsets)
@@ -316,8 +316,8 @@ class BodyMesh:
 
     def rows(self, points: BodyPoints) -> Iterator[tuple[slice, list[MeshNodes]]]:
         """Yield blocks of points as slices, each with all of its rows of nodes."""
-        on_surface = np.all(points.z <= 1e-16 * points.to_edge)
-        size = _SURFACE_BLOCK if on_surface else _BLOCK
+        shallow = np.all(points.z <= 1e-16 * points.to_edge)
+        size = _SURFACE_BLOCK if shallow else _BLOCK
         for start in range(0, len(points.r), size):
             block = slice(start, start + size)
             block_points = points[block]
@@ -356,7 +356,7 @@ class BodyMesh:
         replaced = np.zeros((len(z), run.stop - run.start), dtype=bool)
         replaced[owner] = np.arange(run.stop - run.start) >= longest[:, None]
         left[:, run.start : run.stop] = ~(replaced if run.outward else replaced[:, ::-1])
-        offsets = tails.away[longest]
+        offsets = tails.offsets[longest]
         s, _ = self._ends.radii(place, offsets)
         ahead = beyond[owner, None] - offsets
         return MeshNodes(self._tail_nodes, owner, s, ahead, *tails.rings[:, longest])
@@ -373,7 +373,7 @@ class BodyMesh:
         """Return the rows of panels that are cut, on either side of the point's radius."""
         unit = 1e-18 * np.maximum(np.minimum(points.to_edge, points.r), 1e-32)
         scale = np.where(points.on_surface, unit, points.z)
-        # on the surface a principal value is meant: both sides end at the same small distance
+        # on the surface it is a principal value: the pieces on both sides end equally close to it
         least = np.where(points.on_surface, 3.0 * unit, 0.0)
         sides = []
         for first, last in ((low, high), (-high, -low)):  # outward of the point, and inward

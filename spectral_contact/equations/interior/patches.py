@@ -26,15 +26,16 @@ from spectral_contact.fields.series import Radius
 Direct = Callable[[BodyPoints], Integrals]
 Relative = Callable[[BodyPoints, Array, Array], Array]
 
-#: With fewer points than this many times its nodes a cell does not pay (chosen).
+#: A cell with fewer points than this many times its nodes takes longer than the points themselves
+#: (chosen).
 _FEWEST = 1.2
 #: Size of the first cells, in tau and in sigma (chosen).
 _WIDTH = np.array([3.0, np.pi / 2.0])
 #: A cell is not cut below this fraction of the first ones: it holds a boundary of zones, or one
 #: point many times.
 _SMALLEST = 2.0**-9
-#: A cell is cut in both directions if the error by the better one is at least this fraction of that
-#: by the worse one (chosen).
+#: A cell is cut in both directions if the error by the degree in the better one is at least this
+#: fraction of that by the degree in the worse one (chosen).
 _ALSO = 0.05
 #: Nodes of a cell resolve an interval between two boundaries of zones that is at least this
 #: fraction of the cell.
@@ -82,20 +83,20 @@ class _Fit(NamedTuple):
     values : ndarray, shape (components, points)
     error : ndarray, shape (components,)
         Estimated error of the values.
-    moduli : ndarray, shape (2, components)
-        Largest sums of moduli at the nodes, as of `Integrals`, of pressure and of traction.
+    load_sums : ndarray, shape (2, components)
+        `of_pressure` and `of_traction` of `Integrals`, the largest of all nodes.
     truncation : ndarray, shape (2, components)
         The part of the error that is due to the finite degree in tau, and in sigma.
     """
 
     values: Array
     error: Array
-    moduli: Array
+    load_sums: Array
     truncation: Array
 
 
 def _toroidal(points: BodyPoints) -> Array:
-    """Return tau and sigma, stacked; far away both are small, and accurate."""
+    """Return tau and sigma, stacked; far away, where both are small, to relative accuracy."""
     d = points.from_edge
     z = points.z
     # distances from the edge below 1e-30 count as 1e-30
@@ -139,13 +140,13 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Itera
         moduli = np.abs(coefficients)
         truncation = np.stack([_truncation(moduli), _truncation(moduli.swapaxes(1, 2))])
         error = truncation.sum(axis=0) + sums.quadrature[:, cell_nodes].max(axis=1)
-        of_loads = np.stack(
+        load_sums = np.stack(
             [
                 sums.of_pressure[:, cell_nodes].max(axis=1),
                 sums.of_traction[:, cell_nodes].max(axis=1),
             ]
         )
-        yield _Fit(values, error, of_loads, truncation)
+        yield _Fit(values, error, load_sums, truncation)
 
 
 def narrow_intervals(places: Sequence[Radius]) -> Array:
@@ -165,16 +166,17 @@ def _unresolved(cell: _Cell, at: Array, narrow: Array) -> NDArray[np.bool_]:
     for low, high in narrow:
         width = high - low
         if width < _RESOLVED * cell.size.max():
+            # a unit of tau is as long as one of sigma, and the contact is at sigma = pi
             distance = np.maximum(np.maximum(low - at[0], at[0] - high), np.pi - at[1])
             found |= distance < _AROUND * width
     return found
 
 
 def _truncation(moduli: Array) -> Array:
-    """Return eight times the rest of a series that goes on like its last coefficients.
+    """Return eight times what is left out of a series, by extrapolation of its last coefficients.
 
-    The rest is that of a geometric series, whose ratio is that of the last two pairs of
-    coefficients. The factor is a margin (chosen).
+    They are taken to go on as a geometric series, in which each pair of coefficients has the ratio
+    to the pair before that the last pair has. The factor eight is a margin (chosen).
 
     Parameters
     ----------
@@ -188,18 +190,18 @@ def _truncation(moduli: Array) -> Array:
     return np.asarray(8.0 * last * ratio / (1.0 - ratio))
 
 
-def _cut(cell: _Cell, at: Array, bad: NDArray[np.intp], truncation: Array) -> list[_Cell]:
-    """Return the halves or quarters of a cell with the points at which its polynomial is bad.
+def _cut(cell: _Cell, at: Array, points: NDArray[np.intp], truncation: Array) -> list[_Cell]:
+    """Return the halves or quarters of a cell with those of its points that are to be in them.
 
     It is cut in the directions in which the degree of the polynomial does not suffice.
     """
     by_direction = truncation.sum(axis=1)
     halved = by_direction >= _ALSO * by_direction.max()
     size = np.where(halved, cell.size / 2.0, cell.size)
-    upper = (at[:, bad] >= (cell.low + size)[:, None]) & halved[:, None]
+    upper = (at[:, points] >= (cell.low + size)[:, None]) & halved[:, None]
     quarter = upper[0] + 2 * upper[1]
     corners = [cell.low + size * np.array([k % 2, k // 2]) for k in range(4)]
-    return [_Cell(corners[k], size, bad[quarter == k]) for k in range(4)]
+    return [_Cell(corners[k], size, points[quarter == k]) for k in range(4)]
 
 
 def interpolate(
@@ -239,6 +241,7 @@ def interpolate(
     left = np.ones(len(points.r), dtype=bool)
     at = _toroidal(points)
     cells = _first(at)
+    # batch by batch; the cells into which those of a batch are cut come last
     while cells := [cell for cell in cells if len(cell.points) >= fewest]:
         batch = cells[:_TOGETHER]
         cells = cells[_TOGETHER:]
@@ -251,7 +254,7 @@ def interpolate(
             left[good] = False
             out.values[:, good] = fit.values[:, ~bad]
             out.quadrature[:, good] = fit.error[:, None]
-            out.of_pressure[:, good], out.of_traction[:, good] = fit.moduli[:, :, None]
+            out.of_pressure[:, good], out.of_traction[:, good] = fit.load_sums[:, :, None]
             if bad.any() and np.all(cell.size > _SMALLEST * _WIDTH):
                 cells += _cut(cell, at, inside[bad], fit.truncation)
     return left

@@ -22,14 +22,16 @@ _BOUNDED_FOLDS = 60
 _SINGULAR_FOLDS = 115
 #: Stresses are refused at points that are closer to a place where they have no limit.
 _CLOSEST = 1e-16
-#: A radius at which a pressure is infinite by rounding only is moved inward by this, relative.
+#: A point next to a corner may have the radius of the corner only by rounding. There the load is
+#: evaluated at a radius that is less by this, relative.
 _NUDGE = 4e-16
-#: Relative error of a stress next to an infinite pressure: this many roundings of the radius, over
-#: the distance from it (measured: 0.6).
+#: Relative error of a stress at the distance x from an infinite pressure, over the scale in `lost`:
+#: this times the rounding of doubles, over x. The largest factor that was measured is 0.6.
 _AT_INFINITE = 3.0
-#: Next to other boundaries: this many roundings, over the root of the distance (measured: 0.02).
+#: At the distance x from any other boundary: this times the rounding, over the root of x (largest
+#: factor measured: 0.02).
 _AT_OTHERS = 0.1
-#: And this many errors of the boundary, over the same root (measured: 0.4).
+#: And this times the error of the boundary, over the same root (largest factor measured: 0.4).
 _BY_BOUNDARY = 1.0
 _ROUNDING = float(np.finfo(float).eps)
 
@@ -49,7 +51,8 @@ def boundaries(solution: Solution) -> list[Radius]:
 def pointed(solution: Solution) -> bool:
     """Return whether loads are not smooth at the centre.
 
-    They are not under a tip. Nor is the traction of a contact that has grown from the centre.
+    Under a tip neither load is smooth. The traction of a contact that has grown from the centre is
+    not smooth there under any profile.
     """
     profile = solution.scene.profile
     return profile is not None and (profile.pointed or solution.traction_field is not None)
@@ -60,8 +63,8 @@ def grading(solution: Solution) -> Grading:
     scene = solution.scene
     without_layer = scene.normal_compliance == 0.0
     without_layer |= solution.traction_field is not None and scene.tangential_compliance == 0.0
-    infinite = without_layer and loaded_edge(scene)
-    folds = _SINGULAR_FOLDS if infinite else _BOUNDED_FOLDS
+    unbounded = without_layer and loaded_edge(scene)
+    folds = _SINGULAR_FOLDS if unbounded else _BOUNDED_FOLDS
     return graded(boundaries(solution), folds, folds if pointed(solution) else 0)
 
 
@@ -77,7 +80,7 @@ def singular(solution: Solution) -> list[Radius]:
     One such place is the edge, of a flat punch or with adhesion. On a smooth surface under a
     profile the others are tips and corners, at which the pressure is infinite.
     """
-    edge = [EDGE] * loaded_edge(solution.scene)
+    edge = [EDGE] if loaded_edge(solution.scene) else []
     if solution.scene.profile is None:
         return edge
     field = solution.pressure_field
@@ -96,10 +99,10 @@ def finite(load: Evaluator) -> Evaluator:
 
     def finite_load(s: Array, from_edge: Array) -> Array:
         values = np.asarray(load(s, from_edge))
-        infinite = np.isinf(values) & (from_edge > 0.0)
-        if infinite.any():
-            inward = s[infinite] * (1.0 - _NUDGE)
-            values[infinite] = load(inward, from_edge[infinite] + _NUDGE * s[infinite])
+        at_corner = np.isinf(values) & (from_edge > 0.0)
+        if at_corner.any():
+            inward = s[at_corner] * (1.0 - _NUDGE)
+            values[at_corner] = load(inward, from_edge[at_corner] + _NUDGE * s[at_corner])
         return values
 
     return finite_load
@@ -122,19 +125,20 @@ def lost(points: BodyPoints, solution: Solution) -> Array:
     """Return the relative error of stress that the places of zone boundaries cause.
 
     Next to a boundary loads are evaluated at rounded radii, and the boundary itself is only known
-    to its own error. Loads vary there like the root of the distance, beyond the width of a
-    tangential layer. At a corner they vary like the logarithm of the distance, and the place of the
-    corner over the contact radius is rounded, too. A point at the corner itself has no such error.
+    to its own error. At distances above the width of the tangential layer, loads vary there like
+    the root of the distance. At a corner they vary like the logarithm of the distance, and the
+    place of the corner over the contact radius is rounded, too. A point at the corner itself has no
+    such error. Distances are over that of the boundary from the centre or the edge, the lesser.
     """
     found = np.zeros(len(points.r))
-    infinite = singular(solution)
+    corners = singular(solution)
     scene = solution.scene
     flat = scene.profile is None
     layer = scene.tangential_compliance / (1.0 if flat else solution.contact_radius)
     for place in boundaries(solution)[1:-1]:
         size = min(place.value, place.from_edge)
         away = distance(points, place)
-        if place in infinite:
+        if place in corners:
             ratio = np.maximum(away / size, _ROUNDING)
             found += np.where(away > 0.0, _AT_INFINITE * _ROUNDING / ratio, 0.0)
         else:

@@ -17,9 +17,9 @@ class Displacement:
     Attributes
     ----------
     r, z : float or ndarray
-        Outward, and into the body, of the shape of the points.
+        Components outward, and into the body, of the shape of the points.
     error : float or ndarray
-        Estimated error of either, relative to the length of the displacement.
+        Estimated error of each component, relative to the length of the displacement.
     """
 
     r: Any
@@ -39,7 +39,8 @@ class Stress:
     Attributes
     ----------
     rr, tt, zz, rz : float or ndarray
-        Radial, hoop and axial stress, and the shear, of the shape of the points.
+        Radial, hoop and axial stress, and the shear stress of the axes outward and into the body,
+        of the shape of the points.
     error : float or ndarray
         Estimated error of each, relative to `norm`.
     """
@@ -90,10 +91,11 @@ class Surface:
     r, z : float or ndarray
         Displacement of the surface outward and into the body, of the shape of the radii.
     gap : float or ndarray
-        Approach minus `z`: distance of the body's surface from the plane of the punch's face.
-        Inside the contact this is the compression of the layer. Under a profile the height of the
-        profile is subtracted; outside the contact it is the distance to the profile, NaN beyond
-        the end of it.
+        Under a flat punch the approach minus `z`: how far the body's surface is above the plane of
+        the punch's face. Inside the contact this is the compression of the layer. Under a profile
+        it is that compression, too, the approach minus `z` minus the height of the profile; outside
+        the contact it has the opposite sign, the distance to the profile, and is NaN beyond the end
+        of the profile.
     error : float or ndarray
         Estimated error of `r` and `z`, relative to the length of the displacement.
     """
@@ -108,8 +110,8 @@ class Surface:
 class Energies:
     """Balance of the energies of a solution, in its units.
 
-    A dimensionless energy is over ``4 (1 - nu**2) P**2 / (a E)``, the load times the unit of the
-    approach.
+    A dimensionless energy of a flat punch is over ``4 (1 - nu**2) P**2 / (a E)``, the load times
+    the unit of the approach; one under a profile over E' L**3, in the units of the scene.
 
     Attributes
     ----------
@@ -122,11 +124,12 @@ class Energies:
     friction : float
         Energy dissipated by slip.
     defect : float
-        Energy that the model without coupling loses, ``kappa / 2 int q g dA``, because it neglects
-        the normal displacement by the traction. Zero with coupling.
+        Energy that the model without coupling loses because it neglects the normal displacement by
+        the traction q: ``kappa / 2 int q g dA``, with kappa = (1 - 2 nu)/(4 (1 - nu)) and
+        ``g = (1/s) int_0^s p eta deta`` of the pressure p (docs/theory). Zero with coupling.
     error : float
-        Estimated error of each, relative to `external`; with adhesion to strain, layer and surface
-        energy together.
+        Estimated error of each energy, relative to `external`; with adhesion relative to the sum of
+        the magnitudes of strain, layer and surface.
     surface : float
         With adhesion under a profile that is not flat, the energy of the surfaces that are in
         contact, which is negative; else 0.
@@ -164,7 +167,7 @@ class Extreme:
     attained : bool
         Whether the stress has this value at a point; else `value` is the supremum, or None.
     remark : str
-        Whether it is attained, and else why not, in words.
+        In words: that the value is attained, or why it is not.
     """
 
     value: float | None

@@ -1,10 +1,11 @@
 """A ring of normal or radial load on the half-space: its stresses and displacements in the body.
 
-Each is made of Lipschitz-Hankel integrals ``I(m, n; l) = int J_m(k s) J_n(k r) exp(-k z) k**l dk``,
-written so that what vanishes at the surface has its factor ``z`` in front, and nothing is divided
-by a small radius (docs/inside, docs/stress). All are to be integrated with ``p s ds`` or
-``q s ds``; ``G = 2 (1 - nu)`` in the units of the paper. The *harmonic sum* is e of docs/stress:
-the sum of the normal stresses is ``-2 (1 + nu) e``.
+Each is made of Lipschitz-Hankel integrals ``I(m, n; l) = int J_m(k s) J_n(k r) exp(-k z) k**l dk``.
+A term that vanishes at the surface is computed as the depth ``z``, or a power of it, times a finite
+factor, and nothing is divided by a small radius (docs/inside, docs/stress). All are to be
+integrated with ``p s ds`` or ``q s ds``; ``G = 2 (1 - nu)`` in the units of the paper. The sum of
+the normal stresses is ``-2 (1 + nu)`` times the *harmonic sum*, which docs/stress calls e; in this
+module e is the elliptic integral E.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from spectral_contact.fields import Array
 _TWO_OVER_PI = 2.0 / np.pi
 #: Gauss's rule for means over a disk next to the axis.
 _DISK_NODES, _DISK_WEIGHTS = np.polynomial.legendre.leggauss(4)
-#: A disk is next to the axis if the square of its radius is below this fraction of that of its
-#: distance from the ring: there four nodes are enough.
+#: A disk around the axis is small if its radius squared is below this fraction of the squared
+#: distance of its centre from the ring: then four nodes are enough.
 _NEAR_AXIS = 0.04
 
 
@@ -106,7 +107,7 @@ def _flux_near_axis(r: Array, z: Array, s: Array) -> Array:
 
 
 def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
-    """Return zz, rz, ``2 G u_r / r`` and the harmonic sum ``e``, for a ring of pressure."""
+    """Return zz, rz, ``2 G u_r / r`` and the harmonic sum, for a ring of pressure."""
     own = g.own
     cube = g.a * g.a2
     harmonic = _TWO_OVER_PI * g.z * own.e / (g.a * g.b2)
@@ -123,46 +124,47 @@ def normal_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
 
 
 def radial_stress(g: Geometry, nu: float) -> tuple[Array, ...]:
-    """Return zz, rz, ``2 G u_r / r`` and the harmonic sum ``e``, for a ring of traction."""
+    """Return zz, rz, ``2 G u_r / r`` and the harmonic sum, for a ring of traction."""
     own = g.own
     cube = g.a * g.a2
     zz = -(g.z**2) * _slope(g)[1]
     squares = g.ahead * (g.r + g.s) + g.z**2  # r**2 - s**2 + z**2
     harmonic = -_TWO_OVER_PI / cube * (own.k * (g.r + g.s) - 2.0 * g.r * own.b * squares / g.b2)
-    mc_slope = 2.0 * own.d_less_c - own.b
-    # I(1, 1; 0) / r and z I(1, 1; 1) / r, over 8 s/(pi a**3)
+    scaled_slope = 2.0 * own.d_less_c - own.b
+    # 2 (1 - nu) I(1, 1; 0) / r and z I(1, 1; 1) / r, over 8 s/(pi a**3)
     at_surface = 2.0 * (1.0 - nu) * own.c
-    with_depth = g.z**2 * (mc_slope / g.b2 + own.c / g.a2)
+    with_depth = g.z**2 * (scaled_slope / g.b2 + own.c / g.a2)
     hoop = _TWO_OVER_PI * 4.0 * g.s / cube * (at_surface - with_depth)
-    return zz, -_shear(g, mc_slope), hoop, harmonic
+    return zz, -_shear(g, scaled_slope), hoop, harmonic
 
 
-def _shear(g: Geometry, mc_slope: Array) -> Array:
+def _shear(g: Geometry, scaled_slope: Array) -> Array:
     """Return ``I(1, 1; 1) - z I(1, 1; 2)``.
 
-    The first is minus the derivative of ``I(1, 1; 0) = (2/pi) m C/a`` by z, and the second minus
-    that of the first.
+    A derivative by z, with the sign changed, raises the last index by 1, so that both follow from
+    ``I(1, 1; 0) = (2/pi) m C/a``. The name of a derivative by ln m, which is m times that by m,
+    ends with ``by_log_m``.
 
     Parameters
     ----------
     g : Geometry
-    mc_slope : ndarray
-        ``2 D - 2 C - B``, which is ``2 (1 - m) d(m C)/dm``.
+    scaled_slope : ndarray
+        ``2 (1 - m) d(m C)/dm``, which is ``2 D - 2 C - B``.
     """
     own = g.own
     cube = g.a * g.a2
     m = own.m
-    # derivatives by m
-    d_slope = own.d_less_c / (2.0 * own.rest)
-    b_slope = own.b / (2.0 * own.rest) - d_slope
-    # m times the derivatives of C and of mc_slope
-    m_c_slope = mc_slope / (2.0 * own.rest) - own.c
-    m_mc_slope_slope = m * (2.0 * d_slope - b_slope) - 2.0 * m_c_slope
-    # I(1, 1; 1) over (2/pi) m z, and the derivative of m times this by z, over m z
-    value = mc_slope / (g.a * g.b2) + own.c / cube
-    change = -2.0 * (value + m_mc_slope_slope / (g.a * g.b2) + m_c_slope / cube) / g.a2
+    d_by_m = own.d_less_c / (2.0 * own.rest)
+    b_by_m = own.b / (2.0 * own.rest) - d_by_m
+    c_by_log_m = scaled_slope / (2.0 * own.rest) - own.c
+    slope_by_log_m = m * (2.0 * d_by_m - b_by_m) - 2.0 * c_by_log_m
+    # I(1, 1; 1) is (2/pi) m z value, and change is d(m value)/dz over m z
+    value = scaled_slope / (g.a * g.b2) + own.c / cube
+    change = -2.0 * (value + slope_by_log_m / (g.a * g.b2) + c_by_log_m / cube) / g.a2
     change -= (
-        mc_slope / (cube * g.b2) + 2.0 * mc_slope / (g.a * g.b2**2) + 3.0 * own.c / (cube * g.a2)
+        scaled_slope / (cube * g.b2)
+        + 2.0 * scaled_slope / (g.a * g.b2**2)
+        + 3.0 * own.c / (cube * g.a2)
     )
     return np.asarray(_TWO_OVER_PI * m * g.z * (2.0 * value + g.z**2 * change))
 

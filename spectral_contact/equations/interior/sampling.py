@@ -22,18 +22,18 @@ from spectral_contact.equations.interior.mesh import (
 from spectral_contact.equations.interior.patches import Relative, interpolate, narrow_intervals
 from spectral_contact.fields import Array
 
-#: Least tolerances, with the rules, and the nodes of polynomials in either direction, that are used
-#: down to these (chosen; results are checked against the tolerance). Below there are no
-#: polynomials.
+#: For tolerances down to each of these the rules of quadrature, and the number of a polynomial's
+#: nodes in either direction (chosen; results are checked against the tolerance). For smaller
+#: tolerances there are no polynomials.
 _DOWN_TO = ((1e-9, FAST, 12), (1e-11, MEDIUM, 14), (1e-12, TIGHT, 16))
-#: The two rules are compared at one of so many nodes of a polynomial (chosen).
+#: At one in so many nodes of a polynomial both rules are used and compared, elsewhere one (chosen).
 _COMPARED = 5
 
 
 def stresses(values: Array, nu: float) -> Array:
     """Return rr, tt, zz and rz from the integrals."""
     zz, rz, hoop, harmonic = values
-    # the trace is -2 (1 + nu) e (docs/stress)
+    # the trace is -2 (1 + nu) times the harmonic sum, e of docs/stress
     return np.stack([-2.0 * harmonic - zz - hoop, hoop - 2.0 * nu * harmonic, zz, rz])
 
 
@@ -64,7 +64,7 @@ class Sampler:
     pressure, traction : callable
         The loads at radii and distances from the edge.
     floors : tuple of float
-        Moduli of pressure and traction that their errors are relative to at least.
+        Least absolute values of pressure and traction that their errors are relative to.
     sheared : bool
         Whether there is traction at all.
     nu : float
@@ -95,7 +95,7 @@ class Sampler:
         return self._meshes[rules]
 
     def stress(self, points: BodyPoints, rtol: float) -> Integrals:
-        """Return the integrals zz, rz, ``2 G u_r / r`` and e; on the surface their limits."""
+        """Return zz, rz, ``2 G u_r / r`` and the harmonic sum; on the surface their limits."""
         kernels = (ring_loads.normal_stress, ring_loads.radial_stress)[: 1 + self._sheared]
 
         def direct(mesh: BodyMesh, some: BodyPoints) -> Integrals:
@@ -160,8 +160,9 @@ class Sampler:
     def _limits(self, points: BodyPoints, sums: Integrals) -> Integrals:
         """Turn principal values on the surface into limits from the body.
 
-        The limit of e has the local pressure in addition. The moduli of zz and rz have those of the
-        local loads, from which `stress` takes their values.
+        The limit of the harmonic sum is larger than the principal value by the local pressure. The
+        values of zz and rz are minus the local loads (`stress` sets them), so the sums that errors
+        of the loads multiply, `of_pressure` and `of_traction`, get the local loads as well.
         """
         on_surface = points.on_surface
         pressure, traction = self._surface_loads(points[on_surface])
