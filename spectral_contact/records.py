@@ -72,7 +72,10 @@ class Ending(Enum):
 
     CONVERGED = "the error estimate met the tolerance."
     UNKNOWNS = "the next space would exceed max_unknowns. Raise max_unknowns, or loosen rtol."
-    ROUNDING = "refinement no longer lowers the estimate: rounding is reached. Loosen rtol."
+    ROUNDING = (
+        "refinement no longer lowers the estimate: rounding, or the highest degree, is reached. "
+        "Loosen rtol."
+    )
     ZONES = (
         "the slip zones found do not satisfy the friction law. Loosen rtol, or report the scene."
     )

@@ -66,16 +66,15 @@ class RingSystem:
         coupled: bool,
         frozen: Array | float = 0.0,
     ) -> None:
-        alpha, beta, kappa, friction = parameters
         self.rings = rings
-        self.friction = friction
+        self.friction = parameters.friction
         self._root_area = np.sqrt(rings.mass)
         self.frozen = np.zeros(len(rings.mass)) + frozen
         scale = np.outer(self._root_area, self._root_area)
         identity = np.eye(len(self._root_area))
-        self._normal = rings.normal / scale + alpha * identity
-        self._tangential = rings.tangential / scale + beta * identity
-        self._coupling = kappa * rings.coupling / scale
+        self._normal = rings.normal / scale + parameters.alpha * identity
+        self._tangential = rings.tangential / scale + parameters.beta * identity
+        self._coupling = parameters.kappa * rings.coupling / scale
         self.self_compliance: Array = self._tangential.diagonal()
         self._known_pressure: Array | None = None
         if not coupled:

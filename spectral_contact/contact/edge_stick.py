@@ -177,7 +177,8 @@ def with_edge_stick(
         If the displacement by the body is not against the traction at the edge, so that nothing
         sticks there, or the stick is not narrow in comparison with the slip.
     """
-    _, beta, _, friction = parameters
+    beta = parameters.beta
+    friction = parameters.friction
     # the displacement of the body alone, because that of the compliance is infinite at the edge
     outcome = zones_outcome(solved, parameters._replace(beta=0.0), point_disk=point_disk)
     body_displacement = outcome.slip.pieces[-1].field
@@ -221,7 +222,8 @@ def _with_fields_of_stick(
         The solution of which it is the outcome.
     parameters : Parameters
     """
-    _, beta, _, friction = parameters
+    beta = parameters.beta
+    friction = parameters.friction
     inner = solved.system.radii[0]
     width = stick.width
     rim_value = float(np.sqrt(1.0 - width))

@@ -79,11 +79,10 @@ def _field_errors(
     spaces: list[DiscreteSpace], system: ContactSystem, values: Array, change: Array
 ) -> FieldErrors:
     """Return the errors of the fields, from the change of the top two degrees."""
-    alpha, beta, _, _ = system.parameters
+    root_is_shear = system.parameters.beta > 0.0
     last = len(system.parts) - 1
     # with one compliance only its field has a square root at an edge that sticks
-    has_root = system.parts[last].sticks and (alpha > 0.0) != (beta > 0.0)
-    root_is_shear = beta > 0.0
+    has_root = system.parts[last].sticks and (system.parameters.alpha > 0.0) != root_is_shear
     largest = [0.0, 0.0]  # of p and of q/s
     indicators = [np.zeros(len(space.degrees)) for space in spaces]
     panel_changes = relative_changes(system, values, change)

@@ -29,10 +29,9 @@ def regularising_radius(parameters: Parameters) -> Radius:
     ``1/(16 CENTRAL_CLEARANCE)``: within CENTRAL_CLEARANCE of its radii the disk disturbs the
     fields, and that part of the contact shall end at a sixteenth of the contact radius or before.
     """
-    alpha, _, kappa, friction = parameters
-    if alpha > 0.0:
+    if parameters.alpha > 0.0:
         return Radius.from_logit(min_logit(parameters))
-    c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(kappa * friction, TINY))
+    c = 2.0 * np.sqrt(ROUNDING) / np.cbrt(max(parameters.kappa * parameters.friction, TINY))
     c = min(c, 1.0 / (4.0**2 * CENTRAL_CLEARANCE))
     return Radius(float(c), float(1.0 - c))
 
@@ -45,8 +44,7 @@ def full_slip_problem(parameters: Parameters) -> tuple[Parameters, Layout]:
     far, and the fields around it would lose digits to it. No error of this traction counts. The
     friction is at least ROUNDING, because the traction of a smaller one is all rounding.
     """
-    alpha, _, kappa, friction = parameters
-    with_disk_compliance = Parameters(
-        alpha, REGULARISING_COMPLIANCE, kappa, max(friction, ROUNDING)
+    with_disk_compliance = parameters._replace(
+        beta=REGULARISING_COMPLIANCE, friction=max(parameters.friction, ROUNDING)
     )
     return with_disk_compliance, fixed_disk(regularising_radius(parameters).logit)

@@ -118,10 +118,12 @@ def is_narrow(zones: Layout) -> bool:
 
 def _edge_depth(parameters: Parameters) -> float:
     """Return the x beyond which the ratio ``|q|/p`` of full stick is that of the edge."""
-    alpha, beta, kappa, friction = parameters
+    alpha = parameters.alpha
+    beta = parameters.beta
     if alpha == 0.0 < beta:
         # On a smooth surface p grows like 1/sqrt(y), while q is at most about kappa/beta. So f p
         # exceeds q for y below (f beta/kappa)**2, and the edge sticks.
-        return max(-2.0 * log(min(friction / kappa, 1.0) * min(beta, 1.0)), 0.0) + EPSILON_DEPTH
+        ratio = min(parameters.friction / parameters.kappa, 1.0)
+        return max(-2.0 * log(ratio * min(beta, 1.0)), 0.0) + EPSILON_DEPTH
     layers = [-log(compliance) for compliance in (alpha, beta) if compliance > 0.0]
     return max([0.0, *layers]) + EPSILON_DEPTH

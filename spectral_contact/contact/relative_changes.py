@@ -25,7 +25,6 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
     values, change : ndarray, shape (unknowns,)
         The vector of the system, and a change of it.
     """
-    alpha, beta, _, _ = system.parameters
     # In a part where one of the fields is singular at the edge, both fields are their leading terms
     # beyond some depth ``x = -ln d``, with the distance d from the edge in units of the extent.
     singular_parts = {field.part for field in system.fields if field.panels.power}
@@ -35,7 +34,7 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
         extent = part.mesh.extent
         leading = inf
         if field.part in singular_parts:
-            leading = leading_depth(alpha, beta, extent)
+            leading = leading_depth(system.parameters, extent)
         # next to a boundary between zones fields are rounding at some depth; a part that is graded
         # to the edge of the contact instead has the boundary number -1
         cutoff = inf
@@ -68,15 +67,15 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
       traction is the last field. It is rounding that changes no other field, so its size is
       infinite.
     """
-    _, beta, kappa, friction = system.parameters
+    parameters = system.parameters
     sizes = [
         series_of(field.panels, field.coefficients(values)).at_ends() for field in system.fields
     ]
     changes_sign = any((size * size[0] <= 0.0).any() for size in sizes)
     if changes_sign and not (system.pressure_known or system.radii):  # in full stick
         pressure, shear = sizes
-        sizes = [np.hypot(pressure, shear), np.hypot(shear, kappa * pressure)]
-    if beta == REGULARISING_COMPLIANCE:
+        sizes = [np.hypot(pressure, shear), np.hypot(shear, parameters.kappa * pressure)]
+    if parameters.beta == REGULARISING_COMPLIANCE:
         sizes[-1][:] = inf
     if system.displacement_coefficients:
         pressures, _ = system.series(values)
@@ -84,5 +83,5 @@ def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
             if field.part in system.displacement_coefficients:
                 series = pressures[field.part]
                 radii = np.sqrt(system.parts[field.part].mesh.points(series.ends).z)
-                sizes[i] = friction * series.at_ends() / radii
+                sizes[i] = parameters.friction * series.at_ends() / radii
     return sizes

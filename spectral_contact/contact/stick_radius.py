@@ -104,7 +104,9 @@ def limiting_logit(parameters: Parameters) -> float:
     other one. With normal compliance the pressure does not rise any
     more closer to the edge than alpha; with tangential compliance c is ``2 beta f`` at first.
     """
-    alpha, beta, _, friction = parameters
+    alpha = parameters.alpha
+    beta = parameters.beta
+    friction = parameters.friction
     log_radius = 2.0 * log(2.0) - log1p(friction) - 2.0 / friction
     logit = 0.5 * pi * friction + 2.0 * log_radius
     if alpha > 0.0:

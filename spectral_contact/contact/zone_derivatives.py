@@ -138,12 +138,12 @@ def differentiated(
     """
     logits = np.array(layout.logits)
     radii = tuple(map(Radius.from_logit, layout.logits))
-    alpha, beta, _, _ = parameters
-    geometry = alpha, beta, radii, layout.states, tolerance
+    states = layout.states
     if known:
-        spaces = known_pressure_spaces(*geometry)
+        spaces = known_pressure_spaces(parameters, radii, states, tolerance)
     else:
-        spaces = first_spaces(*geometry, edge_power(parameters, layout.states))
+        power = edge_power(parameters, states)
+        spaces = first_spaces(parameters, radii, states, tolerance, power)
     pressures = [contact.pressure for contact in known]
 
     def system_at(

@@ -88,8 +88,8 @@ def estimated_stick_radius(parameters: Parameters) -> float:
     It is estimated by the sum of its asymptotes: ``4 exp(-2 kappa/f)`` without tangential
     compliance, and ``2 beta f`` with much of it.
     """
-    _, beta, kappa, friction = parameters
-    return 4.0 * exp(-2.0 * kappa / friction) + 2.0 * beta * friction
+    friction = parameters.friction
+    return 4.0 * exp(-2.0 * parameters.kappa / friction) + 2.0 * parameters.beta * friction
 
 
 def estimated_edge_stick_width(parameters: Parameters, theta: float) -> float:
@@ -107,10 +107,9 @@ def estimated_edge_stick_width(parameters: Parameters, theta: float) -> float:
     theta : float
         `edge_exponent` with elastic coupling, else 0.
     """
-    _, beta, kappa, friction = parameters
-    ratio = friction / kappa
+    ratio = parameters.friction / parameters.kappa
     with np.errstate(all="ignore"):  # a width beyond the range of doubles is 0 or infinite
-        return float(np.exp(ratio + np.log(beta * ratio) / (0.5 - theta)))
+        return float(np.exp(ratio + np.log(parameters.beta * ratio) / (0.5 - theta)))
 
 
 def edge_exponent(parameters: Parameters) -> float:

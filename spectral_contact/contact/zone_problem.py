@@ -113,12 +113,10 @@ class FreeBoundaryProblem:
 
         They depend on the boundaries by the widths of zones over those of layers alone.
         """
-        alpha, beta, _, _ = self.parameters
         radii = tuple(map(Radius.from_logit, logits.tolist()))
-        geometry = alpha, beta, radii, self.states, tolerance
         if self._known:
-            return known_pressure_spaces(*geometry)
-        return first_spaces(*geometry, self._edge_power)
+            return known_pressure_spaces(self.parameters, radii, self.states, tolerance)
+        return first_spaces(self.parameters, radii, self.states, tolerance, self._edge_power)
 
     @property
     def _edge_power(self) -> float:

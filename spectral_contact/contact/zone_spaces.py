@@ -51,9 +51,9 @@ from spectral_contact.spectral.parts import gap
 # depths, and what fields are deep down
 
 
-def leading_depth(alpha: float, beta: float, extent: float) -> float:
+def leading_depth(parameters: Parameters, extent: float) -> float:
     """Return the depth toward the edge past which a singular field is its leading term."""
-    return EPSILON_DEPTH + layer_depth(alpha, beta, extent)
+    return EPSILON_DEPTH + layer_depth(parameters.alpha, parameters.beta, extent)
 
 
 def layer_depth(alpha: float, beta: float, extent: float) -> float:
@@ -70,15 +70,14 @@ def with_asymptotic_tail(
     surfaces p and q are singular both and oscillate: ``sqrt(y) (p + i q)`` is a constant times
     ``exp(-i omega ln y)``, with ``omega = ln(3 - 4 nu)/(2 pi) = artanh(2 kappa)/pi``.
     """
-    alpha, beta, kappa, _ = parameters
     fields = [pressure, shear]
-    count = ceil(leading_depth(alpha, beta, extent) / pressure.width)
+    count = ceil(leading_depth(parameters, extent) / pressure.width)
     if count > len(pressure.coefficients):
         return fields
     p_end, q_end = (float(field.coefficients[count - 1].sum()) for field in fields)
     tails: list[tuple[float, ...]]
-    if alpha == 0.0 == beta:
-        omega = atanh(2.0 * kappa) / pi
+    if parameters.alpha == 0.0 == parameters.beta:
+        omega = atanh(2.0 * parameters.kappa) / pi
         tails = [(p_end, -q_end), (q_end, p_end)]
     else:
         omega = 0.0
@@ -119,10 +118,11 @@ def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     while their rounding does not: at kappa f = 0.66 the pressure had six digits less at
     ``y = exp(-30)`` than at the boundary of slip.
     """
-    alpha, _, kappa, friction = parameters
-    if alpha > 0.0:
+    if parameters.alpha > 0.0:
         return 0.0
-    return atan(2.0 * kappa * friction) / pi - 0.5 if states[-1] > 0 else -0.5
+    if states[-1] <= 0:
+        return -0.5
+    return atan(2.0 * parameters.kappa * parameters.friction) / pi - 0.5
 
 
 def split_spaces(
@@ -156,8 +156,7 @@ def split_spaces(
 
 
 def first_spaces(
-    alpha: float,
-    beta: float,
+    parameters: Parameters,
     radii: tuple[Radius, ...],
     states: tuple[int, ...],
     tolerance: float,
@@ -167,8 +166,7 @@ def first_spaces(
 
     Parameters
     ----------
-    alpha, beta : float
-        ``alpha*`` and ``beta*``, 0 or positive.
+    parameters : Parameters
     radii : tuple of Radius
         Boundaries between zones, outward.
     states : tuple of int
@@ -178,6 +176,8 @@ def first_spaces(
     power : float
         Endpoint weight of the pressure under a smooth edge with slip around the disk.
     """
+    alpha = parameters.alpha
+    beta = parameters.beta
     if not radii:
         # with one compliance only its field has a square root at the edge
         return [_full_stick_space(alpha, beta, (alpha == 0.0) != (beta == 0.0), tolerance)]
@@ -209,16 +209,17 @@ def first_spaces(
 
 
 def known_pressure_spaces(
-    alpha: float, beta: float, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
+    parameters: Parameters, radii: tuple[Radius, ...], states: tuple[int, ...], tolerance: float
 ) -> list[DiscreteSpace]:
     """Return first spaces under a known pressure, which has the same degree on all panels in slip.
 
     Parameters are those of `first_spaces`.
     """
     if not radii:
-        return [_full_stick_space(alpha, beta, alpha == 0.0, tolerance)]
-    spaces = first_spaces(alpha, beta, radii, states, tolerance)
-    if beta == 0.0 and states == (0, 1):
+        smooth = parameters.alpha == 0.0
+        return [_full_stick_space(parameters.alpha, parameters.beta, smooth, tolerance)]
+    spaces = first_spaces(parameters, radii, states, tolerance)
+    if parameters.beta == 0.0 and states == (0, 1):
         # the traction has a root at the rim, and bends where the annulus around it ends
         annulus = -log(min(radii[0].rest / radii[0].square, 1.0))
         spaces[0] = graded_space(annulus, tolerance, 0.0)

@@ -61,9 +61,9 @@ def log_parameters(parameters: Parameters) -> LogParameters:
 
     Without elastic coupling f is the friction over kappa, as in `Parameters`.
     """
-    alpha, beta, _, friction = parameters
     log_alpha, log_beta, log_friction = (
-        math.log(x) if x > 0.0 else -math.inf for x in (alpha, beta, friction)
+        math.log(x) if x > 0.0 else -math.inf
+        for x in (parameters.alpha, parameters.beta, parameters.friction)
     )
     return log_alpha, log_beta, log_friction
 

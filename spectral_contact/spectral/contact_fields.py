@@ -446,21 +446,14 @@ class ContactFields:
 
     @cached_property
     def shear_row(self) -> Array:
-        """``2 pi int q s ds``.
-
-        In slip ``q = +-f p``, and it is taken from the loads of p: without `known_slip`.
-        """
+        """``2 pi int q s ds``."""
         row = np.zeros((1, self.unknowns))
-        friction = self.parameters.friction
         for k, part in enumerate(self.parts):
-            if not part.sticks:
-                load = 2.0 * np.pi * friction * part.state * self.loads[k]
-                self.add_pressure(row, load[None], k)
-            elif part.zone == 0:
+            if part.zone == 0:
                 unit = disk_shear(part.shear_mesh.panels, part.degrees)
                 self.add_shear(row, part.mesh.boundary.value**3 * unit[None], k)
             else:
-                on_panels = moments_on(part.shear_mesh.panels, part.degrees)
+                on_panels = moments_on(part.shear_mesh.panels, part.shear_degrees)
                 s = np.sqrt(part.shear_mesh.points(on_panels.d).z)
                 moment = 2.0 * np.pi * part.shear_mesh.extent * on_panels.with_densities(s[None])
                 self.add_shear(row, moment, k)

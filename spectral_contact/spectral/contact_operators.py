@@ -58,10 +58,9 @@ class ContactOperators:
         self._pressure_known = fields.pressure_known
         # an equation is tested without boundary weights if it has a compliance or no boundary; then
         # its coupling is a sum of products of loads (`contact_matrix`)
-        alpha, beta, _, _ = fields.parameters
         full_stick = not fields.radii
-        self.unweighted_normal = alpha > 0.0 or full_stick
-        self.unweighted_shear = beta > 0.0 or full_stick or fields.pressure_known
+        self.unweighted_normal = fields.parameters.alpha > 0.0 or full_stick
+        self.unweighted_shear = fields.parameters.beta > 0.0 or full_stick or fields.pressure_known
         tested = fields.parts
         if fields.pressure_known:
             tested = tested[: fields.stick_parts[-1] + 1]

@@ -33,17 +33,16 @@ def overrefined(degree: int = 40, more: int = 12) -> Iterator[None]:
         # where boundaries are only searched for
         return space if tolerance > 1e-7 else enlarged(space)
 
-    def finer(alpha, beta, radii, states, tolerance, *options):
+    def finer(parameters, radii, states, tolerance, *options):
         tighter = tolerance if tolerance > 1e-7 or len(radii) < 2 else 1e-4 * tolerance
-        return all_parts(alpha, beta, radii, states, tighter, *options)
+        return all_parts(parameters, radii, states, tighter, *options)
 
-    def known_pressure(alpha, beta, radii, states, tolerance, *options):
-        geometry = alpha, beta, radii, states
+    def known_pressure(parameters, radii, states, tolerance):
         if tolerance > 1e-7:
-            return known_pressure_parts(*geometry, tolerance, *options)
+            return known_pressure_parts(parameters, radii, states, tolerance)
         if len(radii) < 2:
-            return list(map(enlarged, known_pressure_parts(*geometry, tolerance, *options)))
-        return known_pressure_parts(*geometry, 1e-4 * tolerance, *options)
+            return list(map(enlarged, known_pressure_parts(parameters, radii, states, tolerance)))
+        return known_pressure_parts(parameters, radii, states, 1e-4 * tolerance)
 
     clear_caches()
     with (
