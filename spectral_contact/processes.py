@@ -158,7 +158,7 @@ def workers(count: int) -> Iterator[Executor | None]:
         # Tasks are cancelled before the workers are ended. The thread that serves the pool then
         # drops the cancelled ones before it notices that a worker is gone; in Python 3.11 it fails
         # with a traceback at a task that has lost its worker and is cancelled as well. That thread
-        # looks for cancelled tasks through the pool, maybe after this function has returned, so the
+        # asks the pool whether to cancel anything, maybe after this function has returned, so the
         # pool must not be collected.
         _STOPPED.append(pool)
         pool.shutdown(wait=False, cancel_futures=True)

@@ -34,7 +34,8 @@ _NO_LINKS: Final = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS)
 
 #: How the names of files begin that are written beside their targets.
 _BESIDE: Final = ".spectral_contact-"
-#: Seconds after which a file of another machine is no longer taken for one that is being written.
+#: Seconds after which a file is no longer taken for one that is being written, if it is not known
+#: whether its process runs: it is of another machine, or on Windows.
 _LONGEST_WRITE: Final = 86_400.0
 #: The compressions that NumPy uses; and how many times its own size a file may unpack to. Files of
 #: this library stay below that, also if another tool has packed them again.

@@ -110,7 +110,7 @@ class SolutionSlopes:
 
         The derivative is None on a smooth surface.
         """
-        # to a tenth of the tolerance, unless that is below what solves of normal contact reach
+        # to a tenth of the tolerance, unless that is near the rounding of fields, 3 FIELD_ROUNDING
         solved = solve_normal(
             self.scene.normal_compliance, max(0.1 * self.tolerance, 1.2e-13), _MAX_UNKNOWNS
         )
