@@ -18,9 +18,9 @@ from spectral_contact.fields import Array
 
 #: With fewer scenes than this, all are solved (chosen).
 LEAST: Final = 24
-#: Interpolation is given up if it takes more nodes than this share of the scenes, or than this
-#: number: functions whose errors are above the tolerance never settle.
+#: Interpolation is given up if it takes more nodes than this share of the scenes,
 _MOST_OF_SCENES: Final = 0.8
+#: or more than this: functions whose errors are above the tolerance never settle.
 _MOST_NODES: Final = 200
 #: Nodes that an interval takes at 1e-8, measured: this many, and this many for each unit of its
 #: length. At other tolerances it takes more or less in proportion to the digits.
@@ -49,12 +49,12 @@ def nodes_needed(low: float, high: float, rtol: float) -> float:
 
 
 def nodes_allowed(scenes: int) -> int:
-    """Return how many nodes interpolation may take in place of so many scenes."""
+    """Return the most nodes that an interpolation of a number of scenes may take."""
     return int(min(_MOST_OF_SCENES * scenes, _MOST_NODES))
 
 
 class Placed(NamedTuple):
-    """Places at which the first function has given values, with the other functions there.
+    """Places at which the first function has given values, and the values of the others there.
 
     Attributes
     ----------
@@ -91,10 +91,11 @@ class Curves:
 
     def __init__(self, low: float, high: float, functions: int) -> None:
         self._places = np.linspace(low, high, _PLACES)
-        # products of distances are taken in this unit, as they underflow in a narrow interval
+        # the unit of distances in the products of `add` and `_polynomials`, which would underflow
+        # in a narrow interval
         self._width = high - low
-        # logarithm of the product of the distances from all nodes; as long as there is no node,
-        # a function that is largest at `low`, which so becomes the first node
+        # logarithm of the product of the distances from all nodes; before there are nodes any
+        # function that is largest at `low`, so that `low` becomes the first node
         self._log_product = -np.abs(self._places - low)
         self.nodes = np.empty(0)
         self._next = low
@@ -148,7 +149,7 @@ class Curves:
     def settled(self, rtol: float) -> bool:
         """Return whether the misfits at the last nodes are at most a tolerance.
 
-        With too few nodes they are not settled: the misfits at the first ones are no estimates.
+        It is false with few nodes, as the misfits at the first nodes are no estimates.
         """
         last = self._misfits[-_LAST:]
         return len(self._misfits) > 2 * _LAST and bool((last <= rtol).all())

@@ -33,7 +33,8 @@ class CycleState:
 class AdhesionCycle:
     """Approach and retraction of an adhesive contact, as `adhesion_cycle` returns them.
 
-    Lengths are in L, loads in E'L², energies in E'L³; `in_si` has them in SI units.
+    Lengths are in L, loads in E'L², energies in E'L³; `in_si` has them in SI units. In a scene with
+    SI data L is 1 m.
 
     Attributes
     ----------
@@ -41,20 +42,21 @@ class AdhesionCycle:
     control : str
         ``"load"`` or ``"approach"``.
     machine_stiffness : float or None
-        In E'L.
+        Stiffness of a machine between the punch and what is moved, in E'L; None if there is none.
     contact_radius, approach, load : ndarray, shape (n,)
         The curve of states, from the largest contact to the smallest.
     stable : ndarray of bool, shape (n,)
         Whether a state is stable under the control.
     error : float
-        Largest error of a load or an approach, relative as in `ErrorEstimates`.
+        Largest estimate of the errors of load and approach of all states. As in `ErrorEstimates`
+        they are relative to the sum of the value without adhesion and of what adhesion takes away.
     jump_in : tuple of two CycleState
         Before and after the jump into contact, which is at the approach 0.
     jump_out : tuple of CycleState
         The states before and after each jump while the punch is pulled off, one pair after
-        another. Mostly there is one jump, to a punch without contact. A profile may let the contact
-        jump to a smaller radius first, which is a pair of its own. Under control of the load the
-        last jump has no state after it, as the punch goes away.
+        another. Mostly there is one jump, to a punch without contact. With some profiles the
+        contact jumps to a smaller radius before, and that jump has a pair of its own. Under control
+        of the load the last jump has no state after it, as the punch goes away.
     dissipated : float or None
         Energy that the jumps dissipate, which is the area of the loop. None under control of the
         load: after the last jump the load goes on doing work without bound.
@@ -92,6 +94,7 @@ class AdhesionCycle:
         if data is None:
             raise NotComputedError("in_si", "the scene was not made by Scene.from_physical")
 
+        # lengths are in m already; E' in Pa is a quarter of the reduced modulus
         modulus = data.quarter_modulus(self.scene.poisson_ratio)
 
         def scaled(value: float | None) -> float | None:

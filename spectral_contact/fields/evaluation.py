@@ -14,7 +14,7 @@ _Values: TypeAlias = NDArray[np.float64]
 
 
 class OverS(Protocol):
-    """A field over dimensionless radii ``s``, or distances from the edge."""
+    """A field at radii ``s`` over that of the contact, or at distances 1 - s from the edge."""
 
     @overload
     def __call__(self, s: _One) -> float: ...
@@ -27,7 +27,7 @@ class OverS(Protocol):
 
 
 class OverR(Protocol):
-    """A field over radii ``r`` [m], or distances from the edge [m]."""
+    """A field at radii ``r`` [m], or at distances from the edge [m]."""
 
     @overload
     def __call__(self, r: _One) -> float: ...
@@ -48,10 +48,10 @@ class _MethodOverR(Protocol):
 
 
 def over_s(method: Callable[..., Any]) -> _MethodOverS:
-    """Give a method, which is returned unchanged, the types of a field over ``s``."""
+    """Give a method the types of a field that is evaluated at ``s``; it is returned unchanged."""
     return method
 
 
 def over_r(method: Callable[..., Any]) -> _MethodOverR:
-    """Give a method, which is returned unchanged, the types of a field over ``r``."""
+    """Give a method the types of a field that is evaluated at ``r``; it is returned unchanged."""
     return method

@@ -1,4 +1,4 @@
-"""How a contact has grown: load, approach, shear and stick radius over the contact radius."""
+"""How a contact has grown: its load, approach, shear and stick radius at every contact radius."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ __all__ = ["ContactHistory"]
 
 #: The quantities of a history, in the order of the columns of `errors`.
 _NAMES: Final = ("load", "approach", "total_shear", "stick_radius")
-#: Rounding of an end, relative, per unit of its logarithm: some ulp (chosen).
+#: Relative rounding of a radius that is stored as its logarithm, over one plus the modulus of the
+#: logarithm: some ulp (chosen).
 _ROUNDING: Final = 1e-15
 
 
@@ -79,15 +80,18 @@ class ContactHistory:
         return np.exp(self._evaluated(self.loads, contact_radius))[()]
 
     def approach(self, contact_radius: ArrayLike | None = None) -> Any:
-        """Return the approach; arguments, result and errors are those of `load`."""
+        """Return the approach; parameters, result and exceptions are as of `load`."""
         return np.exp(self._evaluated(self.approaches, contact_radius))[()]
 
     def total_shear(self, contact_radius: ArrayLike | None = None) -> Any:
-        """Return the total shear; arguments, result and errors are those of `load`."""
+        """Return the total shear; parameters, result and exceptions are as of `load`."""
         return self._evaluated(self.shears, contact_radius)[()] * self.load(contact_radius)
 
     def stick_radius(self, contact_radius: ArrayLike | None = None) -> Any:
-        """Return the stick radius over the contact radius; the rest is as of `load`."""
+        """Return the ratio c/b of the stick radius to the contact radius.
+
+        Parameters, result and exceptions are as of `load`.
+        """
         return np.exp(np.minimum(self._evaluated(self.sticks, contact_radius), 0.0))[()]
 
     def error(self, quantity: str, contact_radius: ArrayLike | None = None) -> Any:

@@ -11,8 +11,9 @@ Array = NDArray[np.float64]
 def legendre_sums_between(values: Array, low: Array, high: Array, degree: int) -> Array:
     """Return sums of values times the Legendre polynomials up to a degree.
 
-    They are as accurate as the distances: next to either end the polynomials vary like
-    ``degree**2`` times the distance, and rounding the argument itself would cost that many eps.
+    They are as accurate as the distances `low` and `high`. Next to either end the polynomials vary
+    like ``degree**2`` times the distance: if the argument were rounded, they would lose
+    ``degree**2`` eps.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ def legendre_sums_between(values: Array, low: Array, high: Array, degree: int) -
     near = np.minimum(low, high)
     chebyshev = np.empty((degree + 1, *near.shape))  # T_n(1 - near)
     chebyshev[0] = 1.0
-    # step is T_(n+1) - T_n; the next one is less than it by 2 near T_(n+1)
+    # at 1 - near: step is T_(n+1) - T_n, and T_(n+2) - T_(n+1) is step - 2 near T_(n+1)
     twice_near = 2.0 * near
     step = -near
     product = np.empty(near.shape)
@@ -53,7 +54,7 @@ def legendre_sums(x: Array, coefficients: Array, own: NDArray[np.int_] | None = 
     x : ndarray, shape (n,)
     coefficients : ndarray, shape (series, terms)
     own : ndarray of int, shape (k, n), optional
-        Which k of the series are evaluated at each point; by default all of them.
+        Numbers of the k series that are evaluated at each point; by default all are.
 
     Returns
     -------
@@ -83,7 +84,7 @@ def chebyshev_sums(x: Array, table: Array) -> Array:
     x = np.concatenate([x] * shape[0]).reshape(shape)
     twice_x = 2.0 * x
     product = np.empty(shape)
-    # b_(j+1) and b_(j+2) of b_j = 2 x b_(j+1) - b_(j+2) + a_j, the older of which is overwritten
+    # b_j = 2 x b_(j+1) - b_(j+2) + a_j: newer is b_(j+1), and older is b_(j+2), overwritten by b_j
     newer = np.empty(shape)
     older = np.zeros(shape)
     newer[...] = rows[-1]
@@ -106,13 +107,13 @@ def _chebyshev_from_legendre(terms: int) -> Array:
     return matrix
 
 
-#: Of more terms than a panel has (at most 41, `contact.tuning.MAX_DEGREE`). The matrix of fewer
-#: terms is its leading block; one of more is made when it is needed.
+#: The matrix for 48 terms; a panel has 41 at most (`contact.tuning.MAX_DEGREE` and one). The matrix
+#: for fewer terms is its leading block, and one for more is made when it is needed.
 _CHEBYSHEV = _chebyshev_from_legendre(48)
 
 
 def _to_chebyshev(terms: int) -> Array:
-    """Return the matrix of so many terms; that of few terms is not made anew."""
+    """Return the matrix for a number of terms; it is made anew only if there are many."""
     known = terms <= len(_CHEBYSHEV)
     return _CHEBYSHEV[:terms, :terms] if known else _chebyshev_from_legendre(terms)
 

@@ -14,8 +14,7 @@ Array = NDArray[np.float64]
 class Radius:
     """A radius over that of the contact, and its distance from the edge.
 
-    Both are accurate to rounding; the difference 1 - b of a rounded b would not be, next to the
-    edge.
+    Both are accurate to rounding. Next to the edge 1 - b, taken from a rounded b, would not be.
 
     Attributes
     ----------
@@ -40,7 +39,8 @@ class Radius:
     def square(self) -> float:
         """Return ``b**2`` as the product b b, which is what `below` returns at the centre.
 
-        The two must be equal to the last bit, and ``self.value**2`` is one ulp off now and then.
+        The quotient of the two must be 1 at the centre, so they must be equal to the last bit, and
+        ``self.value**2`` is one ulp off now and then.
         """
         return self.value * self.value
 

@@ -50,7 +50,7 @@ class LogSeries:
     coefficients : ndarray, shape (panels, degree + 1)
         Legendre coefficients on the panels ``[j h, (j+1) h]`` in ``x``.
     tail : ndarray, shape (terms,)
-        Legendre coefficients in ``d`` on ``[0, exp(-panels h)]``.
+        Legendre coefficients in ``d`` on ``[0, exp(-panels h)]``; see `oscillation`, too.
     width : float
         Panel width ``h``.
     power : float
@@ -110,8 +110,8 @@ class LogSeries:
         first = present[0]
         panels = len(first.coefficients)
         end = math.exp(-panels * first.width)
-        # x in panel widths, then the place in [-1, 1] on the panel; what is on the tail is held
-        # off the infinite logarithm, and replaced below
+        # x in panel widths, then the place in [-1, 1] on the panel; on the tail x may be infinite:
+        # it is bounded here, and these values are replaced below
         local = np.log(np.maximum(d, end * 1e-2))
         local /= -first.width
         panel = np.minimum(local.astype(int), panels - 1)
@@ -169,7 +169,10 @@ class LogSeries:
 
     @property
     def limit(self) -> float:
-        """Value at ``d = 0``; infinite where the tail is singular, NaN where it oscillates."""
+        """Value at ``d = 0``: NaN where the tail oscillates, +inf where it is singular.
+
+        It is +inf whatever the sign of the tail, unlike ``value(0.0)``.
+        """
         if self.oscillation != 0.0:
             return np.nan
         if self.power > 0.0:
@@ -207,8 +210,8 @@ class LogSeries:
 class EdgeWeight:
     """The endpoint weight ``amplitude / sqrt(y + shift)`` with ``y = 1 - s**2``.
 
-    With ``logarithmic`` it is ``amplitude * (-ln y) / (s**2 sqrt(y))``, the smooth limit of full
-    stick.
+    With ``logarithmic`` it is ``amplitude * (-ln y) / (s**2 sqrt(y))``: ``q/s`` of full stick on a
+    smooth surface without tangential compliance.
     """
 
     amplitude: float
@@ -219,7 +222,7 @@ class EdgeWeight:
         """Evaluate at `y` in [0, 1]; infinite at y = 0 if the shift is 0 and the amplitude not."""
         if self.amplitude == 0.0:
             return np.zeros(np.shape(y))
-        if self.shift > 0.0:  # nothing to divide by zero; the logarithmic one has no shift
+        if self.shift > 0.0:  # no division by zero; the logarithmic weight has no shift
             return np.asarray(self.amplitude / np.sqrt(y + self.shift))
         with np.errstate(divide="ignore"):
             value = self.amplitude / np.sqrt(y)
@@ -231,10 +234,10 @@ class EdgeWeight:
         return np.asarray(value)
 
     def deficit(self, d: Array) -> Array:
-        """Return by how much the half-integral at t falls short of ``amplitude pi/2``.
+        """Return ``amplitude pi/2`` less the half-integral of the weight at t.
 
-        The half-integral is ``amplitude arctan sqrt(d / shift)`` (docs/theory), so that the
-        difference is ``amplitude arctan sqrt(shift / d)``, without a subtraction.
+        The half-integral (docs/theory, Symbols) is ``amplitude arctan sqrt(d / shift)``. The
+        difference is ``amplitude arctan sqrt(shift / d)``, and is not taken by a subtraction.
 
         Parameters
         ----------
@@ -300,9 +303,9 @@ class DiskSeries:
     """``(s/outer)**(power + exponent) (weight + series)`` on a disk of radius `outer`.
 
     Weight and series are functions of ``d = 1 - (s/outer)**2``. The `power` is 1 for a traction in
-    the central stick zone and 0 for a pressure. The `exponent` is not 0 where, with elastic
-    coupling on a smooth surface, slip goes to the centre: there the pressure is infinite like a
-    power of s.
+    the central stick zone and 0 for a pressure. The `exponent` is 0 but in one case: if slip goes
+    to the centre of a smooth surface with elastic coupling, the pressure varies there like a power
+    of s.
     """
 
     outer: Radius
@@ -343,8 +346,8 @@ class DiskSeries:
 class AnnulusSeries:
     """``s**power`` times two series, one on either half of an annulus.
 
-    Each is a function of the distance in ``s**2`` from its end, over half the width of the annulus
-    in ``s**2``.
+    Each is a function of a distance from its end of the annulus, in [0, 1]: the difference of
+    ``s**2`` there and at the end, over half that of both ends.
     """
 
     inner: Radius

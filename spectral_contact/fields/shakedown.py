@@ -1,4 +1,7 @@
-"""Which cycles of the load stop slipping: the shakedown ratio of a flat punch, uncoupled."""
+"""The shakedown ratio: how far a cycling load may fall if slip is to stop.
+
+It holds for a flat punch without elastic coupling (docs/cycles).
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,10 @@ class Shakedown(NamedTuple):
     Attributes
     ----------
     ratio, error : float or ndarray
-        Of the shape of the input. The error is infinite where the ratio is positive but may be 0
-        within the error of the critical friction, and 1 where it is 0 but may be positive.
+        Of the shape of the input. If the lowest load of a cycle over the largest one is the ratio
+        or more, slip stops after some cycles. With the error of the critical friction a positive
+        ratio may be 0 after all, and its error is then infinite; a ratio of 0 may be positive after
+        all, and its error is then 1.
     """
 
     ratio: Any
@@ -30,8 +35,9 @@ def shakedown(critical: ArrayLike, critical_error: ArrayLike, friction: ArrayLik
     Parameters
     ----------
     critical, critical_error : array_like
-        Critical friction R of full stick, infinite without tangential compliance, and the estimate
-        of its relative error.
+        Critical friction R, with which and with more of which nothing slips under a rising load:
+        the largest q/p of full stick. It is infinite without tangential compliance. And the
+        estimate of its relative error.
     friction : array_like
         Coefficient f.
     """
@@ -41,10 +47,10 @@ def shakedown(critical: ArrayLike, critical_error: ArrayLike, friction: ArrayLik
     is_one = np.isinf(critical) | (friction == 0.0)
     with np.errstate(all="ignore"):  # where a division fails, np.where takes another value below
         fraction = friction / critical
-        # 1 - f/R; where f is close to R, the difference of the two is exact
+        # 1 - f/R; where f is close to R, R - f is exact
         difference = (critical - friction) / critical
         ratio_in_slip = difference / (1.0 + fraction)
-        # R d(lambda*)/dR = 2 f R/(R + f)**2, over lambda* at the smallest R that it may be
+        # R d(lambda*)/dR = 2 f R/(R + f)**2, over the least lambda* that the error of R allows
         smallest_difference = difference - critical_error
         change = 2.0 * fraction * critical_error / ((1.0 + fraction) * smallest_difference)
         error_in_slip = np.where(smallest_difference > 0.0, change, np.inf)

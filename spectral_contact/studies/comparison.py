@@ -30,27 +30,27 @@ Numbers = Callable[..., Any] | ArrayLike
 
 #: Tolerance of the reference solution.
 _RTOL: Final = 1e-12
-#: Quantities that make the mean pressure under a profile.
+#: Quantities from which the mean pressure under a profile is computed.
 _OF_MEAN: Final = ("load", "contact_radius")
 #: A radius is taken for the edge if it is outside by no more than this, over the contact radius: by
 #: rounding of radii and their units.
 _AT_EDGE: Final = 8.0 * float(np.finfo(np.float64).eps)
 #: Number of rings of equal area on which the mean size of a field is taken.
 _RINGS: Final = 64
-#: The displacement of the surface, and the tolerance to which it is evaluated.
+#: Name of the displacement of the surface, and the tolerance to which it is evaluated.
 _SURFACE: Final = "displacement"
 _SURFACE_RTOL: Final = 1e-9
-#: A common factor of all values is looked for. Values count if their true ones are larger than this
-#: share of the largest; ...
+#: A common factor of the values of a field is noted, to hint at a wrong unit or sign. These four
+#: numbers are chosen. Only values count whose true ones are larger than this share of the largest.
 _LARGE: Final = 1e-3
-#: ... the factor is common if this share of the values ...
+#: The factor is common if at least this share of these values has it.
 _MOST: Final = 0.9
-#: ... have the same ratio to the truth, to this relative difference; ...
+#: Two factors are the same up to this relative difference.
 _ALIKE: Final = 0.02
-#: ... and it is noted if it differs from 1 by at least this. All of them are chosen.
+#: A factor is noted if it differs from 1 by at least this.
 _NOTED: Final = 0.1
-#: Displacements are taken for those of the surface of the layer if their errors are then less than
-#: this share of what they are otherwise.
+#: Displacements are said to be those of the surface of the layer if their errors against these are
+#: less than this share of their errors against those of the half-space.
 _SAME: Final = 0.1
 #: Scalars that can be compared.
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear", *PROFILE_QUANTITIES)
@@ -191,8 +191,8 @@ def compare(
     truth : Solution or ReferenceSolution, optional
         The reference solution; by default `solve` with ``rtol=1e-12``, which takes a second.
     displacement : array_like, optional
-        Displacement of the surface into the body, at `r`, `s` or `from_edge`, inside and outside
-        the contact. It is that of the half-space, below the rough layer.
+        Displacement of the surface of the half-space into the body, at `r`, `s` or `from_edge`,
+        inside and outside the contact. The compression of the rough layer is not part of it.
     r : array_like, optional
         In place of `s`: radii in the unit of length of the scene, which under a profile is not the
         contact radius but L.
@@ -203,12 +203,13 @@ def compare(
         Errors of pressure and traction are relative to the value at each radius (with elastic
         coupling to the two together, see docs/coupling), those of the slip to its largest value.
         Errors of the displacement are relative to its largest value, too.
-        With a profile pressures are relative to the mean where they are smaller, and tractions to
-        the largest. Below the largest load tractions are relative to friction times pressure where
-        the surface sticks with memory, as they change sign there.
-        Outside the contact they are relative to the mean over the contact, and slip is not
-        compared. Radii where the reference is infinite, as at the edge of a smooth surface, are
-        left out.
+        With a profile errors of pressures are relative to the mean pressure where the pressure is
+        smaller, and those of tractions to the largest. Below the largest load, where the surface
+        sticks with memory, tractions change their sign, and their errors are relative to friction
+        times pressure.
+        Outside the contact errors of pressure and traction are relative to the mean of their moduli
+        over the contact, and slip is not compared. Radii where the reference is infinite, as at the
+        edge of a smooth surface, are left out.
 
     Raises
     ------
@@ -259,7 +260,7 @@ __test__: Final = {"compare": compare}  # doctest passes over functions that are
 
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     """Solve for what is given, and for what its units and the scales of its errors need."""
-    # errors of pressure or traction are then relative to both fields
+    # with coupling, or below the largest load, the errors of one field are relative to both
     of_both = scene.couples or _unloaded(scene)
     needed = {*given, "approach"} | ({"pressure", "traction"} if of_both else set())
     if _unloaded(scene):
@@ -289,7 +290,7 @@ class _ComparedScene:
     length : float
         The contact radius in the unit of radii.
     scale : dict of str to float
-        The unit of each quantity, over its dimensionless one.
+        What each dimensionless quantity is multiplied by to be in the unit of the input.
     """
 
     def __init__(self, scene: Scene, truth: Any) -> None:
@@ -438,7 +439,7 @@ class _ComparedScene:
             errors = np.abs(values - true) / size
         worst = int(np.argmax(errors))
         self._note_common_factor(_SURFACE, values, true)
-        # whether they are those of the surface of the layer, which the contact compresses
+        # whether they are those of the top of the layer, with the compression that `gap` has inside
         inside = places >= 0.0
         compression = np.where(inside, np.asarray(surface.gap), 0.0)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -446,9 +447,9 @@ class _ComparedScene:
         known = float(np.max(surface.error))
         if inside.any() and max(layered, known) < _SAME * errors[worst]:
             self.factors.append(
-                "displacement: these are of the surface of the layer, whose compression is not "
-                "that of the half-space; they agree with it to "
-                f"{layered:.1e}"
+                "displacement: these seem to be of the top of the rough layer, with its "
+                "compression; that is not part of the displacement of the half-space. With it "
+                f"they agree to {layered:.1e}"
             )
         return Agreement(
             _SURFACE,
@@ -462,7 +463,7 @@ class _ComparedScene:
 
     @property
     def _inside(self) -> Any:
-        """The body in which displacements are evaluated, in the units of the input."""
+        """The half-space (`Inside`), which evaluates displacements, in the units of the input."""
         return (self.truth if self.scene.physical is None else self.truth.physical).inside
 
     def _note_common_factor(self, name: str, values: Array, true: Array) -> None:
@@ -475,7 +476,7 @@ class _ComparedScene:
             ratios = values[large] / true[large]
             factor = float(np.median(ratios))
             spread = float(np.quantile(np.abs(ratios / factor - 1.0), _MOST))
-        if spread < _ALIKE:  # not so if it is NaN
+        if spread < _ALIKE:  # false for NaN
             self._note_factor(name, factor, every=True)
 
     def _note_factor(self, name: str, factor: float, *, every: bool) -> None:

@@ -44,18 +44,19 @@ __all__ = ["PARAMETERS", "Derivative", "FieldDerivative", "Sensitivity", "sensit
 #: Scalars that can be differentiated.
 QUANTITIES: Final = ("approach", "total_shear", "stick_radius")
 #: Tolerances of the two spaces: of the derivatives that are returned, and of those that they are
-#: compared with. The latter are so much less accurate that the difference is hardly ever below the
-#: error by accident.
+#: compared with. The second is so much looser that the difference of both is hardly ever smaller
+#: than the error of the first by accident.
 _TOLERANCES: Final = (1e-12, 1e-11)
 #: The error is taken to be this many times the difference; chosen.
 _SAFETY: Final = 2.0
 #: Relative rounding of a derivative.
 _ROUNDING: Final = 1e-13
-#: Relative rounding of approach and shear, which is an absolute error of a derivative where they
-#: hardly change: up to 1.8e-15 was measured, of the shear.
+#: Relative rounding of approach and shear. Times their values it is an absolute error of their
+#: derivatives, which counts where they hardly change; up to 1.8e-15 was measured, of the shear.
 _ROUNDING_OF_SCALARS: Final = 2e-15
-#: Relative error of derivatives of shear and traction by rounding of the boundaries, over that of
-#: derivatives of the boundaries. Measured next to the critical friction: 0.01.
+#: Rounding of the boundaries between zones makes errors of derivatives. This is the relative error
+#: of those of shear and traction over that of those of the boundaries: 0.01 was measured next to
+#: the critical friction, and is doubled.
 _SHARE_OF_NOISE: Final = 0.02
 _MOST_UNKNOWNS: Final = 20_000
 #: A friction is taken for the critical one if it is above it by no more than this, relative, or by
@@ -66,7 +67,8 @@ _LEAST: Final = 0.01
 #: Radii at which the spaces are compared besides those that are asked for, and their distances from
 #: the edge.
 _PLACES: Final = (np.linspace(0.05, 0.95, 10), 1.0 - np.linspace(0.05, 0.95, 10))
-#: Error of a derivative in closed form, over that of the stick radius in it; chosen.
+#: On a smooth surface derivatives are closed forms in the stick radius: their error over that of
+#: the stick radius; chosen.
 _CLOSED_FORM: Final = 10.0
 # Notes: why a derivative is what it is.
 _NOT_AT_ZERO: Final = "not computed at 0"
@@ -207,10 +209,11 @@ def sensitivity(
 
 
 def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
-    """Return the derivatives by w of what is not given of load, approach and contact radius.
+    """Return the derivatives by w of load, approach and contact radius, those not given of them.
 
-    With the pull d by which adhesion lowers the approach at this radius, the stiffness S at a fixed
-    radius and the stiffness K along the curve of states, they are
+    Under a flat punch the contact radius is not given either, and all of them are 0. Adhesion
+    lowers the approach at a given radius by the pull d. With the stiffness S at a fixed radius and
+    the stiffness K along the curve of states they are
 
         dP/dw = -S d/(2 w),  d delta/dw = -d/(2 w)                     at a given radius,
         dP/dw = -d (S - K)/(2 w),  da/dw = d**2 (S - K)/(8 pi a w**2)  at a given approach,
@@ -226,7 +229,7 @@ def _by_adhesion(solution: Solution) -> dict[tuple[str, str], Derivative]:
         return {(name, _ADHESION): Derivative(0.0, 0.0) for name in others}
     a = solution.contact_radius
     stiffness = solution.stiffness
-    # the scale of the approach is what it would be without adhesion, plus the pull
+    # the approach is that without adhesion less the pull, and its scale is the sum of both
     scales = solution.error_scales
     pull = (scales["approach"] - solution.approach) / 2.0
     errors = {name: getattr(solution.error, name) or 0.0 for name in ("load", "approach")}
@@ -306,7 +309,7 @@ class _Slopes:
     Attributes
     ----------
     scene : Scene
-        The dimensionless scene with the modulus of kappa, of which all here is.
+        The dimensionless scene with the modulus of kappa, to which everything here belongs.
     friction : float or None
         None also if kappa is 0, where there is no traction.
     own : Solution
@@ -383,7 +386,7 @@ class _Slopes:
         return Derivative(best, error, self.note)
 
     def _inherited(self, quantity: str, name: str) -> float:
-        """Return the absolute error of a derivative by the shear in it, and by rounding."""
+        """Return the absolute error of a derivative made by that of the shear and by rounding."""
         if quantity == "stick_radius":
             return 0.0
         rounding = _ROUNDING_OF_SCALARS * abs(float(getattr(self.own, quantity)))
@@ -398,7 +401,7 @@ class _Slopes:
         return slope * off + rounding
 
     def _noise_of_zones(self, name: str) -> float:
-        """Return the relative error of derivatives of shear and fields by rounding of boundaries.
+        """Return the relative error of derivatives of shear and fields made by rounding of zones.
 
         It is large next to a threshold, where a zone is narrow.
         """
@@ -412,9 +415,10 @@ class _Slopes:
     ) -> Array:
         """Return the modulus of the part of a derivative that comes from moving boundaries.
 
-        It is taken to be the whole derivative, of modulus `size`. By Poisson's ratio without
-        coupling, tractions are proportional to kappa besides, and boundaries move by ``f/kappa``:
-        then it is the derivative by the friction, times that of ``kappa * f/kappa``.
+        It is taken to be the whole derivative, whose modulus is `size`, but for derivatives by
+        Poisson's ratio without coupling. The traction is then kappa times a function of
+        ``f/kappa``, and the boundaries depend on ``f/kappa`` alone. Their part is the derivative
+        by the friction times `_ratio_slope`, the derivative of ``f/kappa`` times kappa.
         """
         if name != "poisson_ratio" or self.scene.couples:
             return size
@@ -426,7 +430,7 @@ class _Slopes:
         return np.asarray(self._ratio_slope * np.abs(by_friction))
 
     def _parameter_scale(self, name: str) -> float:
-        """Return by how much a parameter may change for the approach to change by its own size."""
+        """Return a change of a parameter that changes the approach by its own size, at least 1."""
         own = 0.0 if name == "poisson_ratio" else float(getattr(self.scene, name))
         return max(own, 1.0)
 
@@ -448,7 +452,8 @@ class _Slopes:
             return Derivative(0.0, 0.0)
         if self.scene.normal_compliance == 0.0:
             return Derivative(math.nan, math.inf, _AT_ZERO)
-        # the square of the pressure has the square of the load ratio, the approach the ratio itself
+        # at a load ratio l pressure and approach are l times those of the largest load: so the
+        # integral has the factor l**2, and the derivative of the approach l
         breaks = edge_layer_breaks(self.scene.normal_compliance)
         of_pressure = approach_slope(lambda d: self.own.pressure(from_edge=d), breaks)
         value = of_pressure / self.scene.unloaded_to
@@ -485,14 +490,15 @@ class _Slopes:
         if self.friction == 0.0 and name == "friction" and quantity != "approach":
             if self.scene.unloaded_to < 1.0:
                 return Derivative(math.nan, math.inf, _SLIPS_BACK)
-            # all slips, Q = f; but a disk of radius c at the centre sticks, in which
-            # beta q = kappa s p / 2, and which ends where q = f p
+            # with a small friction all slips, so that Q = f, but for a disk at the centre. In the
+            # disk beta q = kappa s p / 2; it ends at the radius c at which this q is f p
             of_radius = 2.0 * self.scene.tangential_compliance / self.scene.kappa
             value = 1.0 if quantity == "total_shear" else of_radius
             return Derivative(value, 0.0, "one-sided")
         if self.slips and quantity == "stick_radius":
             return Derivative(math.nan, math.inf, _UNKNOWN)
-        if self.slips and quantity == "total_shear":  # f, less what the disk lacks
+        # Q = f, but for the small stick disk at the centre
+        if self.slips and quantity == "total_shear":
             error = self.own.error.total_shear or 0.0
             return Derivative(float(name == "friction"), error, _ALL_SLIPS)
         if quantity == "stick_radius" and self.kinds == ("stick",):
@@ -516,9 +522,9 @@ class _Slopes:
         return self._known
 
     def _at_largest_load(self, tolerance: float) -> SolutionSlopes | None:
-        """Return the derivatives at the largest load; None if its slip does not count.
+        """Return the derivatives at the largest load; None if the slip there is not needed.
 
-        It counts below the largest load: zones that stick then keep the slip that they had.
+        It is needed below the largest load, where zones that stick keep the slip that they had.
         """
         if self.scene.unloaded_to == 1.0 or "slip" not in self.kinds or not self.friction:
             return None
@@ -559,8 +565,8 @@ class _Slopes:
     def _singular_at_boundaries(self) -> bool:
         """Whether boundaries move and there is no tangential compliance.
 
-        Then derivatives of the fields are singular at the boundaries. `ZoneDerivatives` has them
-        at fixed boundaries, except for one stick disk under a known pressure.
+        Then derivatives of the fields are singular at the boundaries. `ZoneDerivatives` has only
+        their parts at fixed boundaries, except for one stick disk under a known pressure.
         """
         return len(self.kinds) > 1 and self.scene.tangential_compliance == 0.0
 
@@ -607,7 +613,7 @@ class _Slopes:
         return FieldDerivative(value, error, self.note)
 
     def _field_inherited(self, quantity: str, name: str, from_edge: Array) -> Array:
-        """Return the absolute error of a derivative by that of the pressure or traction in it."""
+        """Return the absolute error of a derivative that the field in it makes by its own error."""
         factor = 0.0
         field_in_it = quantity
         if name == LOAD_RATIO:

@@ -22,7 +22,7 @@ _FEWEST: Final = 3
 _FEWEST_ON_PLATEAU: Final = 2
 #: Largest number of unknowns that is accepted, more than any solver has.
 _MOST_UNKNOWNS: Final = 1e15
-#: Deviations of ln(error) from a law so large do not speak against it: 5 per cent, chosen.
+#: Deviations of ln(error) up to this, 5 per cent, do not speak against a law; chosen.
 _SCATTER: Final = 0.05
 #: The functions of N in which ln(error) is a line, by the kind of the law.
 _MODELS: Final[dict[str, Callable[[Array], Array]]] = {
@@ -30,7 +30,7 @@ _MODELS: Final[dict[str, Callable[[Array], Array]]] = {
     "geometric": np.positive,
     "root-geometric": np.sqrt,
 }
-#: A law with less than this many times the deviations of the best law is not told apart from it.
+#: A law whose deviations are less than this many times those of the best law may be the right one.
 _APART: Final = 2.0
 
 
@@ -42,7 +42,8 @@ class Rate:
     ----------
     kind : str
         ``"algebraic"``, error ~ ``N**-value``; ``"geometric"``, error ~ ``value**-N``; or
-        ``"root-geometric"``, error ~ ``value**-sqrt(N)``: the one of least residual.
+        ``"root-geometric"``, error ~ ``value**-sqrt(N)``: the one that fits best, by Bayes's
+        information criterion. If no plateau is left out that is the one of least residual.
     value : float
         The order, or the factor by which the error falls for each further unknown, or for each
         increase of their root by one.
@@ -51,8 +52,8 @@ class Rate:
         if the deviations from the law were random and independent.
     confidence : float
     used : tuple of int
-        Numbers, from 0, of the points that the law is fitted to. Not used are points that are
-        missing, rounding, or not above the floor, and the plateau at the end.
+        Numbers, from 0, of the points that the law is fitted to. Points that are missing, rounding,
+        or not above the floor are not used, nor is the plateau at the end.
     residuals : dict
         Root mean square of the deviations of ln(error) on these points, by kind.
     log_factor : float
@@ -69,7 +70,10 @@ class Rate:
 
     @property
     def rivals(self) -> tuple[str, ...]:
-        """The other kinds that fit nearly as well, with less than twice the deviations."""
+        """The other kinds that fit nearly as well: with less than twice the residual.
+
+        Residuals up to 5 per cent count as good.
+        """
         limit = _APART * max(self.residuals[self.kind], _SCATTER)
         others = {kind: one for kind, one in self.residuals.items() if kind != self.kind}
         return tuple(kind for kind, residual in others.items() if residual < limit)
@@ -111,10 +115,10 @@ def fit_rate(
 ) -> Rate | None:
     """Fit the rate at which errors fall, the plateau of rounding left out.
 
-    Points whose error is not above ten roundings, nor above `floor`, are left out, and those after
-    them that are not above ten times that. So is the plateau: the points at the end, two or more,
-    that lie above the line that the others set, if a line and a constant fit all points better
-    than a line does (by Bayes's information criterion).
+    Errors that are no larger than `floor`, or than ten roundings if that is more, are left out;
+    after the first of them errors up to ten times as large are left out, too. So is the plateau:
+    the points at the end, two or more, that lie above the line that the others set, if a line and a
+    constant fit all points better than a line does (by Bayes's information criterion).
 
     Parameters
     ----------
@@ -172,6 +176,7 @@ def fit_rate(
     half_width = stdtrit(best.points - 2, 0.5 + confidence / 2.0) * best.slope_error
     with np.errstate(over="ignore"):
         value_of = np.positive if best.kind == "algebraic" else np.exp
+        # the slope is negative for errors that fall
         low, value, high = (
             float(value_of(-best.slope + step)) for step in (-half_width, 0.0, half_width)
         )

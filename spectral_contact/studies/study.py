@@ -66,7 +66,7 @@ def convergence(
     truth : object, optional
         See `truth_of`: gold if the scene is there, else `reference`, is the default.
     quantities : sequence of str, optional
-        Out of `QUANTITIES`; the default is all that the truth has, and of them what the solver has.
+        Out of `QUANTITIES`; by default those that both the truth and the solver have.
     name : str, optional
         What the solver is called; its own name is the default.
     repeats : int
@@ -122,21 +122,21 @@ def work_precision(
 ) -> WorkPrecision:
     """Measure the time that each of several solvers needs to reach an accuracy.
 
-    Every solver runs through its resolutions until all errors are below the least accuracy.
+    Every solver runs through its resolutions until no error is above the smallest of `accuracies`.
 
     Parameters
     ----------
     solvers : mapping of str to (callable or (callable, sequence))
         By name: a solver as in `convergence`, and the resolutions to try, from coarse to fine. A
-        solver alone is called with the accuracies, as one whose resolution is a tolerance. The
-        others are compared with the first.
+        solver that is given without resolutions is called with the accuracies: its resolution is
+        then a tolerance. The first solver is the one that the others are compared with.
     scenes : Scene or sequence of Scene
     accuracies : sequence of float
         Relative errors to be reached, in (0, 1).
     truths : sequence of object, optional
         The truth of each scene, see `truth_of`; None among them is its default.
     quantities, repeats, progress
-        See `convergence`; there are always times here.
+        See `convergence`; `repeats` is at least 1.
 
     Returns
     -------
@@ -204,7 +204,7 @@ def truth_of(scene: Scene, truth: Any = None, *, progress: bool | None = None) -
 
 
 def _truth_named(name: str, scene: Scene, truth: Any, progress: bool | None) -> Truth:
-    """Return the truth about a scene; an error calls the argument `truth` by the name given."""
+    """Return the truth about a scene; errors say that it was given as the argument `name`."""
     instance("scene", scene, Scene)
     ProgressLine(progress)  # refuses a wrong `progress`
     if truth is not None:
@@ -229,7 +229,7 @@ class OwnSolver:
     Parameters
     ----------
     quantities : tuple of str, optional
-        What `solve` is asked for, for an ``edge_pressure`` the pressure; the default is everything.
+        Quantities of a study, which `solve` is asked for; the default is everything.
     """
 
     quantities: tuple[str, ...] | None = None
@@ -312,7 +312,7 @@ class _Runs:
                         break
             tell("", 1.0)
         known = tuple(name for name in self.wanted if any(name in one.errors for one in found))
-        # without any solution, as when every solve failed, the quantities are those wanted
+        # `known` is empty if no solve was done
         return (self.wanted if self.asked else known or self.wanted), tuple(found)
 
     def _point(self, name: str, solver: Solver, truth: Truth, resolution: float) -> Point:

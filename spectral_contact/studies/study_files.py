@@ -28,7 +28,7 @@ from spectral_contact.studies.timing import Times, Timing
 #: Suffixes of files that `save` writes.
 SUFFIXES: Final = (".json", ".csv")
 _SCHEMA: Final = "spectral_contact.study"
-#: Version of the format; files of version 1 are read, too: they have further members.
+#: Version of the format. Files of version 1 are read, too; their further members are left out.
 _VERSION: Final = 2
 _KINDS: Final[dict[str, type[Study]]] = {
     "convergence": Convergence,
@@ -75,7 +75,7 @@ def _json(study: Study) -> str:
     [kind] = [name for name, cls in _KINDS.items() if isinstance(study, cls)]
     body = {"schema": _SCHEMA, "version": _VERSION, "study": kind, **_encoded(study)}
     if isinstance(study, Convergence):
-        body["rates"] = _encoded(study.rates)  # follow from the points; for other readers
+        body["rates"] = _encoded(study.rates)  # for other readers: `load` computes them again
     return json.dumps(body, indent=1, allow_nan=False) + "\n"
 
 

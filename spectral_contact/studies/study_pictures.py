@@ -31,7 +31,8 @@ _COLOURS: Final = (
     *("#888888", "#8C510A"),
 )
 _MARKERS: Final = "os^DvPX*<"
-#: Doubles know no smaller error: what is below, and zero, is drawn here, and the axis says so.
+#: Errors below this, which is below the rounding of doubles, are drawn here, as zero is; the axis
+#: says so.
 _LEAST: Final = 1e-16
 
 
@@ -55,9 +56,9 @@ def _convergence(study: Convergence) -> Figure:
     figure = new_figure(figsize=(1.4 + 3.8 * count, 3.9 + 0.18 * rows), layout="constrained")
     over_unknowns, *over_times = figure.subplots(1, count, sharey=True, squeeze=False)[0]
     kinds = {rate.kind for rate in study.rates.values() if rate is not None}
-    # before anything is drawn: without data the limits of an axis are those of its scale
+    # before anything is drawn, so that a panel without data has the limits of its scale
     over_unknowns.set(xlabel="unknowns $N$", yscale="log")
-    if not kinds or "algebraic" in kinds:  # errors that fall geometrically are lines otherwise
+    if not kinds or "algebraic" in kinds:  # else linear, on which geometric rates are lines
         over_unknowns.set_xscale("log")
     for index, quantity in enumerate(study.quantities):
         _draw_rate(over_unknowns, study, quantity, index)
@@ -135,7 +136,7 @@ def _finish(panels: Sequence[Axes], points: Sequence[Point]) -> None:
     panels[0].set_ylabel(f"true relative error{less}")
     for axes in panels:
         low, high = axes.get_xlim()
-        if axes.get_xscale() == "log" and high < 100.0 * low:  # too short for powers of ten
+        if axes.get_xscale() == "log" and high < 100.0 * low:  # few powers of ten
             axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
             axes.xaxis.set_minor_locator(NullLocator())

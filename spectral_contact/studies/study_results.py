@@ -19,7 +19,7 @@ QUANTITIES: Final = (
     *("approach", "edge_pressure", "pressure", "traction", "total_shear", "stick_radius"),
 )
 
-#: Errors up to this many times that of the truth are not used for rates; chosen.
+#: Rates do not use errors up to this many times the error of the truth; chosen.
 _ABOVE_TRUTH: Final = 10.0
 
 
@@ -60,7 +60,7 @@ class Point:
 class _Result:
     """Base of both studies: files, pictures and text.
 
-    The modules of these import this one, so that they are imported when they are called.
+    The modules that make these import this one. So its methods import them when they are called.
     """
 
     __slots__ = ()

@@ -41,7 +41,7 @@ def _rate_text(study: Convergence, quantity: str) -> str:
     """Return the rate of one error and the points that show it."""
     rate = study.rate(quantity)
     if rate is None:
-        return "none: fewer than three points above rounding and the error of the truth"
+        return "none: fewer than three points far enough above rounding and the error of the truth"
     used = ", ".join(str(i + 1) for i in rate.used)
     rivals = f" ({' and '.join(rate.rivals)} nearly as well)" if rate.rivals else ""
     return f"{rate}, {rate.kind}{rivals}, points {used} of {len(study.points)}"

@@ -18,9 +18,9 @@ from spectral_contact.errors import SceneError
 from spectral_contact.io.checks import finite
 from spectral_contact.processes import VERSION
 
-#: Warm repeats of a short solve go on until they have taken this long [s] ...
+#: Warm repeats of a short solve go on until their times add up to this [s],
 _SECONDS = 0.2
-#: ... or until there are this many.
+#: or until there are at least this many.
 _MOST = 1000
 
 
@@ -75,7 +75,7 @@ class Times:
 def times_of(
     solver: Callable[[Any, Any], Any], scene: Any, resolution: float, repeats: int
 ) -> Times:
-    """Return the times of a solve that was done once before.
+    """Return the times of a solve that was done before, so that caches are filled.
 
     If the solver has a function ``clear_caches``, it is also timed with empty caches.
     """
@@ -113,7 +113,7 @@ def this_machine() -> dict[str, Any]:
 
 def _processor() -> str:
     """Return the model of the processor."""
-    file = Path("/proc/cpuinfo")  # of Linux; platform knows no model there
+    file = Path("/proc/cpuinfo")  # on Linux, where platform.processor() is empty
     lines = file.read_text(encoding="utf-8").splitlines() if file.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     return models[0] if models else platform.processor() or platform.machine()

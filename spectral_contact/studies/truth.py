@@ -29,7 +29,7 @@ PLACES = np.array(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """True values of a scene, correctly rounded to doubles; dimensionless as in `Solution`.
+    """Values of a scene that are taken for true; dimensionless as in `Solution`.
 
     Attributes
     ----------
@@ -37,8 +37,8 @@ class Truth:
     source : str
         Where they are from.
     scalars : dict
-        By name: approach, edge pressure, total shear, stick radius; those that are finite, and
-        not known by definition.
+        By name: approach, edge pressure, total shear, stick radius; those that are finite and not
+        0. The stick radius of full stick is 1 by definition and not among them.
     from_edge : ndarray
         Distances from the edge, of the points at which fields are compared.
     fields : dict
@@ -62,8 +62,8 @@ class Truth:
     def errors(self, solution: Any, wanted: Iterable[str]) -> dict[str, float]:
         """Return the relative errors of a solution.
 
-        That of a field is the largest over the points, each relative to the value there; where the
-        true traction is zero, which is at the centre, it is absolute.
+        That of a field is the largest over the points, each relative to the true value there; where
+        that is zero, as the traction is at the centre, the error is absolute.
 
         Parameters
         ----------
@@ -88,7 +88,7 @@ class Truth:
             with suppress(NotComputedError):
                 if getattr(solution, attribute_of(name), None) is not None:
                     error = self._error(solution, name)
-                    found[name] = error if error >= 0.0 else math.inf
+                    found[name] = error if error >= 0.0 else math.inf  # of NaN
         return found
 
     def _error(self, solution: Any, name: str) -> float:
@@ -127,7 +127,7 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
     source = source or f"{type(truth).__name__}, given"
     points, fields = _fields(truth, name)
     scalars = _scalars(truth, scene, name)
-    # under a profile the pressure at the edge is zero, and any other value is rounding
+    # under a profile the pressure at the edge is zero in theory, and no scale of an error
     if "pressure" in fields and points[-1] == 0.0 and scene.profile is None:
         edge = float(fields["pressure"][-1])
         if math.isfinite(edge):
@@ -181,7 +181,7 @@ def attribute_of(name: str) -> str:
 
 
 def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
-    """Return the scalars that are finite and not given by definition."""
+    """Return the scalars that are finite, not 0, and not 1 by definition."""
     values = {
         name: scalar(f"{owner}.{name}", computed(truth, name, 0.0))
         for name in _SCALARS

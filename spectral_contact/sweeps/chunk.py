@@ -53,7 +53,7 @@ def solve_chunk(
     end_with_parent(asker)
     path = continuation(request.rtol, request.quantities, request.max_unknowns)
     work = _Chunk(columns, request, path)
-    # what serves many scenes at once comes first; each step leaves the others to the next
+    # first what serves many scenes at once; what a step does not serve is left to the next one
     if request.shared:
         work.rows.put(np.arange(len(columns)), served(columns, request))
     for line in lines(columns, work.rows.left, request):
@@ -82,7 +82,9 @@ class _Chunk:
 
 
 class OnLine:
-    """Solves scenes of a line (`lines`) or of an indentation curve, and others like its first.
+    """Solves scenes of a line (`lines`) or of an indentation curve, and scenes between them.
+
+    Those between are its first scene with another contact radius or friction.
 
     Every method returns None for what fails or does not converge: the scenes are then solved one by
     one, and the failure is recorded there.
@@ -107,8 +109,8 @@ class OnLine:
             self._work.rows.take(place, found)
         return found
 
-    def of_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
-        """Solve the first scene with another contact radius."""
+    def with_contact_radius(self, radius: float, more: tuple[str, ...]) -> Solution | None:
+        """Solve the first scene with another contact radius, in L."""
         return self._converged(lambda: changed(self._first, {"contact_radius": radius}), more)
 
     def _converged(self, make: Callable[[], Scene], more: tuple[str, ...]) -> Solution | None:
@@ -119,8 +121,14 @@ class OnLine:
             return None
         return solution if solution.ending is Ending.CONVERGED else None
 
-    def at_radius(self, logit: float) -> RadiusFriction | None:
-        """Return the friction with which the first scene has one stick disk of a given radius."""
+    def with_stick_radius(self, logit: float) -> RadiusFriction | None:
+        """Return the friction with which the first scene has one stick disk of a given radius.
+
+        Parameters
+        ----------
+        logit : float
+            ``ln(c**2/(1 - c**2))`` of the stick radius c.
+        """
         try:
             return self._work.path.given_radius(self._first, logit)
         except Exception:  # `_Chunk.solve` records it

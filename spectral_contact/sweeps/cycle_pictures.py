@@ -57,8 +57,8 @@ def plot_steady_cycle(cycle: SteadyCycle) -> Figure:
 def draw_loop(axes: Axes, cycle: SteadyCycle) -> None:
     """Draw total shear over load, less that of full stick.
 
-    The shear of full stick is proportional to the load: it makes both branches steep, and adds
-    nothing to the area between them.
+    The shear of full stick is proportional to the load, so that both branches are steep with it.
+    The area between them is the same without it.
 
     Parameters
     ----------
@@ -91,4 +91,4 @@ def _draw_slip(axes: Axes, cycle: SteadyCycle) -> None:
     axes.set_xlim(0.0, 1.0)
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("radius $s = r/a$")
-    axes.set_ylabel(r"slip on either way [$4(1-\nu^2)P/(aE)$]")
+    axes.set_ylabel(r"slip amplitude [$4(1-\nu^2)P/(aE)$]")

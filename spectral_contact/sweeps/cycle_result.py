@@ -88,24 +88,24 @@ class SteadyCycle(Suggesting):
         Lowest load over the largest one.
     rtol : float
     states : tuple of Solution
-        Solutions of unit load by rising friction, from that of `solution` to full stick. While the
-        load l falls, the change of the traction is (1 - l) times that of a state: of the friction
-        f (1 + l)/(1 - l).
+        Solutions of unit load by rising friction, from that of `solution` to full stick. When the
+        load has fallen to l, the traction has changed by (1 - l) times that of the state with the
+        friction f (1 + l)/(1 - l).
     shakedown_ratio : float
         As of `Solution`: if `lowest` is not below it, the loop dissipates nothing.
     reloading_dissipation, unloading_dissipation : float
         Energy that friction dissipates in each cycle while the load rises, and while it falls. That
-        of unloading is None where the surface goes on to slip forward while the load begins to
-        fall: its formula does not hold then. The other numbers do.
+        of unloading is None where the surface goes on to slip forward, as it does under a rising
+        load, while the load begins to fall: its formula does not hold then. The other numbers do.
     slack : float
-        Least difference, over the radius, of the upper and the lower bound of `traction_bounds` at
-        the largest load, over f p. It is negative if the surface slips forward while the load
-        falls: then no traction is within the bounds.
+        The upper less the lower bound of `traction_bounds` at the largest load, over f p: the least
+        value of all radii. Where the surface slips back it is 0. It is negative if at some radius
+        no traction is within the bounds: there the surface slips forward while the load falls.
     error : CycleErrors
     converged : bool
         Whether the errors of the dissipation are at most `rtol`. A loop may be so close to
-        shakedown that no solve says whether it slips: its dissipation is 0 with the error 1, and it
-        counts as converged.
+        shakedown that it is not known whether it slips: its dissipation is 0 with the error 1, and
+        it counts as converged.
     """
 
     scene: Scene
@@ -196,8 +196,9 @@ class SteadyCycle(Suggesting):
     ) -> Any:
         """Evaluate the traction at an end of the loop, where the surface slips.
 
-        It is ``f p`` at the largest load and ``-f lambda p`` at the lowest one. In stick it depends
-        on how the load was applied: it is NaN, and `traction_bounds` has its bounds.
+        With the pressure p of the largest load it is ``f p`` at that load and ``-f lowest p`` at
+        the lowest one, both times the sign of kappa. In stick it depends on how the load was
+        applied: it is NaN, and `traction_bounds` has its bounds.
 
         Parameters
         ----------
@@ -240,8 +241,8 @@ class SteadyCycle(Suggesting):
     ) -> tuple[Any, Any]:
         """Return a lower and an upper bound of the traction at an end of the loop.
 
-        With any traction within them the surface sticks, or slips back as in the loop, at all loads
-        that were solved. Where the surface slips both are the traction.
+        With a traction within them nothing slips forward at any of the loads that were solved.
+        Where the surface slips both bounds are the traction.
 
         Parameters
         ----------
@@ -265,6 +266,7 @@ class SteadyCycle(Suggesting):
         limit = self._friction_bound(distance)
         low, high = admissible_tractions(self.states, self._friction, limit, distance)
         if at == "lowest":
+            # infinite bounds stay infinite
             change = np.where(limit < np.inf, self.traction_change(from_edge=distance), 0.0)
             low = low - change
             high = high - change
@@ -409,7 +411,7 @@ class SteadyCycle(Suggesting):
         if not error:
             return error
         slips = [one for one in self.zones if one.kind == "slip"]
-        if not slips:  # so close to shakedown that no solve says whether it slips
+        if not slips:  # so close to shakedown that it is not known whether it slips
             return error
         if slips[-1].outer_from_edge > 0.0:  # the edge sticks
             return 0.0
@@ -501,7 +503,7 @@ def _dissipation_rows(
 
 
 def _plus(error: float | None, more: float) -> float | None:
-    """Return the sum of two errors; None stays None, and 0, of an exact number, stays 0."""
+    """Return the sum of two errors; None and 0, as of exact numbers, are returned unchanged."""
     return error + more if error else error
 
 
@@ -553,7 +555,11 @@ class PhysicalSteadyCycle(Suggesting):
 
     @property
     def _load_error(self) -> float:
-        """Relative error of the load [N]: where the approach is given, the load is computed."""
+        """Relative error of the load [N].
+
+        If the approach is given, the load is computed from it, and has the error of the
+        dimensionless approach.
+        """
         data = self.cycle.scene.physical
         given = data is not None and data.load is not None
         return 0.0 if given else float(self.cycle.solution.error.approach or 0.0)

@@ -26,8 +26,8 @@ _ENERGY: Final = "4(1−ν²)P²/(aE)"
 #: Name, meaning and unit of each variable of a map.
 _NUMBERS: Final = (
     ("dissipation", "energy dissipated in a cycle", _ENERGY),
-    ("unloading_dissipation", "of it while the load falls", _ENERGY),
-    ("reloading_dissipation", "of it while the load rises", _ENERGY),
+    ("unloading_dissipation", "energy dissipated while the load falls", _ENERGY),
+    ("reloading_dissipation", "energy dissipated while the load rises", _ENERGY),
     ("stick_radius", "stick radius of the loop", "a"),
     ("shakedown_ratio", "shakedown ratio λ*", "1"),
 )
@@ -44,8 +44,9 @@ def damping_map(
 ) -> xarray.Dataset:
     """Return what steady loops dissipate, over the lowest load and the friction.
 
-    The dissipation of all loops is an integral of the same function of friction. This function is
-    computed once; then each point of the map takes one solve more.
+    The dissipation of a loop is an integral of the mean slip over the friction (docs/cycles). The
+    mean slip is the same function for all loops: it is computed once, and then each point of the
+    map takes one solve more.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def damping_map(
         With the dimensions ``friction`` and ``lowest`` and the variables ``dissipation``, its parts
         ``unloading_dissipation`` and ``reloading_dissipation``, ``stick_radius``,
         ``shakedown_ratio`` and ``converged``. Estimates of relative errors are
-        ``dissipation_error`` and so on. NaN stands for None of `SteadyCycle`.
+        ``dissipation_error`` and so on. NaN stands where `SteadyCycle` has None.
         `sweeps.plot_slice` draws it.
 
     Raises
@@ -86,7 +87,8 @@ def damping_map(
     for value in frictions[~((frictions > 0.0) & np.isfinite(frictions))]:
         raise SceneError("friction", float(value), "positive and finite")
     for load in loads.tolist():
-        for end in (frictions.min(), frictions.max()):  # the allowed frictions are an interval
+        # allowed are all frictions of an interval: the smallest and the largest decide
+        for end in (frictions.min(), frictions.max()):
             checked_cycle(scene.replace(friction=float(end)), load)
     rtol = checks.within("rtol", rtol, _TOLERANCES)
     max_unknowns = checks.whole("max_unknowns", max_unknowns, 1)

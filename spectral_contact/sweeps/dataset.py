@@ -24,7 +24,7 @@ from spectral_contact.view.report import table
 if TYPE_CHECKING:
     import xarray
 
-#: Units of parameters of dimensionless scenes, empty for what is no number; others have the unit 1.
+#: Units of parameters of scenes without SI data that are not 1; empty for what is no number.
 _UNITS: Final = {"separation": "L", "work_of_adhesion": "E'L", "coupling": "", "branch": ""}
 #: Meaning and unit of everything in a dataset.
 _MEANINGS: Final = {
@@ -42,9 +42,9 @@ _MEANINGS: Final = {
         "1",
     ),
     "zone_outer": ("outer radius of a zone", "a"),
-    "zone_outer_from_edge": ("distance of it from the edge", "a"),
+    "zone_outer_from_edge": ("distance of the outer radius of a zone from the edge", "a"),
     "ending": ("how the solve ended", ""),
-    "message": ("what is to be said of it", ""),
+    "message": ("why it did not converge", ""),
 }
 #: Meanings and units that are others for a scene with a profile, where E' = E/(4(1−ν²)).
 _WITH_PROFILE: Final = {
@@ -52,7 +52,7 @@ _WITH_PROFILE: Final = {
     "normal_compliance": ("normal compliance αE'/L", "1"),
     "tangential_compliance": ("tangential compliance βE'/L", "1"),
 }
-#: Parameters that a scene may lack, or whose values are results.
+#: Parameters that some scenes may lack; loads, approaches and radii are then results.
 _MAY_BE_ABSENT: Final = (*ALL_CONTROLS, "work_of_adhesion")
 
 
@@ -69,7 +69,7 @@ class Collected:
     values : dict of str to ndarray, shape (scenes, ...)
         By the name of a variable.
     endings : ndarray of int8, shape (scenes,)
-        Codes: places in `ENDINGS`.
+        Codes, which are places in `ENDINGS`. They count once every scene has been put.
     messages : dict of int to str
         Why a scene did not converge, by its number.
     """
@@ -128,7 +128,7 @@ def assembled(
     coordinates = _coordinates(parameters, request)
     variables = {}
     for name, values in collected.values.items():
-        if name.removesuffix("_error") in coordinates:  # given, as the load of a contact
+        if name.removesuffix("_error") in coordinates:  # it is a parameter, as a load that is given
             continue
         more_dims = (request.places,) if name in FIELDS else ("zone",) * (values.ndim - 1)
         on_grid = values.reshape((*shape, *values.shape[1:]))
@@ -208,7 +208,7 @@ def of_solution(
     rows = Rows(1, request)
     rows.take(0, solution)
     outcome = rows.outcome()
-    if radii is not None:  # `Rows` took all from the centre; distances are accurate at the edge
+    if radii is not None:  # `Rows` evaluated at s alone, and distances are accurate at the edge
         for name in set(FIELDS).intersection(quantities):
             outcome.values[name][0] = radii.evaluate(getattr(solution, name))
     table = Collected(1)
@@ -219,19 +219,19 @@ def of_solution(
 def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any]:
     """Return the coordinates: parameters that vary, the others as scalars, and the places.
 
-    Of the places of fields, one of radii and distances from the edge is the dimension, the other
-    goes along with it.
+    The places of fields are given as radii and as distances from the edge: that of the two which
+    was asked for is their dimension.
     """
     found: dict[str, Any] = {}
     for k, name in enumerate(parameters.names):
         values: Any = parameters.fixed[k] if parameters.table is None else parameters.table[k]
         values = parameters.axes.get(name, values)
         if name == KAPPA and parameters.table is not None:
-            # scenes of a list that have a Poisson's ratio have a kappa, too
+            # some scenes of the list may be given by Poisson's ratio: it is changed to kappa
             values = parameters.columns(np.arange(parameters.size)).kappa
         if name == "unloaded_to" and not parameters.unloaded and name not in parameters.axes:
             continue
-        # a load or radius that is not given of every contact is a result
+        # a load or radius that not all scenes are given is a result
         if name not in _MAY_BE_ABSENT or np.isfinite(values).all():
             dims = parameters.dims if parameters.table is not None else (name,) * np.ndim(values)
             found[name] = dims, values, _about(name, parameters.shaped)
@@ -243,7 +243,7 @@ def _coordinates(parameters: SweepParameters, request: Request) -> dict[str, Any
 
 
 def _forms(parameters: SweepParameters) -> dict[str, Any]:
-    """Return the coordinates that are not in the columns: profile, layer, coupling and branch."""
+    """Return the coordinates from the forms of scenes: profile, layer, coupling and branch."""
     found: dict[str, Any] = {}
     for part in ("profile", "layer") if parameters.shaped else ():
         briefs = _briefs(parameters, part)

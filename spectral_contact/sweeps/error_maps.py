@@ -1,11 +1,11 @@
 """Errors of the spectra: maps over all compliances, made once and looked up for each scene.
 
 Every spectrum is compared with the one of two degrees less, on a lattice of compliances from 1e-14
-to 1e14. Their difference is the error of the one of lower degree, and the error of the other is
-smaller; where rounding prevails, the difference is a sample of the rounding. As a function of the
-logarithms of the compliances it varies over lengths of about 1, and has the width of the panels, 2,
-as a period. So the estimate of a scene is the largest difference within a decade around it, which
-is not small by an accident of its sign.
+to 1e14. The difference is the error of the lower degree, and that of the higher one is smaller;
+where rounding prevails, the difference is a sample of the rounding. Over the natural logarithms of
+the compliances the difference varies within lengths of about 1, with the width of the panels of the
+mesh, 2, as a period, and it is small where it changes its sign. So the estimate of a scene is the
+largest difference within a decade around it.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ _LARGEST: Final = 14
 _DENSITY: Final = 2
 #: Degree for normal contact: its quantities superconverge, and are good to rounding from this on.
 _NORMAL_DEGREE: Final = 10
-#: Degrees for full stick, each with the least tolerance that it is used for. A degree of 20 has as
-#: much rounding as 18, and takes longer.
+#: Degrees for full stick, each with the least tolerance that it is used for. Higher ones have as
+#: much rounding as 18, and take longer.
 _STICK_DEGREES: Final = ((1e-8, 14), (0.0, 18))
 #: Factors of the difference in the estimates of the edge ratio and of the largest ratio. The
 #: difference is only a sample of the rounding of pointwise values: over 3000 random scenes the
@@ -37,12 +37,14 @@ _STICK_DEGREES: Final = ((1e-8, 14), (0.0, 18))
 #: 0.09 and 0.52 of the estimates in 1500 scenes.
 _EDGE_SAFETY: Final = 4.0
 _CRITICAL_SAFETY: Final = 8.0
-#: Relative rounding of the edge ratio: with one LAPACK it was 1.5e-13, and the sample 1e-14.
+#: Relative rounding of the edge ratio: with one build of LAPACK the error was 1.5e-13 where the
+#: difference of degrees was 1e-14.
 _EDGE_ROUNDING: Final = 100.0 * ROUNDING
 #: Rounding of the largest ratio, which has the largest rounding of hundreds of places.
 _CRITICAL_ROUNDING: Final = 110.0 * ROUNDING
-#: Rounding of the edge ratio times the root of the tangential compliance. Both degrees may have the
-#: same, and the difference shows none of it: up to 1.7 roundings in 2000 scenes at degree 20.
+#: Rounding of the edge ratio times the root of the tangential compliance. It may be the same at
+#: both degrees, so that their difference does not show it. In 2000 scenes it was up to 1.7
+#: `ROUNDING`.
 _THIN_ROUNDING: Final = 3.0 * ROUNDING
 
 
@@ -107,6 +109,7 @@ class CertifiedStick:
 
     def critical(self, alpha: Array, beta: Array, edge_ratio: Array) -> tuple[Array, Array]:
         """Return the largest ``|q|/(kappa p)``, and the estimate of its error."""
+        # the jump of q/p between two panels is rounding that the map does not have
         critical, jump = self.spectrum.critical(alpha, beta, edge_ratio)
         return critical, self._critical_map[_nearest(alpha), _nearest(beta)] + jump
 

@@ -33,9 +33,9 @@ def admissible_tractions(
     """Return a lower and an upper bound of the tractions with which nothing slips forward.
 
     They are tractions at the largest load. Each state bounds them at one load l, at which
-    ``f (1 + l)/(1 - l)`` is the friction of the state. Under more friction than the critical one
-    the traction is that of full stick, and changes in proportion to the load: there it is enough to
-    check the load at which slip begins, that of the critical friction.
+    ``f (1 + l)/(1 - l)`` is the friction of the state. From the largest load down to that of the
+    critical friction all sticks, and the traction changes in proportion to the load: if it is
+    within the bounds at both of these loads, it is so between them.
 
     Parameters
     ----------
@@ -51,14 +51,15 @@ def admissible_tractions(
     of_loop = float(states[0].scene.friction or 0.0)
     low = -limit
     high = limit
-    bounded = limit < math.inf  # not at the edge of a smooth surface, nor where nothing slips
+    # at the edge of a smooth surface and under infinite friction there is no bound
+    bounded = limit < math.inf
     for one in states:
         of_state = float(one.scene.friction or 0.0)
         if of_state == math.inf:
             of_state = one.critical_friction
             if not of_loop < of_state < math.inf:
                 continue
-        if of_state == 0.0:
+        if of_state == 0.0:  # without friction, and the load would be 0/0
             continue
         load = (of_state - friction) / (of_state + friction)
         change = (1.0 - load) * np.asarray(one.traction(from_edge=from_edge))
@@ -71,8 +72,8 @@ def admissible_tractions(
 def forward_slack(states: Sequence[Solution], friction: float) -> float:
     """Return the slack: how far the bounds of `admissible_tractions` are apart, over f p.
 
-    It is the least value over all zones: 0 where the surface slips back, and negative if no
-    traction is within the bounds.
+    It is the least value over all zones. Where the surface slips back the bounds are equal, which
+    gives 0; it is negative if at some radius no traction is within the bounds.
 
     Parameters
     ----------

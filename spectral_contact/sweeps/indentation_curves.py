@@ -4,7 +4,8 @@ A few contact radii a are solved, and all scenes are interpolated between them (
 the logarithms of load, approach, stiffness and work are smooth functions of a variable v in place
 of the radius (`contact.contact_radius.RadiusScale`). It is ``ln(a - b)``, with the radius b of the
 flat part of the profile, or ``ln((a - b)/(r - a))`` if the profile ends at r. The singularities of
-the functions are at the distance pi from the real axis of v, whatever the compliance.
+the functions that are nearest to the real axis of v are at the distance pi from it, where
+``a - b`` is negative, whatever the compliance.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
 #: The functions of the contact radius that are interpolated.
 CURVED: Final = ("load", "approach", "stiffness", "indentation_work")
-#: Quantities of normal contact: friction does not change them, unless there is elastic coupling.
+#: Quantities of normal contact: without elastic coupling friction does not change them.
 _NORMAL: Final = frozenset({*CURVED, "contact_radius"})
 #: The same, and those that need no solve in scenes without friction.
 _FRICTIONLESS: Final = _NORMAL | {"stick_radius", "total_shear"}
@@ -47,6 +48,7 @@ def pressed_alone(columns: Columns, request: Request) -> Mask:
     These scenes have a profile that is not flat, no adhesion and no layer law.
     """
     asked = frozenset(request.quantities)
+    # columns of flat punches have no rows of load and approach
     is_flat_punch = len(columns.values) <= max(_GIVEN.values())
     if columns.law or is_flat_punch or not asked <= _FRICTIONLESS:
         return np.zeros(len(columns), dtype=bool)
@@ -91,8 +93,8 @@ def along(columns: Columns, request: Request, solver: OnLine) -> Served:
     Returns
     -------
     Served
-        Without scenes if too many radii would have to be solved. The first and the last scene,
-        which the solver has solved, are not among them.
+        Without scenes if too many radii would have to be solved. The first and the last scene are
+        not among them: the solver has solved them and kept the solutions.
     """
     size = len(columns)
     mask = np.zeros(size, dtype=bool)
@@ -162,7 +164,7 @@ class _PressedCurve:
 
     def grow(self, solver: OnLine) -> bool:
         """Add a node: solve at one radius more; return whether that solve converged."""
-        one = solver.of_radius(self.scale.radius(self.curves.next()), CURVED)
+        one = solver.with_contact_radius(self.scale.radius(self.curves.next()), CURVED)
         if one is None:
             return False
         known = np.log([getattr(one, name) for name in self.names])
@@ -183,7 +185,7 @@ class _PressedCurve:
         found = self.curves.where(np.log(given))
         radius = np.array([self.scale.radius(v) for v in found.places.tolist()])
         slope = np.array([self.scale.slope(r) for r in radius.tolist()])  # da/dv
-        # the rounding of the radius is an error of v, too
+        # a radius is rounded, which is as much as an error of v
         moved = found.moved + ROUNDING * radius / slope
         lost = found.lost + found.slopes * moved[:, None] + ROUNDING
         values = {self.given: given, "contact_radius": radius}

@@ -1,14 +1,15 @@
 """Lines: scenes that differ in ``f/kappa`` alone. A few are solved, the others are interpolated.
 
-Poisson's ratio enters by kappa alone: scenes with the same ``f/kappa`` have the same zones, and
-their tractions are proportional to kappa, with its sign. Where the zones are one stick disk with
-slip around it, ``ln f`` and ``ln(Q/f)`` are smooth functions of the logit of its radius c,
-``ln(c**2/(1 - c**2))``: their singularities are at the distance pi from the real axis, whatever the
-compliances. At chosen radii the friction is solved for, polynomials go through these nodes
-(`fields.curves`), and are inverted at the frictions of the scenes.
+Poisson's ratio enters by kappa alone (docs/theory): scenes with the same ``f/kappa`` have the same
+zones, and their tractions are proportional to kappa, with its sign. Where the zones are one stick
+disk with slip around it, ``ln f`` and ``ln(Q/f)`` are smooth functions of the logit of its radius
+c, ``ln(c**2/(1 - c**2))``. Their singularities that are nearest to the real axis are at the
+distance pi from it, where ``c**2/(1 - c**2)`` is negative, whatever the compliances. At chosen
+radii the friction is solved for, polynomials go through these nodes (`fields.curves`), and are
+inverted at the frictions of the scenes.
 
-If one stick disk obeys the friction law at two frictions, it does so at all frictions between,
-which need no check (docs/internals).
+If one stick disk obeys the friction law at two frictions, it obeys it at all frictions between, so
+that the interpolated scenes need no check (docs/internals).
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def lines(columns: Columns, todo: Indices, request: Request) -> Iterator[Indices
     own = todo[slips & ~columns.coupled[todo] & columns.at_largest_load[todo]]
     with np.errstate(over="ignore"):  # a friction of any size
         ratio = columns.friction[own] / np.abs(columns.kappa[own])
-    # by alpha, then beta, then f/kappa: the last key of lexsort counts first
+    # by alpha, then beta, then f/kappa: lexsort takes the first criterion last
     own = own[np.lexsort([ratio, columns.beta[own], columns.alpha[own]])]
     differs = (np.diff(columns.alpha[own]) != 0.0) | (np.diff(columns.beta[own]) != 0.0)
     for line in np.split(own, np.flatnonzero(differs) + 1):
@@ -81,6 +82,7 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
     ratio = friction / kappa
     mask = np.zeros(len(columns), dtype=bool)
     nothing = Served(mask, {}, {})
+    # slip begins at the edge if alpha >= beta, else in an annulus within a ring that sticks
     edge_may_stick = bool(columns.alpha[0] < columns.beta[0])
     ends = _ends(ratio, edge_may_stick, solver)
     if ends is None:
@@ -109,12 +111,13 @@ def between(columns: Columns, request: Request, solver: OnLine) -> Served:
                 values[name] = np.full(size - 2, float(getattr(one, name))) * scale
                 errors[name] = np.full(size - 2, float(getattr(one.error, name)))
             asked = request.quantities
-            # next to the critical friction the shakedown ratio has fewer digits, solved or not
+            # next to the critical friction the shakedown ratio has fewer digits than rtol, also if
+            # the scene is solved
             checked = frozenset(asked) - {"shakedown_ratio"}
             if all((errors[name] <= request.rtol).all() for name in checked):
                 mask[inner] = True
                 return Served(mask, {k: values[k] for k in asked}, {k: errors[k] for k in asked})
-        found = solver.at_radius(curves.next())
+        found = solver.with_stick_radius(curves.next())
         if found is None:
             break
         # of the first scene, for which the friction was solved
@@ -158,19 +161,21 @@ class _Ends:
 
 
 def _ends(ratio: Array, edge_may_stick: bool, solver: OnLine) -> _Ends | None:
-    """Return the scenes that have one stick disk: the first one and the many after it that do.
+    """Return the scenes that have one stick disk, which are the first ones of a line.
 
-    None if the first has other zones, or if fewer than `LEAST` have one disk.
+    None if the first scene has other zones, or if fewer than `LEAST` have one disk.
     """
     solved: dict[int, Solution] = {}
 
     def has_one_disk(i: int) -> bool:
         if edge_may_stick and solved:
-            # with more friction than q/p of full stick at the edge, the edge sticks
+            # the edge sticks if the friction is above q/p of full stick at the edge
             first = solved[0]
             if 0.0 < first.edge_ratio < ratio[i] * abs(first.scene.kappa):
                 return False
-        more = "stick_radius", "zones", "critical_friction", *["edge_ratio"] * edge_may_stick
+        more: tuple[str, ...] = ("stick_radius", "zones", "critical_friction")
+        if edge_may_stick:
+            more = (*more, "edge_ratio")
         found = solver.at_scene(i, more)
         if found is None or tuple(zone.kind for zone in found.zones) != ("stick", "slip"):
             return False

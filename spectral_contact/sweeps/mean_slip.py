@@ -28,24 +28,26 @@ from spectral_contact.solution import Solution
 ASKED: Final = ("approach", "pressure", "traction", "slip", "zones", "stick_radius", "total_shear")
 #: Degrees that are tried on a panel: the Chebyshev nodes of each are among those of the next.
 _DEGREES: Final = (8, 16)
-#: Widths in tau of the first panel, which no other exceeds, and of the narrowest one; chosen.
+#: Widths of panels in tau, chosen: the largest, which the first panel has, and about the smallest.
 _WIDTH: Final = 2.0
 _NARROWEST: Final = 0.02
-#: Width in tau to which a threshold is bisected for, so that A is a parabola across it.
+#: Width in tau to which a threshold is located by bisection: so short that ln A is a parabola on
+#: it.
 _BRACKET: Final = 2e-3
 #: A threshold so close behind the start of a panel, in tau, is taken to be at the start.
 _AT_START: Final = 1e-9
-#: The truncation of a series is judged by this many of its last coefficients ...
+#: The error of a series is estimated by the largest of this many last coefficients, times
+#: `_SAFETY`.
 _LAST: Final = 3
-#: ... and is this times the largest of them.
+#: Factor of the estimates of errors.
 _SAFETY: Final = 2.0
 #: Most panels.
 _PANELS: Final = 60
 #: Gauss points of the quadrature over a zone, on each panel, and of the one it is compared with.
 _POINTS: Final = 16
 _FEWER: Final = 12
-#: Panels of that quadrature between an end and the middle of a zone, besides the one at the end: in
-#: the root of the distance from the end, each is e times as wide as the one before.
+#: Panels of that quadrature on each half of a zone, besides the one next to the end. In the root of
+#: the distance from the end, the farther end of each is e times as far as that of the one before.
 _FOLDS: Final = 32
 #: Gauss points of an integral over friction, on pieces: see `MeanSlipCurve._pieces`.
 _INNER: Final = 20
@@ -99,7 +101,7 @@ def annulus_nodes(
     """Return nodes in an annulus, as distances from the edge, and their weights for ``s ds``.
 
     The nodes are graded to both ends: each half of the annulus has Gauss rules on panels in the
-    root of the distance from its end, each panel a factor e wider than the one before.
+    root of the distance from its end, the ends of which are in the ratio e.
 
     Parameters
     ----------
@@ -153,8 +155,8 @@ class MeanSlipCurve:
     solve : callable
         Returns the solution at a friction, with the quantities `ASKED`, converged or not.
     lowest, highest : float
-        The curve begins at `lowest`. Integrals to R that begin between the two are accurate to
-        `rtol`.
+        The curve begins at `lowest`. Integrals to R from any friction between these two are
+        accurate to `rtol`.
     critical : float
         Critical friction R, infinite without tangential compliance.
     scale : float
@@ -232,7 +234,7 @@ class MeanSlipCurve:
         return self._mean(tau).value * float(self._slope(np.array(tau)))
 
     def _build(self, last: float, rtol: float) -> None:
-        """Add panels until the integral beyond them is negligible in integrals from `last` on."""
+        """Add panels until what is beyond them is negligible in integrals from `last` on."""
         start = 0.0
         width = _WIDTH
         density_at_last = self._density(last)
@@ -241,7 +243,7 @@ class MeanSlipCurve:
             if not self._mean(start).error < 1.0:  # next to R, where no digit of the slip is known
                 self._beyond = here * _WIDTH
                 break
-            # where A has fallen, it takes fewer digits
+            # where A has fallen, fewer digits of it are needed
             share = min(here / density_at_last, 1.0) if density_at_last > 0.0 else 1.0
             at_threshold = start in self._thresholds
             if at_threshold:
@@ -336,11 +338,11 @@ class MeanSlipCurve:
         Parameters
         ----------
         weight : callable
-            Takes by how much the friction is above `friction`, and falls with it.
+            A function of the distance of the friction above `friction`, with which it falls.
         friction : float
             The lower end of the integral.
         step : float
-            The difference of frictions over which the weight changes by its own size.
+            The distance above `friction` over which the weight changes by its own size.
 
         Returns
         -------

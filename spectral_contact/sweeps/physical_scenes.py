@@ -74,7 +74,7 @@ _MOST: Final = 10**6
 
 
 class DifferentScenes(NamedTuple):
-    """Scenes, and those of them that are not the same problem in other units.
+    """Scenes, and one scene for each of their problems: many may be the same one in other units.
 
     Attributes
     ----------
@@ -142,8 +142,8 @@ class PhysicalScenes:
     def different(self) -> DifferentScenes:
         """Return all scenes, and those of them that are different problems.
 
-        A problem is the parameters without units, which are a column of a table, and the *form*:
-        what is no number, such as the profile.
+        The problem of a scene is its parameters without units, which are a column of a table, and
+        its *form* (`SceneForm`), which has what is no number, such as the profile.
         """
         every = listed(self.scenes)
         assert every.table is not None
@@ -405,7 +405,7 @@ def _is_constant(values: NDArray[Any]) -> bool:
 
 
 def quantities_for(scenes: PhysicalScenes, quantities: tuple[str, ...]) -> tuple[str, ...]:
-    """Return quantities, and the approach or contact radius that their SI units follow from."""
+    """Return quantities, with the approach or contact radius added if their SI units need it."""
     if not scenes.physical:
         return quantities
     data = [one.physical for one in scenes.scenes]
@@ -428,7 +428,8 @@ def si_results(
     scenes : tuple of Scene
         In SI units, all flat punches or all under profiles.
     values : mapping of str to ndarray
-        Results without units, and their errors as ``<name>_error``. With those of `quantities_for`.
+        Results without units, those of `quantities_for` at least, and their errors as
+        ``<name>_error``.
     request : Request
         Its `places` name the dimension along which fields are given.
     """
@@ -444,7 +445,7 @@ def si_results(
         if scenes[0].profile is None:
             ratios = np.array([one.unloaded_to for one in scenes])
             scales, inherited = _flat_scales(known, errors, given, modulus, ratios)
-            # so far it was that at the largest load, which a scene is given by
+            # scenes are given the approach at the largest load; below it is that of the results
             given["approach"] = ratios * given["approach"]
         else:
             scales, inherited = _profile_scales(known, errors, given, modulus)
@@ -485,9 +486,9 @@ def _flat_scales(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the SI values of the units of results under flat punches, and their relative errors.
 
-    Loads, tractions and approach of a solution are in units that follow from the largest load; the
-    load ratios `ratios` are relative to it. Where the approach is given, the largest load follows
-    from it, with the error of the approach of the solution.
+    Results are in units that follow from the largest load, and `ratios` are the loads over the
+    largest load. Where the approach is given, the largest load follows from it, with the error of
+    the approach of the solution.
     """
     load = given["load"]
     error = np.zeros(len(load))
@@ -511,8 +512,9 @@ def _profile_scales(
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the SI values of the units of results under profiles, and their relative errors.
 
-    The unit of the stick radius is the contact radius, which has an error unless it is given; the
-    other units are known exactly.
+    The unit of length is 1 m, so that those of stresses, in Pa, and of forces, in N, have the same
+    value E'. The unit of the stick radius is the contact radius, which has an error unless it is
+    given; the other units are known exactly.
     """
     of_force = "load", "stiffness", "stiffness_on_branch", "indentation_work", "total_shear"
     scales = dict.fromkeys((*of_force, "pressure", "traction"), modulus)
@@ -531,6 +533,6 @@ def _or_nan(data: PhysicalData | None, name: str) -> float:
 
 
 def _quarter(scene: Scene, data: PhysicalData | None) -> float:
-    """Return E' [Pa], a quarter of the plane-strain modulus, which the Poisson ratio is part of."""
+    """Return E' [Pa], a quarter of the plane-strain modulus; it depends on Poisson's ratio."""
     assert data is not None
     return data.quarter_modulus(scene.poisson_ratio)

@@ -26,12 +26,12 @@ SCALARS: Final = tuple(name for name in NUMBERS if name in QUANTITIES)
 _PROFILE_SCALARS: Final = tuple(
     one.name for one in OUTPUTS if one.kind == "number" and one.scenes in ("all", "profile")
 )
-#: How a scene may end: the names of `Ending` in small letters, and failure. Places in this tuple
-#: are the codes of endings.
+#: How a scene may end: the names of `Ending` in small letters, and "failed" if an exception was
+#: raised. The code of an ending is its place in this tuple.
 ENDINGS: Final = ("converged", "unknowns", "rounding", "zones", "failed")
 _CONVERGED: Final = ENDINGS.index("converged")
 _FAILED: Final = ENDINGS.index("failed")
-#: Codes of the kinds of zones, by whether they stick with memory or slip back; 0 is none.
+#: Codes of zones, by their kind and whether stick has a memory or slip goes back; 0 is no zone.
 _KINDS: Final = {
     ("stick", False): 1,
     ("slip", False): 2,
@@ -74,7 +74,7 @@ class Request:
 
     @property
     def values_of_a_scene(self) -> int:
-        """Count of the numbers that a scene gives, as if it had one zone."""
+        """Count of the numbers that a scene has as results, with zones counted as one number."""
         values = sum(len(self.s) if name in FIELDS else 1 for name in self.quantities)
         return values + len(self.quantities) + 1  # their errors, and how it ended
 
@@ -119,8 +119,8 @@ def requested(
     Raises
     ------
     SceneError
-        For a quantity that there is not, a field without places or places without a field, or
-        a value out of its range.
+        For an unknown quantity, a field without places or places without a field, or a value out
+        of its range.
     """
     if quantities is None:
         scalars = _PROFILE_SCALARS if shaped else SCALARS
@@ -234,10 +234,10 @@ class Rows:
         for name in request.quantities:
             try:
                 value = getattr(solution, name)
-            except NotComputedError:  # a scene without friction has no slip and no ratios
+            except NotComputedError:  # as the slip of a scene without friction
                 continue
             error = getattr(solution.error, name)
-            if error:  # of what adhesion or a clearance may cancel it is relative to something else
+            if error:  # of a value that may vanish it is relative to another scale
                 error *= relative_to(name, solution)
             if error is not None:
                 self._values[f"{name}_error"][i] = error

@@ -22,9 +22,9 @@ Mask = NDArray[np.bool_]
 _NORMAL: Final = frozenset({"approach", "pressure"})
 #: Quantities that the spectra know only where nothing slips.
 _STICKING: Final = frozenset({"total_shear", "stick_radius"})
-#: Below this compliance the edge layer is so thin that the spectra lose digits of values at a
-#: point: eps/sqrt(alpha), and now and then much more. `solve` keeps them by an endpoint weight and
-#: a correction.
+#: Below this compliance, normal or tangential, the edge layer is so thin that the spectra lose
+#: digits of values at a point: their errors are about eps over the root of the compliance, and now
+#: and then much larger. `solve` keeps these digits by an endpoint weight and a correction.
 _LEAST_POINTWISE: Final = 1e-6
 
 
@@ -63,7 +63,8 @@ def served(columns: Columns, request: Request) -> Served:
         if asked & (FULL_STICK_RATIOS | _STICKING):
             sure = _full_stick(candidates, request, values, errors)
         for name in asked:
-            # next to the critical friction the shakedown ratio has fewer digits, solved or not
+            # next to the critical friction the shakedown ratio has fewer digits than rtol, also if
+            # the scene is solved
             bound = "critical_friction" if name == "shakedown_ratio" else name
             sure &= errors[bound] <= request.rtol
         mask[mask] = sure
@@ -83,10 +84,11 @@ def _normal(columns: Columns, values: dict[str, Array], errors: dict[str, Array]
 def _full_stick(
     columns: Columns, request: Request, values: dict[str, Array], errors: dict[str, Array]
 ) -> Mask:
-    """Add the quantities of full stick, and return a mask of the scenes whose own ones they are.
+    """Add the quantities of full stick, and return a mask of the scenes that have these values.
 
-    The ratios are those of full stick at any friction. Total shear and stick radius are those of a
-    scene only if its friction is above the critical one, by more than the error of that.
+    The ratios are defined by full stick, whatever the friction of a scene. Total shear and stick
+    radius are those of full stick only if its friction is above the critical one, by more than the
+    error of that.
     """
     alpha = columns.alpha
     beta = columns.beta

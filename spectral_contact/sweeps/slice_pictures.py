@@ -46,8 +46,8 @@ def plot_slice(
     quantity : str
         A variable of numbers.
     at : mapping of str to float, optional
-        Where the other dimensions are cut; the nearest value that was solved is taken, and named in
-        the title.
+        Values at which the other dimensions are held. The nearest values that were solved are
+        taken, and the title names them.
 
     Returns
     -------
@@ -56,8 +56,8 @@ def plot_slice(
     Raises
     ------
     SceneError
-        If it is no dataset; for a variable or a dimension that there is not, a place that is no
-        real number, or if not one or two dimensions are left.
+        If it is no dataset; for an unknown variable or dimension, or a value of `at` that is no
+        real number; or unless one or two dimensions are left.
     MissingDependencyError
         If matplotlib is not installed (extra: plot).
     """
@@ -65,9 +65,11 @@ def plot_slice(
     names = [str(name) for name, one in dataset.data_vars.items() if one.dtype.kind in "fi"]
     part = _sliced(dataset[one_of("quantity", quantity, names)], at)
     left = [str(name) for name in part.dims if part.sizes[name] > 1]
-    # the infinite friction of full stick has no place on an axis
+    # the infinite friction of full stick has no place on an axis; where a single friction is left,
+    # it is no dimension of the picture
     part = part.isel({name: np.isfinite(part[name].values) for name in left}).squeeze()
-    part = part.sortby([name for name in left if name in part.dims])
+    left = [name for name in left if name in part.dims] or left
+    part = part.sortby(list(part.dims))
     if len(left) not in (1, 2):
         said = f"such that one or two dimensions are left, not {', '.join(left) or 'none'}"
         raise SceneError("at", dict(at or {}), said)
@@ -82,8 +84,8 @@ def plot_slice(
 def varying(dataset: xarray.Dataset, at: Mapping[str, float] | None = None) -> str:
     """Return the quantity to draw: the first that varies along every dimension of a slice.
 
-    A quantity varies if it changes by more than ten times its largest error. If none does, it is
-    the first one.
+    A quantity varies along a dimension if it changes there by more than ten times its largest
+    error. If none varies along all dimensions, it is the first one.
     """
     names = [str(name) for name in dataset.data_vars if f"{name}_error" in dataset]
     for name in names:
@@ -114,7 +116,7 @@ def _held(part: xarray.DataArray) -> str:
 
 
 def _places(at: Any, dims: list[str]) -> dict[str, float]:
-    """Return at which values dimensions are cut."""
+    """Return the values at which dimensions are held."""
     if not isinstance(at, Mapping | None):
         raise SceneError("at", at, "a mapping of names to numbers")
     return {

@@ -3,9 +3,10 @@
 With the modes ``v_k`` of the normal operator, its eigenvalues ``lambda_k`` and the moments ``b_k``
 of the modes (docs/internals) the pressure is ``delta* sum_k v_k b_k / (alpha* + lambda_k)``, and
 ``1/delta* = 2 pi sum_k b_k^2 / (alpha* + lambda_k)``. The edge pressure follows from the identity
-``2 pi alpha p(1)^2 = delta + alpha ddelta/dalpha``. What the pressure demands of the traction is
-linear, so the modes of both operators are coupled by one matrix, and total shear and edge ratio of
-full stick are products of it with ``1/(beta* + mu_j)`` and ``1/(alpha* + lambda_k)``.
+``2 pi alpha p(1)^2 = delta + alpha ddelta/dalpha``. The right side of full stick is linear in the
+pressure: one matrix has it for the modes of both operators. Total shear and edge ratio of full
+stick are products of this matrix with ``1/(beta* + mu_j)`` and ``1/(alpha* + lambda_k)``, with the
+eigenvalues ``mu_j`` of the tangential operator.
 
 Tractions are those of kappa = 1. One mesh serves every compliance from 1e-14 to 1e14. Its
 coordinate is ``x = -ln(1 - s**2)``, 0 at the centre and infinite at the edge.
@@ -29,17 +30,18 @@ from spectral_contact.spectral.transforms import sampled_series, transforms
 
 Indices = NDArray[np.intp]
 
-#: Number of panels: they reach to ``x = 48``, 16 beyond the layer of the least compliance, where
-#: p - p(1) has fallen to 1e-7 of p. The tail polynomials represent the rest.
+#: Number of panels: they reach to ``x = 48``, 16 beyond the edge layer of the least compliance.
+#: There p - p(1) has fallen to 1e-7 of p; the tail polynomials represent it from there on.
 _PANELS: Final = 24
 #: Compliances, or rows of a product, that are treated at a time, so that they stay in the cache of
 #: a processor.
 _BLOCK: Final = 256
 #: Samples of q/p on every panel, among which its maximum is looked for ...
 _SAMPLES: Final = 16
-#: ... and how many times finer samples are taken around it, a quarter as far apart each time.
+#: ... and the number of refinements around it, each with samples a quarter as far apart.
 _ZOOMS: Final = 5
-#: Share of a panel next to each end where rounding of coefficients of high degree adds up.
+#: A place is next to an end of a panel if it is within this share of the width of the panel: there
+#: the rounding of coefficients of high degree adds up.
 _BESIDE: Final = 0.05
 #: If all pairs of the alphas and betas are at most this many times the pairs that are wanted, all
 #: of them are computed, by a product of matrices.
@@ -94,14 +96,14 @@ class StickSpectrum:
         space = unit_space(self.panels, (degree,) * _PANELS, shear=True)
         self.values, self.modes = space.spectrum()
         own = self.modes[space.index]
-        #: moments of the right sides of full stick with the modes, (tangential, normal)
+        #: moments of the tangential modes with the right side of every normal mode
         self.coupling = own.T @ space.moments(self._right_sides(space.y)).T
         #: total shears of the modes
         self.shear = disk_shear(self.panels, (degree,) * _PANELS)[space.function] @ own
         tail = self.panels.tail_terms
         #: Legendre polynomials at -1
         self._signs = (-1.0) ** np.arange(degree + 1)
-        #: ``q/s`` of the modes at the edge
+        #: ``q/s`` of the modes at the edge, where the coordinate of the tail is -1
         self.edge = self._signs[:tail] @ self.modes[-tail:]
 
     def _right_sides(self, d: Array) -> Array:
@@ -171,9 +173,9 @@ class StickSpectrum:
     def _largest(self, tractions: Array, pressure: Array) -> tuple[Array, Array]:
         """Return the largest ``|q| / p`` on the panels, and the jumps at the ends of panels.
 
-        Where the largest ratio is next to an end of a panel, the jump is by how much, relatively,
-        q/p differs between the panels on both sides. It is rounding, of up to 5e-12, which no
-        difference of degrees at other places shows.
+        Where the largest ratio is next to an end of a panel, the jump is the relative difference of
+        q/p of the panels on both sides of that end; elsewhere it is 0. It is rounding, of up to
+        5e-12, which a comparison of degrees at other places does not show.
 
         Parameters
         ----------
@@ -207,7 +209,8 @@ class StickSpectrum:
             largest_at = places[rows, best]
             step /= 4.0
         place = largest_at / PANEL_WIDTH
-        # the nearest end of a panel; Legendre polynomials are 1 at the end of the panel to its left
+        # the nearest end between two panels: for the panel on its left it is at the coordinate 1,
+        # at which all Legendre polynomials are 1
         end = np.clip(np.rint(place).astype(np.intp), 1, _PANELS - 1)
         left = q_over_s[rows, end - 1].sum(axis=1) / p[end - 1].sum(axis=1)
         right = q_over_s[rows, end] @ self._signs / (p[end] @ self._signs)

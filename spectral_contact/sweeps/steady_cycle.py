@@ -6,8 +6,8 @@ After some cycles between the largest load, 1, and the lowest one, lambda, the t
 friction as variable, of the slip weighted by the pressure (`mean_slip`).
 
 R is the critical friction of full stick, from which on nothing slips; without tangential compliance
-it is infinite. The formula for the energy of unloading holds while nothing slips *forward*, in the
-sense of loading, as the load falls; the *slack* (`forward_slip`) is positive if that is so.
+it is infinite. The formula for the energy of unloading holds if nothing slips *forward*, in the
+sense of loading, while the load falls: if the *slack* (`forward_slip`) is not negative.
 """
 
 from __future__ import annotations
@@ -36,15 +36,17 @@ _TOLERANCES: Final = "in [1e-11, 1e-2]"
 _SOLVE_TOLERANCES: Final = (0.1, 1e-3)
 #: The tightest tolerance of a solve.
 _TIGHTEST: Final = 1e-12
-#: What a smaller friction dissipates is no double, nor what a larger one does.
+#: The range of friction: what others dissipate is below or beyond the range of doubles.
 _LEAST_FRICTION: Final = 1e-100
 _LARGEST_FRICTION: Final = 1e100
-#: Below this lowest load the loop no longer depends on it, and its square is no double.
+#: A lowest load below this is replaced by it: the loop no longer depends on it, and its square may
+#: underflow.
 _LEAST_LOAD: Final = 1e-50
-#: The slack where the surface slips back, which is 0, is off by up to 1e-12.
+#: A slack above minus this may be 0, as it is where the surface slips back: there it is off by up
+#: to 1e-12.
 _ROUNDING_OF_SLACK: Final = 1e-9
-#: Loops that dissipate next to nothing may have fewer digits: those with a friction so close to the
-#: critical one, over the distance of the deepest loop from there.
+#: Loops whose friction is this close to the critical one, over the distance of the deepest loop
+#: from it, dissipate next to nothing, and may have fewer digits.
 _NEAR_SHAKEDOWN: Final = 1e-2
 
 
@@ -127,9 +129,10 @@ def _may_slip(cycle: SteadyCycle) -> bool:
 
 
 def _may_slip_forward(cycle: SteadyCycle) -> bool:
-    """Return whether only the errors of its solves allow a loop without forward slip.
+    """Return whether a loop has a negative slack that is within the errors of its solves.
 
-    Where the surface slips, q = f p to rounding, so that the slack is 0 at any tolerance.
+    It counts as a loop without forward slip only because of these errors. A slack of 0 does not
+    depend on them: where the surface slips back, q = f p to rounding at any tolerance.
     """
     return cycle.unloading_dissipation is not None and cycle.slack < -_ROUNDING_OF_SLACK
 
@@ -255,8 +258,9 @@ class CycleFamily:
             nothing = ValueWithError(0.0, 0.0 if friction == 0.0 else mean.error)
             return nothing, nothing
         loop_f = loop_friction(friction, lowest)
-        # f (1 + l)/(1 - l) less f, which the difference of both would round away if l is small
+        # loop_f - friction without cancellation where the lowest load is small
         excess = 2.0 * friction * max(lowest, _LEAST_LOAD) / (1.0 - lowest)
+        # over the friction x = loop_f + beyond, with the weight 4 f**2/(x + f)**3
         unloading = self._curve.integrate(
             lambda beyond: (
                 4.0 * (friction / (loop_f + beyond + friction)) ** 2 / (loop_f + beyond + friction)
@@ -264,6 +268,7 @@ class CycleFamily:
             loop_f,
             loop_f + friction,
         )
+        # with the weight 4 lambda**2 f**2/(x - f)**3, where x - f = excess + beyond
         reloading = self._curve.integrate(
             lambda beyond: ((1.0 - lowest) * excess / (excess + beyond)) ** 2 / (excess + beyond),
             loop_f,
@@ -284,9 +289,10 @@ class CycleFamily:
 
 
 def _width_of_slip(scene: Scene, critical_error: float) -> float:
-    """Return the error of a stick radius of 1 where the friction may be below the critical one.
+    """Return the error of the stick radius 1 of a loop that may slip after all.
 
-    Slip begins at the edge if alpha >= beta, else in an annulus, which may be anywhere.
+    Its friction is the critical one within the error of that. Slip begins at the edge if
+    alpha >= beta, else in an annulus, which may be anywhere.
     """
     at_edge = scene.normal_compliance >= scene.tangential_compliance
     return critical_error if at_edge else 1.0

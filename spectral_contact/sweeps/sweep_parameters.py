@@ -37,7 +37,8 @@ PARAMETERS: Final = (
 )
 #: Number of parameters of a flat punch.
 _FLAT: Final = 5
-#: What takes the place of Poisson's ratio, the first parameter, in scenes of two bodies.
+#: What takes the place of Poisson's ratio, the first parameter, in scenes of two bodies: it is
+#: their `Scene.mismatch`.
 KAPPA: Final = "kappa"
 #: Prefix of the parameters of a layer's law, which follow `PARAMETERS`.
 _LAW: Final = "layer_"
@@ -99,7 +100,7 @@ class Columns:
 
     @property
     def kappa(self) -> Array:
-        """``kappa`` of every scene, (5.8)."""
+        """``kappa`` of every scene (docs/theory, Symbols)."""
         nu = self.values[0]
         by_kappa = np.broadcast_to([one.by_kappa for one in self.forms], len(self))
         return np.asarray(np.where(by_kappa, nu, (1.0 - 2.0 * nu) / (4.0 * (1.0 - nu))))
@@ -232,7 +233,7 @@ class SweepParameters:
         """Return the numbers of the scenes in the order in which they are solved."""
         if self.table is not None:
             keys = [k for k in _SLOWEST if k < len(self.table)]
-            return np.lexsort(self.table[keys[::-1]])  # which sorts by the last key first
+            return np.lexsort(self.table[keys[::-1]])  # the slowest is the last key
         dimensions = {name: i for i, name in enumerate(self.axes)}
         slowest = [*(_LAW + name for name in self.law), *(self._parameter(k) for k in _SLOWEST)]
         transposed = [dimensions[name] for name in slowest if name in dimensions]
@@ -255,8 +256,8 @@ class SweepParameters:
     def fingerprint(self) -> str:
         """Return a digest that differs for other scenes, or the same ones in another order.
 
-        Of load ratio, coupling, branch and kappa it depends only if some scene has another one than
-        by default.
+        Load ratio, coupling, branch and whether a scene is given by its kappa count only if one of
+        them is not the default in some scene.
         """
         fixed = self.fixed
         table = self.table
@@ -392,7 +393,7 @@ def _axes_of_law(base: Scene, law: Any) -> dict[str, Array]:
 def _axis(base: Scene, name: str, values: Any) -> Array:
     """Return the values of one parameter; `Scene` says what is wrong with them."""
     array = _numbers(name, values)
-    # a scene takes 0 and an interval, so that the ends of the values and the smallest one decide
+    # allowed are 0 and an interval: the least, the largest and the smallest other than 0 decide
     size = np.abs(array)
     suspects = [array.min(), array.max(), array[np.argmin(np.where(size > 0.0, size, np.inf))]]
     for suspect in suspects:  # each of which is NaN if any value is

@@ -64,13 +64,14 @@ _CHUNK: Final = 64
 _SLOW_CHUNK: Final = 8
 #: Scenes of a chunk where the spectra serve nearly all of them.
 _QUICK_CHUNK: Final = 16384
-#: Scenes of a line (`lines`) or of an indentation curve from which on it may be cut by chunks.
+#: A line (`lines`) or an indentation curve of more scenes than this may be cut by chunks.
 _LONGEST: Final = 1024
 #: The most numbers that the results of a sweep have, 8 bytes each.
 _MOST_VALUES: Final = 10**9
-#: From so many pairs of compliances on the spectra are used, which take a second or two to build.
-#: Of a sweep this many scenes are looked at to choose the size of chunks.
-_MANY: Final = 500
+#: Fewest pairs of compliances for which the spectra are used: they take a second or two to build.
+_PAIRS_FOR_SPECTRA: Final = 500
+#: Number of scenes, spread over the sweep, by which the size of chunks is chosen.
+_SAMPLED: Final = 500
 
 
 @suggesting()
@@ -113,11 +114,10 @@ def sweep(
     scenes : Scene or iterable of Scene
         The scene whose parameters vary, or a list.
     poisson_ratio, kappa, normal_compliance, tangential_compliance, friction, unloaded_to
-        The values that a parameter takes, dimensionless as in `Scene`, where kappa of two elastic
-        bodies takes the place of Poisson's ratio; the grid has every
-        combination, and a list of scenes takes none. A single number replaces that of all
-        scenes and makes no dimension. Of a scene in SI units they are in SI units, and so is
-        everything that follows.
+        The values that a parameter takes, dimensionless as in `Scene`; of scenes of two elastic
+        bodies it is kappa in place of Poisson's ratio. The grid has every combination, and a list
+        of scenes takes none. A single number replaces that of all scenes and makes no dimension.
+        Of a scene in SI units they are in SI units, and so is everything that follows.
     contact_radius, load, approach, separation : array_like, optional
         The values of one of these for scenes with a profile, or of load or approach in SI units;
         they replace that of the scene.
@@ -209,7 +209,8 @@ def sweep(
         every = parameters = _parameters(scenes, axes, layer, coupling)
         which = None
     else:
-        # `parameters` has the scenes that differ, once each; `which` of them each of `every` is
+        # `every` has all scenes, `parameters` one for each problem, and `which` the number of the
+        # problem of every scene
         every, parameters, which = physical.different()
         wanted = requested(quantities, rtol, max_unknowns, s, from_edge, **_kind(every))
         quantities = quantities_for(physical, wanted.quantities)
@@ -219,7 +220,7 @@ def sweep(
     if executor is not None and not isinstance(executor, Executor):
         raise SceneError("executor", executor, "a concurrent.futures.Executor, or None")
     slow = parameters.shaped or parameters.coupled
-    request = replace(request, shared=parameters.pairs >= _MANY and not slow)
+    request = replace(request, shared=parameters.pairs >= _PAIRS_FOR_SPECTRA and not slow)
     size = _chunk(parameters, request) if chunk is None else checks.whole("chunk", chunk, 1)
     kept = None
     if store is not None:
@@ -240,7 +241,7 @@ def sweep(
     return physical.shaped(dataset)
 
 
-__test__: Final = {"sweep": sweep}  # doctest passes over functions that are wrapped
+__test__: Final = {"sweep": sweep}  # doctest does not look into wrapped functions
 
 
 def _physical_scenes(
@@ -263,7 +264,7 @@ def _physical_scenes(
         raise SceneError("layer", law, "None in SI units and with a table")
     if is_physical:
         _refuse_kappa(given)
-    # text is a number with a unit
+    # a text is one number with its unit
     single = {name: one for name, one in given.items() if np.ndim(one) == 0}
     base = with_values(scenes, single | ({} if coupling is None else {"coupling": coupling}))
     several = {name: one for name, one in given.items() if name not in single}
@@ -316,14 +317,14 @@ def _check_size(parameters: SweepParameters, request: Request) -> None:
 
 def _chunk(parameters: SweepParameters, request: Request) -> int:
     """Return the number of scenes of a chunk, which take some tenths of a second."""
-    sample = np.unique(np.linspace(0, parameters.size - 1, _MANY).astype(np.intp))
+    sample = np.unique(np.linspace(0, parameters.size - 1, _SAMPLED).astype(np.intp))
     if parameters.shaped or parameters.coupled:
         pressed = pressed_alone(parameters.columns(sample), request)
         return _whole_lines(parameters, ("load", "approach")) if pressed.all() else _SLOW_CHUNK
     of_lines = _whole_lines(parameters, ("friction", parameters.names[0]))
     if not request.shared:
         return of_lines
-    # the spectra do not have these two where anything slips
+    # these two the spectra have only where nothing slips
     of_slip = frozenset(request.quantities) & {"stick_radius", "total_shear"}
     if of_slip and not (parameters.columns(sample).friction == np.inf).all():
         return of_lines
@@ -334,7 +335,7 @@ def _chunk(parameters: SweepParameters, request: Request) -> int:
 def _whole_lines(parameters: SweepParameters, names: tuple[str, str]) -> int:
     """Return the number of scenes of a chunk that cuts no line: `_CHUNK`, or somewhat more.
 
-    A line has all values of both parameters, or else all those of the first one.
+    A line has all values of both parameters or, if these are too many, all those of the first one.
     """
     first, second = (int(np.size(parameters.axes.get(name, 0.0))) for name in names)
     for line in (first * second, first):

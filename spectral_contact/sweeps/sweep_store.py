@@ -69,14 +69,14 @@ class Store:
             if not manifest.exists():
                 self._begin(manifest, sweep)
             remove_leftovers(self._folder)
-        # also what was just written: another sweep may have been faster
+        # read it even if it was just written: another process may have been faster
         source, content = read_file(manifest)
         with reported(source, "damaged, or not a store of a sweep"):
             document = json.loads(content.decode())
             check_schema(document, "store of a sweep", _SCHEMA, _VERSION)
             if document.get("sweep") != sweep:
                 told = difference(document.get("sweep"), sweep)
-                if told.startswith("scenes "):  # a digest says nothing to anybody
+                if told.startswith("scenes "):  # nobody can read a digest
                     told = "other scenes"
                 raise Refused(f"it is of a sweep with {told}: {_OTHER}")
 
@@ -98,7 +98,7 @@ class Store:
             return self._file(number).exists()
 
     def put(self, number: int, outcome: Outcome) -> None:
-        """Keep a chunk, on disk before this returns; a failure leaves the store as it was."""
+        """Write a chunk to disk; if that fails, the store stays as it was."""
         messages = {str(i): text for i, text in outcome.messages.items()}
         members = {**outcome.values, _ENDINGS: outcome.endings}
         values = (_CHUNK_SCHEMA, _VERSION, self._sweep, number, messages)
@@ -133,7 +133,7 @@ class Store:
 def _members(content: bytes) -> dict[str, NDArray[Any]]:
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         if sum(one.file_size for one in archive.infolist()) > len(content):
-            raise ValueError("it was compressed")  # which a store does not: it may be endless
+            raise ValueError("it was compressed")  # a store does not, and it may unpack endlessly
     with np.load(io.BytesIO(content), allow_pickle=False) as members:
         return dict(members)
 

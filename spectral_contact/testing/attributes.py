@@ -1,4 +1,4 @@
-"""Attributes of any object that stands for a solution, which may lack or not have computed them."""
+"""Attributes of any object that stands for a solution: some may be missing, or not computed."""
 
 from __future__ import annotations
 

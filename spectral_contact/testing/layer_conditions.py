@@ -40,7 +40,7 @@ class LayerConditions:
         return isinstance(self.scene.profile, Flat)
 
     def radius(self, solution: Any) -> Any:
-        """Return the radius at s = 1, None if it is not known.
+        """Return the radius at s = 1, in L; None if neither solution nor scene has it.
 
         It is that of a flat punch, that of the domain for a layer law without an edge, or that of
         the contact.
@@ -64,21 +64,26 @@ class LayerConditions:
         inner = list(_CUTS) if endless(self.scene) else []
         if not 0.0 < largest < np.inf:
             return inner
+        # the edge layer is as wide as the compliance, 1/slope, over the radius
         slope = float(self.law._slope(np.array(self.law._overclosure(largest))))
         finest = 1.0 / max(slope * radius, 1.0)
         return [*inner, *(10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0)]
 
     def overclosures(self, p: Array) -> Array:
-        """Return the overclosure of every pressure; of none, that at which the law begins."""
+        """Return the overclosure of every pressure.
+
+        Where there is no pressure it is that at which the law begins, or for a law without a
+        beginning that of the least double.
+        """
         least = self.law.start if not isinf(self.law.start) else self.law._overclosure(_TINY)
         return np.array([self.law._overclosure(p_i) if p_i > _TINY else least for p_i in p])
 
     def misfits(self, p: Array, w: Array, residual: Array, size: float) -> Array:
         """Return the distance between surface and punch, relative.
 
-        It is over the sum of a displacement and of how far the pressure, or the mean pressure if
-        that is larger, compresses the layer at its local stiffness: where the layer is soft, a
-        small error of the pressure is a large one of the overclosure.
+        It is relative to the sum of two lengths: a displacement, and the larger of the pressure and
+        the mean pressure over the local stiffness of the layer. For where the layer is soft, a
+        small error of the pressure makes a large one of the overclosure.
 
         Parameters
         ----------
@@ -95,15 +100,15 @@ class LayerConditions:
         return np.asarray(np.abs(residual) / scale)
 
     def outside(self, w: Array, size: float, mean: float) -> Array:
-        """Return how far the surface is in the range of the law where there should be no pressure.
+        """Return how far the surface outside the contact is where the law has a pressure.
 
         Parameters
         ----------
         w : ndarray
             Overclosures outside the contact.
         size, mean : float
-            The displacement that they are relative to; and the mean pressure that the pressures
-            there are relative to, if the law has no beginning.
+            A displacement and the mean pressure. The result is an overclosure over the first; for a
+            law without a beginning it is the pressure over the second.
         """
         if isinf(self.law.start):
             return np.asarray(self.law._pressure(w) / mean)

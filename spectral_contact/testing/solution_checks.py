@@ -29,13 +29,15 @@ from spectral_contact.testing.layer_conditions import LayerConditions
 
 Field = Callable[[Array], Array]
 
-#: Residuals of correct solutions by quadrature and rounding, measured on ones right to 1e-13.
+#: Residuals that quadrature and rounding make of a correct solution, measured on solutions that are
+#: right to 1e-13: checks allow this much besides `rtol`.
 _FLOOR = 1e-12
 #: A pressure may be infinite so close to a tip or corner, and is replaced by 0 there, which changes
 #: its integrals by less than rounding.
 _CORNER = 1e-14
-#: Distance from the edge at which the factor of a singularity like ``1/sqrt(1 - s**2)`` is read
-#: off, over the distance of the next place where the pressure is not smooth.
+#: The factor of a pressure that is infinite like ``1/sqrt(1 - s**2)`` is read off next to the edge:
+#: this is the distance of that place over that of the nearest other place at which the pressure is
+#: not smooth.
 _EDGE = 1e-13
 #: Distances from the edge at which residuals are computed: at the edge, in the bulk, at the centre.
 _PLACES = np.concatenate([10.0 ** -np.linspace(8.0, 1.0, 8), np.linspace(0.15, 0.95, 9), [0.999]])
@@ -76,7 +78,7 @@ class CheckReport:
     ----------
     checks : tuple of Check
     remarks : tuple of str
-        What the solution lacks of what the checks make use of.
+        What the solution lacks, so that checks are less sharp.
     """
 
     checks: tuple[Check, ...]
@@ -101,10 +103,10 @@ def check_solution(
 ) -> CheckReport:
     """Check a solution against the equations of its scene.
 
-    The residuals of (3.5), (4.2) and the friction law are computed from the fields with the
-    elliptic kernels, by quadrature that shares no code with any solver. With elastic coupling
-    (3.5) includes the normal displacement by the traction. A field that is right to a relative
-    `rtol` everywhere passes.
+    The residuals of normal contact (3.5), of full stick (4.2) (docs/theory) and of the friction law
+    are computed from the fields with the elliptic kernels, by quadrature that shares no code with
+    any solver. With elastic coupling (3.5) includes the normal displacement by the traction. A
+    field that is right to a relative `rtol` everywhere passes.
 
     With a profile the pressure must carry the load, press the surface against the punch, vanish at
     the edge (or release the work of adhesion there), and leave the surface outside the contact
@@ -121,7 +123,7 @@ def check_solution(
         used; without it layers thinner than 1e-8 are not resolved. ``approach`` and
         ``total_shear`` are checked where they exist; ``zones`` give their boundaries to `breaks`.
         Of a `Solution` these may be left uncomputed.
-        Closer to the edge than its ``opening``, if it has one, the pressure may be negative.
+        If it has an ``opening``, the pressure may be negative within this distance from the edge.
         With a profile ``contact_radius`` is needed if the scene does not give it, or
         ``domain_radius`` for layer laws without an edge; ``load`` is checked where it exists.
     scene : Scene
@@ -130,8 +132,9 @@ def check_solution(
         Relative accuracy claimed.
     breaks : sequence of float
         Distances from the edge, in (0, 1), at which the fields are not smooth: nodes of a coarse
-        mesh, zone boundaries. Quadrature across a kink has five digits only. Nearer to one than
-        ``sqrt(rtol)`` of that distance the friction law is checked to ``sqrt(rtol)``.
+        mesh, zone boundaries. Quadrature across a kink has five digits only. Within ``sqrt(rtol)``
+        times its own distance from the edge of each of them, the friction law is checked to
+        ``sqrt(rtol)`` only.
     strict : bool
         Raise if a check fails.
 
@@ -268,13 +271,14 @@ def _normal_checks(
     """Return the checks of pressure and approach under a flat punch.
 
     By reciprocity with the smooth flat punch, whose pressure is ``1/(2 pi sqrt(1 - s**2))`` and
-    whose approach is 1/8, the approach is 1/8 plus what layer and traction add to the
-    displacements, integrated with that pressure.
+    whose approach is 1/8: the approach is 1/8 plus the integral of that pressure times the
+    displacement that layer and traction add.
     """
     alpha = scene.normal_compliance
     p = pressure(_PLACES)
     deflections = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
     displacement = alpha * p + deflections
+    # `load` integrates over s ds: 2 pi of the area and 1/(2 pi) of the pressure cancel
     excess = alpha * load(lambda d: pressure(d) / np.sqrt(d * (2.0 - d)), breaks=cuts)
     if scene.couples and traction is not None:
         lifts = [shear_lift(traction, scene.kappa, float(d), cuts) for d in _PLACES]
@@ -340,7 +344,7 @@ class _Indented:
     def _integrable(self, pressure: Field) -> Field:
         """Return the pressure, replaced by 0 at tips and corners where it is infinite.
 
-        On a smooth surface it is, like a logarithm of the distance.
+        On a smooth surface it is infinite there, like the logarithm of the distance.
         """
         if self.scene.normal_compliance or self.layered or not len(self.corners):
             return pressure
@@ -415,7 +419,10 @@ class _Indented:
         return checks if traction is None else checks + self._friction(pressure, traction)
 
     def _singularity(self, pressure: Field) -> float:
-        """Return ``p sqrt(1 - s**2)`` close to the edge; with a layer, the pressure at the edge."""
+        """Return ``p sqrt(1 - s**2)`` close to the edge.
+
+        With a normal compliance the pressure is finite: it is that at the edge then.
+        """
         if self.scene.normal_compliance:
             return float(pressure(np.zeros(1))[0])
         ends = [] if self.pinned else [self.profile.reach / self.radius - 1.0]
@@ -431,8 +438,8 @@ class _Indented:
     def _release(self, pressure: Field, load_size: float) -> Check:
         """Return the check of the energy release rate at the edge, by the pressure there.
 
-        The rate is ``alpha p**2 / 2`` with a layer, and ``pi a p**2 (1 - s**2) / 8`` on a smooth
-        surface. Under a flat punch it is at most the work of adhesion, else it is equal to that.
+        The rate is ``alpha p**2 / 2`` with a normal compliance, and ``pi a p**2 (1 - s**2) / 8`` on
+        a smooth surface. Under a flat punch it is at most the work of adhesion, else equal to it.
         """
         alpha = self.scene.normal_compliance
         adhesion = self.scene.work_of_adhesion
@@ -487,8 +494,8 @@ def _friction_checks(
     if scene.kappa == 0.0:
         return [_no_traction(traction), *shear]
     checks: list[Check] = []
-    # A boundary may be off by rtol. Next to it fields vary like the root of the distance, so that
-    # the conditions of either zone hold to the root of rtol only.
+    # The boundary of a zone may be off by rtol. Next to it fields vary like the root of the
+    # distance, so that the conditions of either zone hold to the root of rtol only.
     near = np.array([any(abs(d / b - 1.0) <= sqrt(rtol) for b in boundaries) for d in _PLACES])
     for where, suffix, allowed in ((~near, "", rtol), (near, " near a break", sqrt(rtol))):
         if where.any():
@@ -532,11 +539,14 @@ def _zone_checks(
     q = traction(places)
     parts = [tangential_displacement(traction, pressure, kappa, float(d), cuts) for d in places]
     outward, inward = np.array(parts).T
-    displacement = (beta * q + outward - inward) / inward  # left side of (4.2), relative
+    # the left side of (4.2), relative: `inward` has the sign of kappa, and u_r that of displacement
+    # times kappa
+    displacement = (beta * q + outward - inward) / inward
     with np.errstate(invalid="ignore"):
         fraction = np.abs(q) / (friction * p) if friction else np.full(len(q), inf)
     slip = fraction > 1.0 - 4.0 * rtol
     stick = ~slip  # and where a traction is NaN
+    # without friction the surface moves inward if kappa > 0
     sense = np.sign(q) * np.sign(kappa) if friction else np.ones(len(q))
     checks = [
         _worst("no displacement in stick (4.2)", np.abs(displacement[stick]), rtol, places[stick]),

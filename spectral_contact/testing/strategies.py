@@ -1,7 +1,8 @@
 """Hypothesis strategies for scenes, which cover the space of parameters (extra ``testing``).
 
 Two corners are left out, as they are slow or ill-conditioned and need tests of their own:
-friction within 1e-6 of the critical, and a normal compliance far below a tangential one below 1e-9.
+friction from 0.99 of the critical one up to it, and a tangential compliance below 1e-9 with a
+normal one below a tenth of it.
 """
 
 from __future__ import annotations
@@ -59,7 +60,7 @@ def compliances() -> SearchStrategy[float]:
 
 
 def poisson_ratios() -> SearchStrategy[float]:
-    """Return Poisson's ratios with some coupling, from -0.99 to 0.499."""
+    """Return Poisson's ratios at which kappa is not 0, from -0.99 to 0.499."""
     return st.floats(-0.99, 0.499)
 
 
@@ -104,14 +105,15 @@ def coupled_stick_scenes() -> SearchStrategy[Scene]:
 
 @st.composite
 def partial_slip_scenes(draw: DrawFn) -> Scene:
-    """Return scenes with friction below the critical, from just below to a thousandth of it."""
+    """Return scenes with friction from a thousandth of the critical one to 0.99 of it."""
     scene = draw(full_stick_scenes())
     share = draw(st.one_of(st.floats(0.05, 0.98), powers_of_ten(-3, 0)))
     assume(share < 0.99)
     critical = _critical_friction(scene)
     if not math.isfinite(critical):
-        # without tangential compliance the stick radius is about 4 exp(-2 kappa/f), and the solver
-        # takes one below 1e-54 for full slip
+        # without tangential compliance the critical friction is infinite, and 5 kappa takes its
+        # place. The stick radius is about 4 exp(-2 kappa/f); the solver takes one below 1e-54 for
+        # full slip, so that the friction may not be too small
         critical = 5.0 * scene.kappa
         share = max(share, 0.02)
     return Scene(

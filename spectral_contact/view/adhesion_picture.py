@@ -28,7 +28,7 @@ def plot_adhesion_cycle(cycle: AdhesionCycle) -> Figure:
     Parameters
     ----------
     cycle : AdhesionCycle
-        In E' and L, or `AdhesionCycle.in_si`.
+        With loads in E'L² and lengths in L, or in SI units, as `AdhesionCycle.in_si` returns it.
 
     Returns
     -------
@@ -63,7 +63,10 @@ def plot_adhesion_cycle(cycle: AdhesionCycle) -> Figure:
 
 
 def _shown(values: Array, kind: Mask) -> Array:
-    """Return values where they are of a kind, or next to one that is, and NaN elsewhere."""
+    """Return the values of a kind and the first one after each run of them, and NaN elsewhere.
+
+    So the curves of both kinds meet.
+    """
     near = kind.copy()
     near[1:] |= kind[:-1] & ~kind[1:]
     return np.where(near, values, np.nan)

@@ -11,6 +11,7 @@ from spectral_contact.fields.series import AnnulusSeries, DiskSeries, LogSeries,
 from spectral_contact.io.choices import instance
 from spectral_contact.solution import Solution
 from spectral_contact.view.figures import VERMILION, new_figure, require, scene_title, style
+from spectral_contact.view.radii import known_zones
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,8 +28,9 @@ def plot_coefficients(solution: Solution) -> Figure:
     Returns
     -------
     matplotlib.figure.Figure
-        Moduli of the coefficients over their degree, dimensionless, a curve for each panel: dark
-        far from the boundary, light next to it, dashed for the tail panel at the boundary.
+        Moduli of the coefficients over their degree, dimensionless, a curve for each panel. Panels
+        far from the boundary at d = 0 are dark, those next to it light; the tail at the boundary is
+        dashed.
 
     Raises
     ------
@@ -59,9 +61,15 @@ def _pressure_series(solution: Solution) -> list[tuple[str, LogSeries]]:
     """Return the series of the pressure with their titles; none if it is a closed form."""
     field = solution.pressure_field
     if isinstance(field, ZonalField):
-        return [
-            found for one in field.pieces for found in _piece_series("$p^*$", one.field, "slip")
-        ]
+        # the pieces are zones with elastic coupling, else parts of the profile
+        kinds = {(zone.inner, zone.outer): f" in {zone.kind}" for zone in known_zones(solution)}
+        series = []
+        inner = 0.0
+        for piece in field.pieces:
+            where = kinds.get((inner, piece.outer.value), "")
+            series += _piece_series("$p^*$", piece.field, where, where)
+            inner = piece.outer.value
+        return series
     if field is None or field.series is None:
         return []
     return [("$p^*$, $d = 1 - s^2$", field.series)]
@@ -71,27 +79,43 @@ def _traction_series(solution: Solution) -> list[tuple[str, LogSeries]]:
     """Return the series of the traction in stick zones with their titles."""
     field = solution.traction_field
     pieces = [p.field for p in field.pieces] if isinstance(field, ZonalField) else [field]
-    # a series without the factor s is one of the pressure: in slip the traction is f times that
+    # in slip the traction is f times the pressure, whose series have no factor s: power is 0
     stuck = [one for one in pieces if not isinstance(one, AnnulusSeries) or one.power == 1]
-    return [found for one in stuck for found in _piece_series("$q^*$", one, "a stick annulus")]
+    return [
+        found
+        for one in stuck
+        for found in _piece_series("$q^*$", one, " in stick", " in a stick annulus")
+    ]
 
 
-def _piece_series(name: str, piece: object, annulus: str) -> list[tuple[str, LogSeries]]:
-    """Return the series of a disk, or both of an annulus, with their titles."""
+def _piece_series(
+    name: str, piece: object, of_disk: str, of_annulus: str
+) -> list[tuple[str, LogSeries]]:
+    """Return the series of a disk, or both of an annulus, with their titles.
+
+    Parameters
+    ----------
+    name : str
+        Symbol of the field.
+    piece : object
+        A closed form has no series.
+    of_disk, of_annulus : str
+        What a title says of a disk or an annulus, after the symbol.
+    """
     if isinstance(piece, DiskSeries) and piece.series is not None:
         c = piece.outer.value
         place = "$d = 1 - s^2$" if c == 1.0 else rf"$d = 1 - s^2/c^2$, $c = {c:.4g}$"
-        return [(f"{name} in stick, {place}", piece.series)]
+        return [(f"{name}{of_disk}, {place}", piece.series)]
     if isinstance(piece, AnnulusSeries):
         ends = (piece.inner.value, piece.toward_inner), (piece.outer.value, piece.toward_outer)
-        return [(f"{name} in {annulus}, toward $s = {end:.4g}$", one) for end, one in ends]
+        return [(f"{name}{of_annulus}, toward $s = {end:.4g}$", one) for end, one in ends]
     return []
 
 
 def _why_no_series(solution: Solution) -> str:
     """Return why no field of a solution is a series."""
     missing = dict(solution.plan.missing)
-    if "pressure" not in missing:
+    if "pressure" not in missing:  # it was asked for: a rough surface would have a series
         return "the surface is smooth, its pressure a closed form"
     if "traction" not in missing:
         return "the traction is zero or a closed form, and the pressure was not asked for"

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: Suffixes that `save` knows.
 FORMATS = (".png", ".pdf", ".svg")
 
-# Colours of Okabe and Ito: told apart by the colour-blind, and in grey by their line styles.
+# Colours of Okabe and Ito, which the colour-blind tell apart; in grey the line styles differ.
 BLUE, VERMILION, GREEN, BLACK = "#0072B2", "#D55E00", "#009E73", "#000000"
 #: Backgrounds of stick and slip zones in every picture of the library: in figures, in the zones
 #: that notebooks show, in the explorer and in README.md. They survive printing in grey.
@@ -51,12 +51,12 @@ _STYLE = {
 
 
 def require() -> Any:
-    """Return matplotlib; called before the work, which its absence would cost."""
+    """Return matplotlib. It is called before any work that would be in vain without it."""
     return optional("matplotlib", "plot")
 
 
 def new_figure(**options: Any) -> Figure:
-    """Return an empty figure, which a notebook shows as a picture without pyplot.
+    """Return an empty figure that a notebook shows as a picture although pyplot is not used.
 
     Parameters
     ----------
@@ -139,6 +139,7 @@ def scene_title(scene: Scene) -> str:
         rf"$\alpha^* = {math_number(scene.normal_compliance)}$",
         rf"$\beta^* = {math_number(scene.tangential_compliance)}$",
     )
+    # lambda is the load over the largest load
     unloaded = [rf"$\lambda = {scene.unloaded_to:g}$"] * (scene.unloaded_to < 1.0)
     return ",   ".join((*numbers, friction, *unloaded, *["coupled"] * scene.coupling))
 

@@ -13,7 +13,8 @@ from spectral_contact.view.figures import BLUE, VERMILION, new_figure, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Lines are drawn at plus and minus so many standard deviations, within which most residuals are.
+#: Lines are drawn at residuals of plus and minus this many standard deviations of the loads; most
+#: residuals are between them.
 _BAND = 2.0
 
 

@@ -31,8 +31,8 @@ _POINTS = 300
 def plot_history(solution: Solution) -> Figure:
     """Plot load, total shear and approach over the contact radius, and the stick radius.
 
-    The last panel has the stick radius and the edge of the contact; between them it slips. In SI
-    units if the scene has SI data.
+    The third plot has the stick radius and the contact radius; the contact slips between them. In
+    SI units if the scene has SI data.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def plot_history(solution: Solution) -> Figure:
         forces.legend()
         approach.plot(radii, history.approach(radii), color=GREEN)
         approach.set(ylabel=rf"approach $\delta$ [{length}]")
-        stick_radii = radii * history.stick_radius(radii)
+        stick_radii = radii * history.stick_radius(radii)  # which is over the contact radius
         zones.plot(radii, stick_radii, color=BLUE, label="stick radius")
         zones.fill_between(radii, stick_radii, radii, color=SLIP_GREY, lw=0.0, label="slip")
         zones.plot(radii, radii, "k-", lw=0.8)

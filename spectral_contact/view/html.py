@@ -1,4 +1,4 @@
-"""Scenes, solutions, plans and gold tables as a notebook shows them: tables, and zones drawn."""
+"""Scenes, solutions, plans and gold tables as a notebook shows them: as tables and drawn zones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from spectral_contact.view.report import quantity_cells, si_cells, zone_cells
 if TYPE_CHECKING:
     from spectral_contact.gold.table_loader import GoldSolution, GoldTable
 
-#: What makes a scene, in the order of a table.
+#: The parameters of a scene, in the order of its table.
 _SHOWN: Final = (
     *("poisson_ratio", "normal_compliance", "tangential_compliance", "friction", "mismatch"),
     *("youngs_modulus", "punch_youngs_modulus", "punch_poisson_ratio", "reduced_modulus", "radius"),
@@ -47,10 +47,13 @@ def of_scene(scene: Scene) -> str:
     for name in _SHOWN:
         about = SI[name] if name in SI else SCENE["kappa" if name == "mismatch" else name]
         words, symbol, unit = about.meaning, about.symbol, about.unit.replace("^2", "²")
+        # a number that would have a unit has a star where it is dimensionless, but for loads and
+        # lengths, which are in E'L² and L
         star = "*" if unit and name not in ALL_CONTROLS else ""
         value = getattr(scene, name, None)
         if name == "friction":
             rows.append((words, symbol, _friction(scene.friction)))
+        # with SI data loads and lengths are shown in SI units alone
         elif value is not None and (physical is None or name not in ALL_CONTROLS):
             rows.append((words, symbol + star, f"{value:.6g}"))
         si = getattr(physical, name, None)
@@ -107,7 +110,7 @@ def of_gold_table(table: GoldTable) -> str:
 
 
 def of_gold(one: GoldSolution) -> str:
-    """Return the numbers of a gold solution with all their digits."""
+    """Return the numbers of a solution of a gold table (docs/gold) with all their digits."""
     rows: list[tuple[str, ...]] = [("quantity", f"to {one.digits} digits", "relative error")]
     for name in ("approach", "total_shear", "stick_radius", "edge_ratio"):
         value, error = getattr(one, name), getattr(one.error, name)

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 #: Points along each axis, and levels of the contours; chosen.
 _POINTS = 161
 _LEVELS = 24
-#: The colours cover the values up to this quantile, and down to its complement: next to the edge
-#: many stresses are infinite.
+#: The colours cover the values between this quantile and one minus it: next to the edge many
+#: stresses are infinite.
 _QUANTILE = 0.985
 #: Relative tolerance of what is drawn.
 _RTOL = 1e-6
 #: Quantities whose largest value is marked.
 _MARKED = ("von_mises", "max_shear")
-#: Units and quantities as axes show them, where they differ from the columns of a table.
+#: Texts of axes for units and quantities whose names in a table differ.
 _UNITS = {
     "a": "$a$",
     "L": "$L$",
@@ -55,8 +55,8 @@ _SYMBOLS = {
 def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | None = None) -> Figure:
     """Plot the contours of a quantity in the plane of r and z, and the deformed surface above.
 
-    Lines of equal `max_shear` are the fringes of photoelasticity. A cross marks the place of the
-    largest von Mises or shear stress, if there is one.
+    Lines of equal `max_shear` are the fringes of photoelasticity. If a largest von Mises or shear
+    stress is attained, a cross marks its place.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def plot_inside(body: Inside, quantity: str = "von_mises", *, r_max: float | Non
     Raises
     ------
     SceneError
-        If a parameter is not one of these.
+        If a parameter is of another type or out of its range.
     MissingDependencyError
         If matplotlib is not installed.
     """
@@ -123,14 +123,16 @@ def _draw_surface(axes: Axes, body: Inside, far: float) -> None:
     radius = body.radius
     r = np.concatenate([np.linspace(0.0, radius, 101), np.linspace(radius, far, 101)[1:]])
     surface = body.surface(r, rtol=_RTOL)
-    # the face of the punch: inside it is below the surface of the half-space by what the layer is
-    # compressed, outside it is above it by the gap
+    # in the contact the face of the punch is below the surface of the half-space, by the
+    # compression of the layer; outside it is above it. Both distances are `surface.gap`
     if body.flat:
         r_face = np.array([0.0, radius, radius])
         face = np.append(np.repeat(surface.z[:1] + surface.gap[:1], 2), 0.0)
     else:  # only the part near the body is drawn
         face = np.where(r <= radius, surface.z + surface.gap, surface.z - surface.gap)
-        near = face > -0.3 * face[0]
+        # adhesion may lift the surface: then the whole contact is drawn, and as much above it
+        lifted = face[r <= radius].min() if surface.z.min() < 0.0 else 0.0
+        near = face > min(lifted, 0.0) - 0.3 * abs(face[0])
         r_face = r[near]
         face = face[near]
     axes.fill_between(r_face, np.minimum(face.min(), 0.0), face, color=SLIP_GREY, lw=0.0)

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 #: Overclosures are drawn up to this many times that of the largest pressure; chosen.
 _BEYOND = 1.3
-#: Pressures are drawn down to this share of the largest one, where the law has no start or the axis
-#: is logarithmic; chosen.
+#: If the law has no start, or the axis is logarithmic, pressures are drawn down to this share of
+#: the largest one; chosen.
 _LEAST = 1e-4
 #: Points of the curve.
 _POINTS = 400
@@ -65,9 +65,10 @@ class _DrawnLaw(NamedTuple):
 def plot_law(solution: Solution) -> Figure:
     """Plot the law of a nonlinear layer, and mark the pressures that the contact makes use of.
 
-    Pressures up to the largest are shaded. At the mean pressure the tangent and the secant are
-    drawn, whose slopes a linear layer in place of the law may have. Where the contact has no edge,
-    pressures are weighted by themselves in the mean. In SI units if the scene has SI data.
+    Pressures up to the largest are shaded. The tangent and the secant at the mean pressure are
+    drawn: a linear layer that is taken in place of the law may have the slope of either. Where the
+    contact has no edge, the mean over the domain is weighted by the pressure. In SI units if the
+    scene has SI data.
 
     Parameters
     ----------
@@ -109,7 +110,7 @@ def plot_law(solution: Solution) -> Figure:
 
 
 def _drawn_law(solution: Solution, unit: float) -> _DrawnLaw:
-    """Return what is drawn; pressures, which are in E', are multiplied by a unit."""
+    """Return what is drawn; `unit` is E' in the unit of pressures that are drawn."""
     layer = solution.scene.layer
     assert layer is not None
     radii = graded_radii(solution)

@@ -1,7 +1,8 @@
 """Output of a solution: SI values, tables, pictures, files.
 
-What makes it is above a solution in the order of imports, and is imported by the method that asks
-for it: this module alone has such imports, and those that show a scene, a plan or gold call it.
+The modules that make this output import `solution`, which imports this module. So each method here
+imports the module that it needs when it is called. What shows scenes, plans and gold tables in
+notebooks has the same reason to be here.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def inside_of(solution: Solution) -> Inside:
 
 
 class _Load:
-    """What the name `load` stands for: reading a file, of the class; the load, of a solution."""
+    """The name `load`: of the class `Solution` it reads a file, of a solution it is the load."""
 
     @overload
     def __get__(
@@ -95,7 +96,7 @@ class Output(Suggesting):
 
     @property
     def _comparable(self) -> object:
-        """What is the same of equal solutions."""
+        """What is compared of two solutions: everything but the times of the work."""
         from spectral_contact.io import storage
 
         return storage.comparable(self._solution)
@@ -134,7 +135,7 @@ class Output(Suggesting):
         return plot_solution(self._solution)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a table of the fields with estimates of their errors; the rest is in its comments.
+        """Write a table of the fields with estimates of their errors; comments have all the rest.
 
         The radii resolve the edge layer and every zone.
 
@@ -194,10 +195,10 @@ class Output(Suggesting):
         Parameters
         ----------
         parameters : iterable of str, optional
-            Out of ``"normal_compliance"``, ``"tangential_compliance"``, ``"friction"`` and
-            ``"poisson_ratio"``, dimensionless, and below the largest load ``"unloaded_to"``; by
-            default all. With adhesion those of load,
-            approach and contact radius by ``"work_of_adhesion"``.
+            By which: names out of ``"normal_compliance"``, ``"tangential_compliance"``,
+            ``"friction"``, ``"poisson_ratio"`` and, below the largest load, ``"unloaded_to"``, all
+            dimensionless; by default all of them. With adhesion ``"work_of_adhesion"`` is the only
+            one, by which load, approach and contact radius are differentiated.
         s, from_edge : array_like, optional
             Radii in [0, 1], or distances from the edge, for derivatives of pressure and traction;
             by default there are none.
@@ -207,9 +208,10 @@ class Output(Suggesting):
         Returns
         -------
         Sensitivity
-            ``found["stick_radius", "friction"]`` has value, estimated relative error, and a note;
-            ``found.fields["traction", "friction"]`` values, estimated absolute errors, and a note;
-            ``found.boundaries["friction"]`` those of all boundaries between zones.
+            ``found["stick_radius", "friction"]`` has the value, its estimated relative error and a
+            note. ``found.fields["traction", "friction"]`` has the values at the radii, their
+            estimated absolute errors and a note. ``found.boundaries["friction"]`` has a derivative
+            for each boundary between zones.
 
         Raises
         ------

@@ -58,7 +58,10 @@ class PhysicalSolution(choices.Suggesting):
         return self.solution.scene.profile is not None
 
     def _factor(self, kind: str) -> float:
-        """Return an `OutputQuantity.si_factor` of this solution."""
+        """Return what a dimensionless quantity is multiplied by to be in SI units.
+
+        The kind is the `si_factor` of the quantity in `OUTPUTS`.
+        """
         return float(self._data.si_factor(kind, self._nu, self.solution))
 
     def _in_si(self, name: str) -> Any:
@@ -82,7 +85,10 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def units(self) -> Units:
-        """SI units of length a [m], stress [Pa] and displacement [m], of dimensionless fields."""
+        """SI units of the dimensionless fields of `Inside`: lengths, stresses and displacements.
+
+        Its lengths are over the radius; under a profile its displacements are, too.
+        """
         displacement = self._factor("radius" if self._shaped else "displacement")
         return si_units(self.radius, self._factor("stress"), displacement)
 
@@ -112,7 +118,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def turning_ratio(self) -> float:
-        """Load over the largest load below which the history counts."""
+        """Load over the largest load below which the state depends on the loads in between."""
         return self.solution.turning_ratio
 
     @property
@@ -133,7 +139,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def total_shear(self) -> float:
-        """Total shear Q [N], a measure of shear, not a resultant force."""
+        """Total shear Q = 2π∫q r dr [N]: no resultant force, as the traction is radial."""
         return float(self._in_si("total_shear"))
 
     @property
@@ -200,7 +206,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def punch_inside(self) -> Inside:
-        """The same in an elastic punch, depths counted into it; its surface bears p and −q.
+        """The same in an elastic punch: depths are below its surface, which bears p and −q.
 
         Raises
         ------
@@ -216,6 +222,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def _half_space(self) -> Material:
+        """Poisson's ratio of the half-space, and its share in the compliance of both bodies."""
         nu = self._nu
         if nu is None:
             told = "given: stress inside takes E and ν of either body, not their reduced modulus"
@@ -242,5 +249,5 @@ class PhysicalSolution(choices.Suggesting):
 
     @over_r
     def slip(self, r: ArrayLike | None = None, *, from_edge: ArrayLike | None = None) -> Any:
-        """Evaluate the radial displacement [m] at radii `r` [m], or at distances `from_edge`."""
+        """Evaluate the slip u_r [m] at radii `r` [m], or at distances `from_edge` [m]."""
         return self._scaled("slip", r, from_edge)

@@ -97,9 +97,10 @@ def check(plan: Plan) -> None:
 def plot_solution(solution: Solution) -> Figure:
     """Plot p*, q*, f p*, the slip, the zones and the error estimates of a solution.
 
-    The axes of a scene with SI data are in SI units: p, q and f p over r. They are dimensionless if
-    these units are not known: under a flat punch whose approach was given, if `approach` was not
-    asked for; under a profile, if the contact radius is neither given nor asked for.
+    The axes of a scene with SI data are in SI units: p, q and f p over r. There are two exceptions,
+    in which these units are not known and axes are dimensionless: a flat punch of given approach,
+    if the quantity `approach` was not asked for; and a profile, if the contact radius is neither
+    given nor asked for.
 
     The left panels show the fields over the radius; where they are singular, or nearly so, at the
     edge, they are cut off, and a note says so. The right panels show them over the distance from
@@ -165,7 +166,8 @@ class _AxisUnits:
     length, stress, slip : float
         What dimensionless radii, stresses and slips are multiplied by.
     length_unit, stress_unit, slip_unit : str
-        Names of the units; empty where the axis is dimensionless, in the symbols of the theory.
+        Names of the units. They are empty where an axis is dimensionless; its label then has the
+        symbol of docs/theory.
     title : tuple of str
         Lines of the title about profile and SI data.
     """
@@ -186,6 +188,7 @@ class _AxisUnits:
         domain_radius = None if profile is None else known_radius(solution)
         radius_given = solution.scene.contact_radius is not None
         has_edge = profile is None or radius_given or "contact_radius" in solution.values
+        # R is the radius of the domain of a layer law without an edge
         symbol = "a" if has_edge else "R"
         if profile is not None and (data is None or domain_radius is None):
             layer = solution.scene.layer
@@ -263,7 +266,7 @@ class _AxisUnits:
 
 
 def _prefix_power(scale: float) -> int:
-    """Return the power of ten of the prefix in which a scale is from 1 to 1000, if there is one."""
+    """Return the power of ten of the prefix with which a scale is in [1, 1000), or nearest."""
     power = 3 * math.floor(math.log10(scale) / 3.0)
     return min(max(power, min(_PREFIXES)), max(_PREFIXES))
 
@@ -372,9 +375,9 @@ def _zone_patches(solution: Solution) -> list[Any]:
 
 
 def _estimates(solution: Solution) -> list[tuple[str, float]]:
-    """Return the names and values of the error estimates there are, at most 1, in their order."""
+    """Return the names and values of all error estimates; values above 1 are replaced by 1."""
     found = [(one.name, getattr(solution.error, one.name)) for one in fields(ErrorEstimates)]
-    # from 1 on no digit is known, nor is one if the estimate is NaN
+    # an estimate of 1 or more, or NaN, says that no digit is known
     return [
         (name.replace("_", " "), error if error < 1.0 else 1.0)
         for name, error in found

@@ -53,7 +53,8 @@ class ProgressLine:
     def __call__(self, step: str, share: float | None = None) -> None:
         """Show the step and the share in [0, 1] that is done; a share of 1 removes the line.
 
-        None leaves the share as it was. If the first one is None, there is no bar.
+        If the share is None, the share that is shown does not change. If the first one is None, the
+        line has only the time and the step, without a bar and a percentage.
         """
         if self._make is None:
             return
@@ -69,11 +70,11 @@ class ProgressLine:
 
 
 def silent(step: str) -> None:
-    """Do nothing with a step: what is called in place of a `ProgressLine`."""
+    """Do nothing. It is called with each step where there is no `ProgressLine`."""
 
 
 def _watched() -> bool:
-    """Whether somebody sees what this process writes, which no worker process shows."""
+    """Whether somebody may watch what this process writes; false in a worker process."""
     if multiprocessing.parent_process() is not None:
         return False
     return _in_notebook() or (sys.stderr is not None and sys.stderr.isatty())
@@ -87,7 +88,7 @@ def _in_notebook() -> bool:
 
 
 def _bars() -> Any:
-    """Return the class of tqdm's bars, without its thread that refreshes them, unsafe at forks."""
+    """Return a class of tqdm's bars without its monitoring thread, which makes forks unsafe."""
     if _in_notebook():
         with warnings.catch_warnings():  # without widgets tqdm warns, and works
             warnings.simplefilter("ignore")

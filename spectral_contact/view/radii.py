@@ -22,7 +22,7 @@ _MOST: Final = 10_000_000
 class Radii:
     """Radii from the centre to the edge: the outer ones as distances from the edge.
 
-    A distance tells places next to the edge apart that round to the same radius.
+    Places next to the edge that round to the same radius have different distances from it.
 
     Attributes
     ----------
@@ -104,12 +104,12 @@ def known_zones(solution: Solution) -> tuple[Zone, ...]:
 
 
 def layer_depth(solution: Solution) -> float:
-    """Return a distance from the edge, over the radius, far below all lengths of the solution.
+    """Return a distance from the edge far below all lengths of a solution, over the radius.
 
-    These are the compliances and the widths of zones at the edge.
+    These lengths are the compliances and the widths of zones at the edge.
     """
     scene = solution.scene
-    # under a profile compliances are lengths; a radius that is not known is taken for their unit
+    # under a profile compliances are in L; a radius that is not known is taken to be L
     radius = 1.0 if scene.profile is None else known_radius(solution) or 1.0
     compliances = scene.normal_compliance, scene.tangential_compliance
     scales = [1e-3, *(one / radius for one in compliances)]
@@ -127,7 +127,8 @@ def known_radius(solution: Solution) -> float | None:
 def bulk_limits(radii: Radii, curves: Iterable[Array]) -> tuple[float, float]:
     """Return the limits of an axis for curves over radii.
 
-    Values next to the edge that are infinite, or more than 2.5 times those elsewhere, are cut off.
+    Values next to the edge are cut off if they are infinite, or more than 2.5 times the largest or
+    least value elsewhere.
     """
     values = np.concatenate([np.where(np.isnan(one), 0.0, one) for one in curves])
     bulk = values[np.tile(radii.from_edge >= 0.02, len(values) // len(radii.s))]

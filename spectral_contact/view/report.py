@@ -64,7 +64,7 @@ def report(solution: Solution, remarks: Sequence[str] = ()) -> str:
 
 
 def _on_adhesion(solution: Solution) -> list[str]:
-    """Return under what control an adhesive contact is stable, and whether it is taken back."""
+    """Return under what control an adhesive contact is stable, and if its approach is negative."""
     told = []
     stable = solution.values.get("stable_under")
     if stable is not None:
@@ -146,9 +146,9 @@ class _Row:
     value: float | None
     unit: str
     error: float | None
-    #: what the error is relative to, over the value: 1 for a relative error
+    #: the scale of the error over the modulus of the value: 1 if the error is relative to that
     scale: float = 1.0
-    #: the quantity that was not asked for, without which the value is not known in its unit
+    #: if the value is not known: the quantity that would have to be asked for
     takes: str = ""
 
     @property
@@ -178,7 +178,8 @@ def _si_rows(solution: Solution) -> list[_Row]:
         rows = [row for row in _scalars(physical, solution, units) if row.unit]
         return [_with_error_of_unit(row, _error_of_radius(solution)) for row in rows]
     approach_error = solution.error.approach or 0.0
-    # from an approach the load is computed, and everything scaled by it inherits its error
+    # if the approach is given, the load is computed from it: it has the error of the approach, and
+    # so has every quantity in units of the load
     inherited = 0.0 if data.approach is None else approach_error
     load, takes = if_known(lambda: physical.load)
     rows = [_Row("load", load, "N", inherited, takes=takes)]
@@ -201,7 +202,7 @@ def _error_of_radius(solution: Solution) -> float:
 
 
 def _with_error_of_unit(row: _Row, of_unit: float) -> _Row:
-    """Return the row of the stick radius with the error of its unit, the contact radius."""
+    """Return a row, with the error of the contact radius added to that of the stick radius."""
     if row.label != "stick radius" or row.error is None:
         return row
     return replace(row, error=row.error + of_unit)
@@ -232,7 +233,7 @@ def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
 
 
 def if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:
-    """Return a value and "", or None and the quantity that it takes, which was not asked for."""
+    """Return a value and "", or None and the quantity that it needs and that was not asked for."""
     try:
         return read(), ""
     except NotComputedError as missing:
@@ -243,12 +244,15 @@ def _has_edge_value(name: str, scene: Scene) -> bool:
     """Return whether a field is shown at the edge; under most profiles the pressure is 0 there."""
     if scene.profile is None:
         return True
-    loaded = isinstance(scene.profile, Flat) or scene.work_of_adhesion is not None
-    return name == "pressure" and loaded
+    has_edge_pressure = isinstance(scene.profile, Flat) or scene.work_of_adhesion is not None
+    return name == "pressure" and has_edge_pressure
 
 
 def relative_to(name: str, solution: Solution) -> float:
-    """Return what an error is relative to, over the value: 1 unless the value may vanish."""
+    """Return the scale that an error is relative to, over the modulus of the value.
+
+    It is 1 if the scale is the value, as of all quantities that cannot vanish.
+    """
     scale, value = solution.error_scales.get(name), solution.values.get(name)
     if scale is None or value is None or math.isinf(value):
         return 1.0
@@ -399,7 +403,7 @@ def _indented(text: str) -> str:
 
 
 def digits_text(value: float | None, error: float | None) -> str:
-    """Return a value with the digits that its error leaves it, and one more."""
+    """Return a value with the digits that are right by its error, and one more."""
     if value is None:
         return "none"
     if error is None:

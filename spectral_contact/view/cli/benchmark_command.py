@@ -12,7 +12,7 @@ _NAMES: Final = benchmarks.names()
 
 
 def print_list() -> None:
-    """List the benchmarks and their check numbers."""
+    """List the benchmarks, each with its check number, which another code is to compare first."""
     cells = [("benchmarks", "check number", "within", "problem")]
     for one in map(benchmarks.load, _NAMES):
         check = f"{one.check.symbol} = {one.check.text}"

@@ -23,7 +23,7 @@ _ENTRY: Final = re.compile(r"(\w+(?:, \w+)*) : (.+)\n((?:    .+\n?)+)")
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one line: what is allowed, or a suggestion of what was meant.
 
-    Options that are not given are no attributes of the namespace that it returns.
+    The namespace that it returns has attributes for the options that are given, and no others.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -60,7 +60,7 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Suggest a choice for one that is unknown; argparse does so from Python 3.14 on."""
-        if value == argparse.SUPPRESS:  # of a positional argument that is left out
+        if value == argparse.SUPPRESS:  # a positional argument is left out
             return
         try:
             super()._check_value(action, value)
@@ -138,6 +138,7 @@ def add_commands(
         )
         add_options(added, function, "request")
         known = {action.dest for action in added._actions if action.option_strings}
+        # `scene_options` and `__main__` find the options of the command under `options`
         added.set_defaults(run=partial(_call, function), options=known)
 
 
@@ -148,12 +149,15 @@ def _subparsers(parser: Parser, dest: str) -> Any:
     def refuse(_: Any) -> NoReturn:
         parser.error(f"give a {dest}: {', '.join(parsers.choices)}")
 
-    parser.set_defaults(run=refuse)  # a command has another one
+    parser.set_defaults(run=refuse)  # each command replaces it by its own `run`
     return parsers
 
 
 def _call(function: Callable[..., Any], given: Mapping[str, Any]) -> Any:
-    """Call a function with the options given; an argument of a class takes several of them."""
+    """Call a function with the options given.
+
+    A parameter whose type is a class, as `SceneOptions`, gets an object made of several options.
+    """
     values = {}
     for name, parameter in inspect.signature(function, eval_str=True).parameters.items():
         kind: Any = parameter.annotation
@@ -169,8 +173,8 @@ def _call(function: Callable[..., Any], given: Mapping[str, Any]) -> Any:
 def add_options(parser: Parser, function: Callable[..., Any], title: str = "") -> Any:
     """Add the options of a function, and return their group.
 
-    A parameter whose type is a dataclass stands for the options that are its fields, or that its
-    `add_options` adds.
+    A parameter whose type is a class with a method `add_options` stands for the options that this
+    adds; one whose type is another dataclass, for an option for each field.
     """
     told, own = Documentation.of(function), []
     for parameter in inspect.signature(function, eval_str=True).parameters.values():

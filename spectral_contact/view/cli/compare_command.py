@@ -15,7 +15,7 @@ from spectral_contact.view.cli.files import Reading
 from spectral_contact.view.cli.options import NamedNumbers, NotSolved, Number, UsageError
 from spectral_contact.view.cli.scene_options import SceneOptions
 
-#: Numbers that may be compared beside the fields of a file, without a profile too.
+#: Numbers that `--value` may give in every scene; with a profile there are more.
 _NUMBERS: Final = ("approach", "stick_radius", "total_shear")
 #: Fields of a file with their SI units.
 _UNITS: Final = {one.name: one.si_unit for one in OUTPUTS if one.name in FIELDS} | {
@@ -81,7 +81,7 @@ def run(
 def _nodes(file: str, reading: Reading, *, si: bool) -> tuple[NumberTable, dict[str, Any]]:
     """Return what was read from a file, and its radii and fields as `compare` takes them.
 
-    Radii over the contact radius are s.
+    Radii are passed as s if the heading of their column says that they are over the contact radius.
     """
     radius = Expected("r", "m" if si else "", at_least=0.0)
     units = _UNITS if si else dict.fromkeys(_UNITS, "")

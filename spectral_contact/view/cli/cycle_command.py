@@ -21,9 +21,9 @@ def run(
 ) -> None:
     r"""Find the steady loop of a load that cycles.
 
-    The load cycles under a flat punch between that of the scene and a lower one. Print what sticks,
-    what slips how far, and the energy that friction dissipates in each cycle. Exit status: 0 done,
-    1 tolerance not met, 2 bad input or file, 130 interrupted.
+    The load on a flat punch cycles between the load of the scene and a lower one. Print what
+    sticks, what slips how far, and the energy that friction dissipates in each cycle. Exit status:
+    0 done, 1 tolerance not met, 2 bad input or file, 130 interrupted.
 
     Parameters
     ----------

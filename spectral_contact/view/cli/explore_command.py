@@ -35,5 +35,6 @@ def run(
     --------
     spectral-contact explore --poisson-ratio 0.3 --friction 0.05
     """
+    # it is called with the address of the page
     started = partial(print, flush=True)
     serve(scene.build().scene, rtol=rtol, port=port, started=started, show=not no_browser)

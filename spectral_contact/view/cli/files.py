@@ -43,7 +43,7 @@ class Reading:
         Parameters
         ----------
         invalid : str
-            What they do with rows without a value, unless these are skipped.
+            What they do with rows without a value if `skip_invalid` is not given.
         """
         given = asdict(self)
         skips = given.pop("skip_invalid")
@@ -56,7 +56,7 @@ def profile_of_points(
     """Return the profile through the points of a file, and what was read from it."""
     unit = "m" if si else ""
     expected = Expected("r", unit, at_least=0.0), Expected("height", unit)
-    option = "--profile-columns"
+    option = "--profile-columns"  # as errors name the argument `columns`
     table = read_columns(profile_file, expected, columns=profile_columns, option=option)
     points = table.values["r"], table.values["height"]
     profile = Sampled.from_points(*points, convex_hull=convex_hull)

@@ -35,9 +35,9 @@ def run(
     r"""Fit a measured force-indentation curve.
 
     Find the modulus, the layer and what the instrument adds from the depths and loads of a file
-    (docs/indentation.md). The scene says what is known, in SI units; the numbers of it that are
-    free are where the search starts. Exit status: 0 done, 1 not converged, 2 bad input or file,
-    130 interrupted.
+    (docs/indentation.md). The scene has the known numbers, in SI units; of the free numbers it has
+    the values at which the search starts. Exit status: 0 done, 1 not converged, 2 bad input or
+    file, 130 interrupted.
 
     Parameters
     ----------
@@ -83,6 +83,7 @@ def run(
 
 def _start(known: Mapping[str, Any], data: IndentationData) -> Scene:
     """Return the scene at which the fit begins; a modulus that is not given is estimated."""
+    # a scene needs an approach: that of the curve, or any if the curve has no depth
     given = {**known, "approach": float(np.ptp(data.depth)) or 1.0}
     if "reduced_modulus" in given or "youngs_modulus" in given:
         return SceneOptions(given).build().scene

@@ -41,7 +41,8 @@ def run(
         Distances from the axis, and depths, of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in
         contact radii, or in m for a scene in SI units; by default 0 to two radii.
     points : FILE
-        Instead: a text file with columns r and z, in these units or those of its headings.
+        Instead of a grid: a text file with columns r and z, in the units above or those of its
+        headings.
     punch : flag
         Points in an elastic punch, depths counted into it.
     rtol : X
@@ -64,8 +65,8 @@ def run(
     table = _points(points, reading, "" if contact.physical is None else "m")
     _check_places(points, output, grid=bool(r or z))
     solution = solve(contact, min(rtol, 1e-10))
-    physical = solution if contact.physical is None else solution.physical
-    body = solution.physical.punch_inside if punch else physical.inside
+    shown = solution if contact.physical is None else solution.physical
+    body = solution.physical.punch_inside if punch else shown.inside
     if output is not None:
         if table is None:
             default = np.linspace(0.0, 2.0 * body.radius, 81)
@@ -96,7 +97,7 @@ def _check_places(points: str | None, output: str | None, *, grid: bool) -> None
 
 
 def _check_bodies(contact: Scene, *, punch: bool) -> None:
-    """Refuse, before the work, bodies that are not told apart, and points in a rigid punch."""
+    """Refuse, before the work, bodies of unknown materials, and points in a rigid punch."""
     if contact.poisson_ratio is None:
         told = "stress inside takes --poisson-ratio of the half-space, and --youngs-modulus"
         raise UsageError(f"--reduced-modulus and --kappa do not tell the bodies apart: {told}")

@@ -23,7 +23,7 @@ from spectral_contact.view import plotting
 
 # Narrower than int(), which takes 1_000 and the digits of every script.
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
-#: Numbers, and the unit behind them: "1,2 mm" and "0:1:5 N m", not "0.1, inf".
+#: Numbers with one unit behind them, as "1,2 mm" and "0:1:5 N m"; "0.1, inf" has none.
 _WITH_UNIT: Final = re.compile(r"(.*?[^,:\s])\s+([^\W\d][^,:]*|[%°][^,:]*)")
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
@@ -71,7 +71,7 @@ def whole(text: str) -> int:
 
 
 def resolutions(text: str) -> list[float]:
-    """Return numbers, whole ones as an int: that is how a solver is called."""
+    """Return the numbers that a solver is called with; whole ones are ints."""
     parts = [part.strip(" ") for part in text.split(",")]
     return [int(part) if _WHOLE.fullmatch(part) else number(part) for part in parts]
 
@@ -103,7 +103,7 @@ def values(text: str) -> list[Any]:
 
 
 def names(text: str) -> list[str]:
-    """Return names that commas part."""
+    """Return the names of a list with commas."""
     return [name.strip().replace("-", "_") for name in text.split(",")]
 
 
@@ -133,7 +133,7 @@ def picture(text: str) -> str:
 
 
 class Listed(argparse.Action):
-    """An option of several texts, each of which stands for a list: all in one list."""
+    """An option whose value is several texts, each a list; the lists are joined to one."""
 
     def __call__(self, _: Any, namespace: Any, lists: Any, __: str | None = None) -> None:
         """Store the list."""
@@ -146,7 +146,7 @@ class Option:
     Attributes
     ----------
     names : tuple of str
-        What ends the help.
+        Names that are listed at the end of the help, as the values to choose from.
     also : str or None
         Another name of the option.
     keywords : dict
@@ -162,17 +162,17 @@ class Option:
 
 
 def chosen(*names: str, **keywords: Any) -> Option:
-    """Return the kind of a name that is one of these."""
+    """Return an option whose value is one of these names."""
     return Option(*names, choices=names, **keywords)
 
 
 def several(read: Callable[[str], list[Any]], *names: str, **keywords: Any) -> Option:
-    """Return the kind of a list, parted by commas or blanks."""
+    """Return an option whose value is a list, with commas or blanks between its items."""
     return Option(*names, read=read, nargs="+", action=Listed, **keywords)
 
 
 def written(*suffixes: str) -> Option:
-    """Return the kind of a file that is written, with one of these suffixes."""
+    """Return an option whose value is a file to be written, with one of these suffixes."""
     return Option(*suffixes, read=lambda text: checked_path(text, suffixes))
 
 

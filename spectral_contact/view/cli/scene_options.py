@@ -56,14 +56,15 @@ PROFILES: Final[dict[str, type[Profile]]] = _named(control.KINDS.values())
 LAWS: Final[dict[str, type[Layer]]] = _named(scene_layer.KINDS.values())
 SHAPES: Final = _merged(PROFILES)
 _OF_LAWS: Final = _merged(LAWS, _LAW_PREFIX)
-# a flat punch in SI units has a radius without a profile
+# in SI units --radius without --profile is that of a flat punch
 SHAPES["radius"].setdefault(SI["radius"], []).append("no profile")
-#: Numbers of both kinds of scene, without a unit in one and in m/Pa in SI units, where their option
-#: ends in ``-si``.
+#: The compliances: numbers in a dimensionless scene, and in m/Pa in SI units, where their options
+#: end in ``-si``.
 _COMPLIANCES: Final = tuple(name for name in SI if name in SCENE and not SCENE[name].unit)
 #: Parameters of scenes in SI units, by option.
 _SI_OPTIONS: Final = {f"{name}_si" if name in _COMPLIANCES else name: SI[name] for name in SI}
-#: What each option declares, its type, unit and choices: kinds that share an option share these.
+#: The type, unit and choices of each option. Kinds of profiles or laws with the same option have
+#: them in common.
 _DECLARED: Final[Mapping[str, Parameter]] = {
     **{name: next(iter(declared)) for name, declared in (SHAPES | _OF_LAWS).items()},
     **_SI_OPTIONS,
@@ -218,12 +219,19 @@ class FlatOptions:
 
     @property
     def of_materials(self) -> bool:
-        """Whether a modulus or another number is given that only scenes in SI units have."""
+        """Whether a parameter is given that only scenes in SI units have, such as a modulus.
+
+        A radius or a work of adhesion may also be dimensionless.
+        """
         return not ({*_SI_OPTIONS} - {"radius", "work_of_adhesion"}).isdisjoint(self.given)
 
     @property
     def si(self) -> bool:
-        """Whether the scene is in SI units: with a profile lengths and loads may be any."""
+        """Whether the scene is in SI units.
+
+        With a profile lengths and loads do not tell, as they may be in L and E'L²; without one they
+        do, as a dimensionless flat punch has none.
+        """
         return self.of_materials or not (self.shaped or _OF_FLAT.isdisjoint(self.given))
 
     def build(self) -> GivenScene:
@@ -239,7 +247,7 @@ class FlatOptions:
         if self.si:
             values |= {name: given.get(f"{name}_si", 0.0) for name in _COMPLIANCES}
             optional = [f"{name}_si" for name in _COMPLIANCES]
-            if "reduced_modulus" not in given:  # with which there is no friction
+            if "reduced_modulus" not in given:  # it excludes friction
                 optional.insert(0, "friction")
             absent = [flag(name) for name in optional if name not in given]
             if absent and not self.shaped:
@@ -271,7 +279,7 @@ class FlatOptions:
                 raise UsageError(f"{flag(name)} {told}")
 
     def in_options(self, error: SceneError) -> str:
-        """Return a message with options in place of parameters, and the words of options."""
+        """Return the message of an error in the words of the command line, which names options."""
         names = error.parameter.split(", ")
         options = [self._option(name) or name for name in names]
         named = ", ".join(options)
@@ -290,13 +298,13 @@ class FlatOptions:
         return f"{named} = {value}: must be {allowed}"
 
     def worded(self, text: str) -> str:
-        """Return a text with options in place of parameters, and the words of options."""
+        """Return a text in the words of the command line, with options in place of parameters."""
         text = text.replace("math.inf", "inf").replace("None", "none")
         return _PARAMETER.sub(lambda found: self._option(found[1]) or found[0], text)
 
     def _option(self, name: str) -> str:
         """Return the option of a parameter; nothing if the command has none."""
-        known = self.given["options"]
+        known = self.given["options"]  # of the command: `command.add_commands` put them there
         option = name if name in known else _RENAMED.get(name, name)
         if self.si and name in _COMPLIANCES:
             option = f"{name}_si"
@@ -317,13 +325,14 @@ class SceneOptions(FlatOptions):
 def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
     """Return options with numbers in place of text with units.
 
-    Units are understood in SI units alone, but for those of an angle.
+    Only numbers of scenes in SI units may have a unit; angles may in all scenes.
     """
     plain = dict(given)
     for name, value in given.items():
         if name not in NUMBERS or not isinstance(value, str):
             continue
         unit = _DECLARED[name].unit
+        # the unit of a power law depends on its exponent, and cannot be converted
         if unit != "rad" and not (si and unit and "exponent" not in unit):
             allowed = "a number without a unit" + ("" if si else ", without --youngs-modulus")
             raise SceneError(name, value, allowed)

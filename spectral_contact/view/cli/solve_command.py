@@ -58,7 +58,7 @@ def run(
     contact, remarks = scene.build()
     if quantities is not None and contact.profile is None:
         given = getattr(contact.physical, "approach", None)
-        # SI values hang on the load, and this on the approach where that is given
+        # SI values need the load; if the approach is given, that is computed from `approach`
         quantities = quantities if given is None else ["approach", *quantities]
     todo = plan(contact, quantities)
     is_table = output is not None and output.lower().endswith(".csv")

@@ -52,7 +52,7 @@ class Results:
         return OwnSolver(None if self.quantities is None else tuple(self.quantities))
 
     def write(self, study: Study) -> None:
-        """Write the files, print the study, and raise `NotSolved` if no solve of it was done."""
+        """Write the files, print the study, and raise `NotSolved` if all of its solves failed."""
         try:
             if self.output is not None:
                 study.save(self.output)
@@ -76,7 +76,8 @@ def run_convergence(
 ) -> None:
     """Error against unknowns and time of one solver.
 
-    Exit status: 0 done, 1 no truth or no solve, 2 bad input or file, 130 interrupted.
+    Exit status: 0 done, 1 no reference values or all solves failed, 2 bad input or file, 130
+    interrupted.
 
     Parameters
     ----------
@@ -111,7 +112,8 @@ def run_work_precision(
 ) -> None:
     """Time to reach an accuracy, of this library and of other solvers.
 
-    Exit status: 0 done, 1 no truth or no solve, 2 bad input or file, 130 interrupted.
+    Exit status: 0 done, 1 no reference values or all solves failed, 2 bad input or file, 130
+    interrupted.
 
     Parameters
     ----------

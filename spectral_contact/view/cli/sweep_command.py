@@ -28,6 +28,7 @@ class SweptOptions(SceneOptions):
         lists = {name: one for name, one in self.given.items() if name in NUMBERS}
         varying = {name: one for name, one in lists.items() if len(one) > 1}
         for name in varying:
+            # of a table it is not known yet; `sweep` refuses a radius without SI units then
             in_si = self.si or "table" in self.given
             if name in SHAPES and not (name == "radius" and in_si):
                 told = "one number: of a profile the radius alone varies, in SI units"
@@ -55,7 +56,7 @@ def run(
 
     Solve every combination of the parameters. VALUES are one number, several (0.1,0.2), or a range
     LOW:HIGH:COUNT; LOW:HIGH:COUNT:log spaces it in equal ratios; a unit stands behind them, as in
-    '1:10:4 mN'. Of a profile's shape the radius alone may be several, in SI units. A run that was
+    '1:10:4 mN'. Of the shape of a profile only the radius may vary, in SI units. A run that was
     stopped resumes from its --store. Exit status: 0 all solved, 1 a scene did not converge, 2 bad
     input or file, 130 interrupted. The first reason is printed; the output files name every one.
 
@@ -81,9 +82,10 @@ def run(
     plot : FILE
         Plot a slice (needs the extra: plot).
     plot_quantity : NAME
-        The quantity to plot; by default the first that varies.
+        The quantity to plot; by default the first quantity that varies.
     at : NAME=VALUE
-        Value at which the plot holds a further parameter, as in friction=0.2 (repeatable).
+        Value at which a parameter is held that is on no axis of the plot, as in friction=0.2
+        (repeatable).
 
     Examples
     --------
@@ -124,9 +126,9 @@ def run(
 
 
 def _first_of_table(table: str, given: Mapping[str, Any], scenes: SweptOptions) -> dict[str, Any]:
-    """Return the parameters of the first row of a table that the options lack, by option.
+    """Return the parameters that are not given, from the first row of a table, by option.
 
-    They are needed for the scene whose parameters the table replaces.
+    `sweep` takes a whole scene, and replaces its parameters by those of each row.
     """
     moduli = "youngs_modulus", "reduced_modulus"
     physical = scenes.of_materials or bool(columns_of(table, moduli, physical=True)[0])

@@ -256,7 +256,7 @@ def test_displacements_are_compared_inside_and_outside(true):
     solved = solve(scene, 1e-12)
     own = np.where(r <= 1.0, solved.approach, solved.inside.surface(r).z)
     remark = sc.compare(scene, r=r, displacement=own).remarks[-1]
-    assert remark.startswith("displacement: these are of the surface of the layer")
+    assert remark.startswith("displacement: these seem to be of the top of the rough layer")
 
 
 def test_radii_of_a_profile_are_in_its_unit_of_length():

@@ -27,6 +27,8 @@ def test_a_map_has_the_loops_of_steady_cycle():
     assert found.dissipation.sel(friction=0.1, lowest=0.5) == 0.0
     assert np.isnan(found.dissipation.sel(friction=0.1, lowest=0.005))
     assert plot_slice(found, "reloading_dissipation").axes
+    told = "relative error of energy dissipated while the load falls"
+    assert found.unloading_dissipation_error.attrs["long_name"] == told
 
 
 def test_the_friction_is_that_of_the_scene_if_none_is_given():

@@ -23,7 +23,7 @@ BASE = Scene(0.3, 0.5, 0.5, 0.1)
 @pytest.fixture
 def always_shared(monkeypatch):
     """Take the spectra for sweeps of any size."""
-    monkeypatch.setattr(sweep_run, "_MANY", 1)
+    monkeypatch.setattr(sweep_run, "_PAIRS_FOR_SPECTRA", 1)
 
 
 @pytest.fixture

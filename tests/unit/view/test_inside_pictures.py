@@ -39,6 +39,17 @@ def test_under_a_profile_the_punch_is_drawn_where_it_is():
     assert "[$L$]" in top.get_ylabel()
 
 
+def test_a_punch_that_adhesion_holds_back_is_drawn():
+    ball = profiles.Parabola(1.0)
+    scene = Scene(0.3, 0.05, profile=ball, work_of_adhesion=0.05, contact_radius=0.3)
+    solution = solve(scene, 1e-3)
+    assert solution.approach < 0.0
+    r, face = plot_inside(solution.inside, "u_z").axes[0].lines[0].get_xydata().T
+    assert r[0] == 0.0
+    assert r[-1] > 1.0
+    np.testing.assert_allclose(face, solution.approach - ball.height(0.3 * r), atol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("parameters", "name"),
     [

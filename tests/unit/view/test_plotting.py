@@ -255,6 +255,14 @@ def test_coefficients_of_a_coupled_solution_with_slip():
     assert all(title.startswith(start) for title, start in zip(titles, starts, strict=True))
 
 
+def test_coefficients_between_bends_of_a_profile_belong_to_no_zone():
+    punch = profiles.RoundedFlat(0.5, 1.0)
+    solution = solve(Scene(0.3, 0.05, profile=punch, load=0.3), 1e-3)
+    first, *others = [axes.get_title() for axes in panels(plotting.plot_coefficients(solution))]
+    assert first.startswith("$p^*$, $d = 1 - s^2/c^2$")
+    assert [title.split(" $s")[0] for title in others] == ["$p^*$, toward"] * 2
+
+
 def test_a_frictionless_solution_has_one_series():
     figure = plotting.plot_coefficients(solve(FRICTIONLESS, 1e-4))
     assert [axes.get_title() for axes in panels(figure)] == ["$p^*$, $d = 1 - s^2$"]

@@ -141,6 +141,21 @@ def test_slices_are_curves_and_maps():
     assert np.allclose(corners[:, 0, 1], 10.0 ** np.array([-4.5, -1.5, 1.5]), rtol=1e-12)
 
 
+@pytest.mark.parametrize("more", [{}, {"tangential_compliance": [0.1, 0.5]}])
+def test_one_finite_friction_is_no_dimension_of_a_picture(more):
+    found = sweep(
+        Scene(0.3, 0.5, 0.5),
+        normal_compliance=[0.1, 0.5],
+        friction=[0.1, math.inf],
+        quantities=["approach"],
+        **more,
+    )
+    [axes, *_] = plot_slice(found, "approach").axes
+    assert "$f$ = 0.1" in axes.get_title()
+    drawn = axes.collections[0].get_array() if more else axes.lines[0].get_ydata()
+    assert np.array_equal(drawn.squeeze(), found.approach.sel(friction=0.1).values)
+
+
 def test_a_quantity_that_varies_is_drawn():
     found = sweep(Scene(0.3, 0.5, 0.5), friction=[0.05, 0.08])
     assert varying(found) == "stick_radius"  # friction does not move the approach
