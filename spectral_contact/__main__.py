@@ -33,7 +33,8 @@ from spectral_contact.view.cli.scene_options import SceneOptions
 
 __all__ = ["COMMANDS", "main"]
 
-#: What each command calls; of two words the second one is the kind of a command.
+#: The function that each command calls. Of a command of two words the second one is a command of
+#: the group that the first one names.
 COMMANDS: Final[dict[str, Callable[..., None]]] = {
     "solve": solve_command.run,
     "inside": inside_command.run,
@@ -48,7 +49,7 @@ COMMANDS: Final[dict[str, Callable[..., None]]] = {
     "benchmark export": benchmark_command.export,
     "explore": explore_command.run,
 }
-#: What commands of several kinds are about.
+#: What each group of commands is about.
 _ABOUT: Final = {
     "study": "Measure the errors and times of solvers, against solutions to many digits.",
     "benchmark": "Ten problems with numbers and fields to test other codes against.",

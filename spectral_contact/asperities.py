@@ -3,14 +3,14 @@
 Spherical asperities of one tip radius R and Gaussian heights of standard deviation σ, independent
 of each other, carry at the separation d from the mean of their heights the pressure
 
-    p(d) = (4/3) η E′ √R ∫_d^∞ (z − d)^{3/2} φ(z) dz,    E′ = E/(1 − ν²),
+    p(d) = (4/3) η E* √R ∫_d^∞ (z − d)^{3/2} φ(z) dz,    E* = E/(1 − ν²),
 
 of Greenwood and Williamson, *Contact of nominally flat surfaces*, Proc. R. Soc. Lond. A 295 (1966)
-300–319; the counterface is rigid, as the punch is. The layer of
-equation (2.1) is linear, and its compliance is α = −dd/dp at one pressure. The tangential stiffness
-of every asperity that touches is 2(1 − ν)/(2 − ν) times its normal one before it slips (Mindlin,
-*Compliance of elastic bodies in contact*, J. Appl. Mech. 16 (1949) 259–268; Johnson, *Contact
-Mechanics*, 1985, section 7.2), hence β = α (2 − ν)/(2(1 − ν)).
+300–319; the counterface is rigid, as the punch is. E* is four times E', the unit of pressures of a
+scene with a profile. The layer of equation (2.1) is linear, and its compliance is α = −dd/dp at one
+pressure. The tangential stiffness of every asperity that touches is 2(1 − ν)/(2 − ν) times its
+normal one before it slips (Mindlin, *Compliance of elastic bodies in contact*, J. Appl. Mech. 16
+(1949) 259–268; Johnson, *Contact Mechanics*, 1985, section 7.2), hence β = α (2 − ν)/(2(1 − ν)).
 """
 
 from __future__ import annotations
@@ -97,11 +97,11 @@ class AsperityLayer:
 
     @property
     def plasticity_index(self) -> float | None:
-        """(E′/H) √(σ/R) of Greenwood and Williamson; None without hardness."""
+        """(E*/H) √(σ/R) of Greenwood and Williamson; None without hardness."""
         if self.hardness is None:
             return None
         slope = math.sqrt(self.height_deviation / self.tip_radius)
-        return _plane_modulus(self.youngs_modulus, self.poisson_ratio) / self.hardness * slope
+        return _reduced_modulus(self.youngs_modulus, self.poisson_ratio) / self.hardness * slope
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -154,9 +154,10 @@ class AsperityLayer:
         kind : str
             ``"gaussian"``: the same asperities with Gaussian heights, Greenwood and Williamson's.
             ``"exponential heights"``: heights of the same deviation that are distributed
-            exponentially. ``"uniform heights"``: evenly over an interval, which is a power law of
-            exponent 5/2 from the highest on, until the lowest touches. ``"tangent exponential"``:
-            the exponential law with pressure and compliance of the Gaussian one at the nominal
+            exponentially. ``"uniform heights"``: heights of the same deviation that are distributed
+            evenly over an interval. This is a power law of exponent 5/2 of the overclosure of the
+            highest asperity, until the lowest one touches. ``"tangent exponential"``: the
+            exponential law with pressure and compliance of the Gaussian one at the nominal
             pressure.
 
         Returns
@@ -174,8 +175,8 @@ class AsperityLayer:
         eta, tip, sigma = self.density, self.tip_radius, self.height_deviation
         if kind == "uniform heights":
             span = 2.0 * math.sqrt(3.0) * sigma
-            modulus = _plane_modulus(self.youngs_modulus, self.poisson_ratio)
-            # (4/3) eta E' sqrt(R) times the integral of z^(3/2) from 0 to w, over the span
+            modulus = _reduced_modulus(self.youngs_modulus, self.poisson_ratio)
+            # (4/3) eta E* sqrt(R) times the integral of z^(3/2) from 0 to w, over the span
             return PowerLaw(8.0 / 15.0 * eta * modulus * math.sqrt(tip) / span, 2.5)
         if kind == "tangent exponential":
             decay = self.normal_compliance * self.pressure
@@ -185,7 +186,9 @@ class AsperityLayer:
         return GreenwoodWilliamson(eta, tip, sigma, heights)
 
     def compliance_change(self, share: float) -> tuple[float, float]:
-        """Return how far linearisation holds: α at lower and at higher pressure, over α, minus 1.
+        """Return the relative change of α at a lower and at a higher pressure.
+
+        If it is small, linearisation holds in between.
 
         Parameters
         ----------
@@ -272,8 +275,8 @@ def greenwood_williamson(
     nu = checked_poisson_ratio(poisson_ratio)
     eta, tip, sigma = (given[name] for name in ("density", "tip_radius", "height_deviation"))
     bearing = math.pi * eta * tip * sigma
-    stiffness = 2.0 * eta * _plane_modulus(given["youngs_modulus"], nu) * math.sqrt(tip * sigma)
-    for meaning, value in (("πηRσ", bearing), ("2ηE′√(Rσ)", stiffness), ("σ", sigma)):
+    stiffness = 2.0 * eta * _reduced_modulus(given["youngs_modulus"], nu) * math.sqrt(tip * sigma)
+    for meaning, value in (("πηRσ", bearing), ("2ηE*√(Rσ)", stiffness), ("σ", sigma)):
         if not _SMALLEST <= value <= _LARGEST:
             allowed = f"such that {meaning} is in [{_SMALLEST:g}, {_LARGEST:g}] in SI units"
             raise SceneError("density, tip_radius, height_deviation", (eta, tip, sigma), allowed)
@@ -296,7 +299,8 @@ def greenwood_williamson(
     )
 
 
-def _plane_modulus(modulus: float, nu: float) -> float:
+def _reduced_modulus(modulus: float, nu: float) -> float:
+    """Return E* = E/(1 − ν²)."""
     return modulus / ((1.0 - nu) * (1.0 + nu))
 
 
@@ -323,7 +327,7 @@ def _touching(h: float) -> tuple[float, float]:
 
 
 def _separation(pressure: float, scale: float) -> float:
-    """Return d/σ at which the pressure is ``scale`` times the moment of power 3/2."""
+    """Return h = d/σ at which the pressure is ``scale`` times ``∫_h^∞ (z − h)^{3/2} φ(z) dz``."""
     from scipy.optimize import brentq  # takes long to import
 
     highest, lowest = (scale * _moment(4, h) for h in (_NEAREST, _FARTHEST))

@@ -105,7 +105,10 @@ def quiet_imports() -> None:
 
 @contextmanager
 def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
-    """Let the main thread handle signals so, unless they are ignored, or not Python's."""
+    """Let the main thread handle signals by these functions.
+
+    A signal that is ignored, or whose handler is not one of Python, is left as it is.
+    """
     before: dict[signal.Signals, Any] = {}
     if current_thread() is main_thread():
         for number, handler in handlers.items():
@@ -152,9 +155,11 @@ def workers(count: int) -> Iterator[Executor | None]:
     try:
         yield pool
     except BaseException:
-        # the thread of the pool drops what is called off before it hears that a worker is gone:
-        # Python 3.11 has a traceback for what was called off and lost its worker, too. The pool is
-        # kept because the thread asks it whether to drop anything, perhaps after this has returned
+        # Tasks are cancelled before the workers are ended. The thread that serves the pool then
+        # drops the cancelled ones before it notices that a worker is gone; in Python 3.11 it fails
+        # with a traceback at a task that has lost its worker and is cancelled as well. That thread
+        # asks the pool whether to cancel anything, maybe after this function has returned, so the
+        # pool must not be collected.
         _STOPPED.append(pool)
         pool.shutdown(wait=False, cancel_futures=True)
         for process in {*multiprocessing.active_children()}.difference(others):
@@ -182,7 +187,10 @@ def end_with_parent(number: int) -> None:
 
 @cache
 def _follow(parent: Any) -> None:
-    """Begin to wait for the end of the parent; a process that is forked has another one."""
+    """Begin to wait for the end of the parent, in a thread.
+
+    That is done once for each parent: a process that is forked from this one has another parent.
+    """
 
     def end_after() -> NoReturn:
         parent.join()

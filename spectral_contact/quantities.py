@@ -39,7 +39,7 @@ class OutputQuantity:
         What the dimensionless value is multiplied by to be in SI units. Of a flat punch these are
         ``"radius"``, ``"displacement"``, ``"stress"`` and, as ``"force"``, the load. Under a
         profile lengths are in m already: ``"displacement"`` is 1, ``"stress"`` and ``"force"`` are
-        E'. ``""`` is 1 for every scene.
+        E'. ``""`` is 1: of quantities without a unit, and of lengths that only profiles have.
     kind : str
         ``"number"``, ``"field"`` of the radius, or ``"zones"``.
     contact : str

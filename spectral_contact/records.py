@@ -197,15 +197,17 @@ class ErrorEstimates:
       (docs/coupling).
     - `slip` is relative to its largest modulus.
     - `zones` bounds the relative error of every boundary, measured from the centre and from the
-      edge. A stick zone too small to matter is left out; the error is then 1.
+      edge. It is 1 where the solution leaves out a stick zone that is too small to matter.
     - `violation` is the largest violation of the friction law: the excess of |q| over f p in
       stick, relative to f p, or slip in the direction of the traction, relative to the largest
-      slip. In a converged solution the estimates of pressure, traction and slip explain it. Slip of
-      which no digit is known has an infinite estimate and an unknown direction, and does not count.
+      slip. In a converged solution the estimates of pressure, traction and slip explain it. Slip
+      with an infinite estimate, of which no digit is known, does not count: its direction is not
+      known either.
 
     With a profile, `pressure` is relative to the larger of the pressure and its mean, and
-    `traction` to its largest value. Where the pressure is infinite, at a tip or corner of a smooth
-    surface, its estimate holds for distances above some 1e-17 of the square of the contact radius.
+    `traction` to its largest value. The pressure on a smooth surface is infinite at a tip or corner
+    of the profile. Its estimate holds at radii r for which ``|r**2 - b**2|`` is more than some
+    1e-17 of the squared contact radius, with the radius b of the corner, 0 at a tip.
 
     Below the largest load the traction changes sign where the surface sticks with memory; its error
     there is relative to ``f p``.

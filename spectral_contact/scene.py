@@ -46,7 +46,8 @@ __all__ = ["PhysicalData", "Scene", "same_problem"]
 _SCHEMA: Final = "spectral_contact.scene"
 _VERSION: Final = 1
 
-#: Of the coupling constant of two bodies. That of a Poisson's ratio is 0 or at least 5.5e-17.
+#: Least modulus of the coupling constant κ of two bodies, unless it is 0. (That of one body, from a
+#: Poisson's ratio, is 0 or at least 5.5e-17.)
 _LEAST_KAPPA: Final = 1e-16
 
 
@@ -104,9 +105,9 @@ class Scene(Suggesting):
         stretch of the curve to smaller contacts, and so on. Keyword only.
     unloaded_to : float
         λ in (0, 1]: the load over the largest load, from which a flat punch is unloaded for the
-        first time (docs/cycles). Tractions, approach and Q* stay in units of the largest load.
-        Below 1 without elastic coupling, and with friction under a tangential compliance. 1, the
-        default, is the largest load. Keyword only.
+        first time (docs/cycles). Tractions, approach and Q* stay in units of the largest load. It
+        may be below 1 only without elastic coupling, and with friction only if there is a
+        tangential compliance. 1, the default, is the largest load. Keyword only.
 
     Raises
     ------
@@ -389,10 +390,11 @@ class Scene(Suggesting):
         Parameters
         ----------
         **changes
-            Parameters of `Scene` by name, or ``kappa``, which takes the place of
-            ``poisson_ratio``, as this does of that. Of a scene in SI units those of
-            `from_physical`, where a load takes the place of an approach, and an approach that of a
-            load; or ``physical=None``, which leaves a dimensionless scene.
+            Of a dimensionless scene parameters of `Scene` by name, or ``kappa``. A given ``kappa``
+            replaces the Poisson's ratio of the scene, and a given ``poisson_ratio`` its kappa. Of a
+            scene in SI units parameters of `from_physical`, where a given load replaces the
+            approach, and a given approach the load; or ``physical=None``, which leaves a
+            dimensionless scene.
 
         Raises
         ------
@@ -609,8 +611,8 @@ _OFF_AT: Final = {
 }
 _NAMES_OF_SCENE: Final = tuple(one.name for one in fields(Scene))
 _SI: Final = "data in SI units go to Scene.from_physical(...)"
-# `dataclass` generates the constructor, so it can only be wrapped here.
 _KAPPA: Final = "scenes of two elastic bodies are made by Scene.from_kappa(...)"
+# `dataclass` generates the constructor, so it can only be wrapped here.
 Scene.__init__ = suggesting(  # type: ignore[method-assign]
     {"youngs_modulus": _SI, "radius": _SI, "kappa": _KAPPA}
 )(Scene.__init__)

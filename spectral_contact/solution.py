@@ -148,8 +148,9 @@ class Solution(Output):
     def stiffness_on_branch(self) -> float:
         """What an instrument measures with adhesion, dP/dδ along the curve of states, in E'L.
 
-        `stiffness` is that of the same contact radius. Negative on a stretch that is stable under
-        control of the approach alone, and infinite where that ends.
+        `stiffness` is dP/dδ at a constant contact radius, and another number. This one is negative
+        on a stretch of the curve that is stable under control of the approach alone, and infinite
+        where that ends.
 
         Raises
         ------
@@ -160,10 +161,10 @@ class Solution(Output):
 
     @property
     def stable_under(self) -> tuple[str, ...]:
-        """With adhesion what may be held without the contact running away.
+        """With adhesion what may be held constant without the contact running away.
 
-        A subset of ``("load", "approach")``, empty if it does in any case. The last stable state
-        counts as stable.
+        One, both or none of ``("load", "approach")``; none if the contact runs away whichever of
+        them is held. The last stable state counts as stable.
 
         Raises
         ------
@@ -331,10 +332,10 @@ class Solution(Output):
     def shakedown_ratio(self) -> float:
         """Lowest load, over the largest one, down to which cycles of the load stop slipping.
 
-        ``lambda* = (R - f)/(R + f)`` with the critical friction R (docs/cycles): between this share
-        of the load and the whole of it the contact shakes down, and cycles that go lower slip and
-        dissipate in every round. It is 0 where nothing slips, and 1 without tangential compliance
-        and at friction 0.
+        ``lambda* = (R - f)/(R + f)`` with the critical friction R (docs/cycles). If the load cycles
+        between the largest one and one that is no less than this fraction of it, the contact shakes
+        down: it stops slipping. Cycles that go lower slip and dissipate in every round. It is 0
+        where nothing slips, and 1 without tangential compliance and at friction 0.
 
         Raises
         ------
@@ -359,8 +360,8 @@ class Solution(Output):
     def turning_ratio(self) -> float:
         """Load over the largest load below which the state depends on its history.
 
-        In the first unloading a slip zone has grown so far, and begins to shrink there. Errors are
-        those of `reverse_ratio`.
+        In the first unloading slip zones grow until the load is this one. Then one of them begins
+        to shrink. Errors are those of `reverse_ratio`.
         """
         return float(self._value("turning_ratio"))
 

@@ -1,7 +1,8 @@
 """BLAS held to one thread while the library works, and what threads and forks may not break.
 
-One thread is best for systems of this size, and for many processes. The number of threads belongs
-to the process, or to each of its threads, as the BLAS library has it; what is held is given back.
+One thread is best for systems of this size, and for many processes. Some BLAS libraries have one
+number of threads for the whole process, others one for each of its threads. Afterwards that number
+is again what it was.
 """
 
 from __future__ import annotations
@@ -46,7 +47,11 @@ def _place(library: Any) -> tuple[Any, int]:
 
 
 def _set(library: Any, number: int) -> None:
-    """Set the number of threads; newer versions of threadpoolctl obey one thread alone."""
+    """Set the number of threads, from whichever thread.
+
+    Newer versions of threadpoolctl let only the first thread that sets it do so again, until that
+    is cleared.
+    """
     if number == library.num_threads:
         return
     if free := getattr(library, "clear_controlling_thread", None):

@@ -42,15 +42,16 @@ from spectral_contact.scene import Scene
 _MOST_UNKNOWNS: Final = 20_000
 #: Radii of a piece of the curve: numbers that are tried.
 _NODES: Final = (16, 24, 36, 54, 80)
-#: The range of radii that is solved is longer than the one wanted by this, in their logarithm.
+#: Radii are solved this far beyond the range of those that are wanted, in places (`RadiusScale`).
 _SPARE: Final = 0.3
-#: How near to the flat part of a profile radii go, and to what share of the largest one where the
-#: contact shrinks to a point.
+#: Least distance of a radius from the flat part of a profile, over the flat part; and least radius,
+#: over the largest one, where the contact shrinks to a point without a fold.
 _NEXT_TO_FLAT: Final = 1e-9
 _SMALLEST: Final = 1e-4
 #: Relative change of the layer for the differences, whose error is of the order of its square.
 _CHANGE: Final = 1e-3
-#: Share of approach and pull below which a difference or a rate of the two is rounding.
+#: Approach and pull are subtracted. Their difference, or its rate, is rounding below this share of
+#: their sum.
 _ROUNDED: Final = 1e-9
 #: Places at which a branch is sampled, and steps of Newton's method from there.
 _SAMPLES: Final = 400
@@ -64,7 +65,8 @@ _ROUNDS: Final = 3
 _QUIET: Final = 3.0
 #: A drop of the load from one row to a shallower one that is pull-off, in standard deviations.
 _DROP: Final = 6.0
-#: Fewest rows before a drop, but one, that tell no contact from the steep end of a branch.
+#: Without a baseline, a drop of the load is taken for pull-off if more rows than this come before
+#: it. Fewer may be the steep end of a branch.
 _FEWEST: Final = 2
 
 
@@ -112,8 +114,8 @@ class _ContactFunctions:
         self._scale = RadiusScale(curve.profile)
         first, last = map(self._scale.radius, (low, high))
         inside = [b for b in curve.profile.breaks if first < b < last]
-        self._ends = [low, *map(self._scale.place, inside), high]
-        self._terms = [self._settled(*ends) for ends in pairwise(self._ends)]
+        self._piece_ends = [low, *map(self._scale.place, inside), high]
+        self._terms = [self._settled(*ends) for ends in pairwise(self._piece_ends)]
 
     def _settled(self, low: float, high: float) -> Array:
         for count in _NODES:
@@ -136,8 +138,8 @@ class _ContactFunctions:
     def at(self, places: Array) -> _AtRadii:
         """Return the functions at places."""
         values, rates = np.empty((2, len(places), 4))
-        piece = np.searchsorted(self._ends[1:-1], places)
-        for k, (low, high) in enumerate(pairwise(self._ends)):
+        piece = np.searchsorted(self._piece_ends[1:-1], places)
+        for k, (low, high) in enumerate(pairwise(self._piece_ends)):
             here = piece == k
             t = (2.0 * places[here] - low - high) / (high - low)
             values[here] = chebyshev.chebval(t, self._terms[k]).T
@@ -202,7 +204,7 @@ class BranchLoads:
             If the loads are not known to the tolerance.
         """
         curve = self.curve(layer, adhesion)
-        low, high = self._ends(curve, approaches)
+        low, high = self._range(curve, approaches)
         root = math.sqrt(adhesion)
         functions = self._functions(curve, low, high)
         places = _places(functions, root, approaches, low, high)
@@ -220,8 +222,9 @@ class BranchLoads:
             by_layer = self._by_layer(curve, (low, high), places, slope)
         steep = _STEEP * one.stiffness
         load = one.load - one.stiffness * pull
-        # the load at which the contact comes off is about proportional to the adhesion, and its
-        # approach to the power 2/3
+        # Beyond pull-off the load goes on along a straight line. The load at which the contact
+        # comes off is about proportional to the adhesion, and the approach there to its power 2/3:
+        # from that follows how the line moves with the logarithm of the adhesion.
         off = load + steep * (approaches - one.approach + pull)
         coming_off = load + 2.0 / 3.0 * steep * (pull - one.approach)
         return AdhesiveLoads(
@@ -236,8 +239,8 @@ class BranchLoads:
         """Return the states of a layer and an adhesion by their radius."""
         return AdhesiveCurve(self.profile, layer, adhesion, self.rtol, _MOST_UNKNOWNS)
 
-    def _ends(self, curve: AdhesiveCurve, approaches: Array) -> tuple[float, float]:
-        """Return places between which all approaches are that the branch has."""
+    def _range(self, curve: AdhesiveCurve, approaches: Array) -> tuple[float, float]:
+        """Return the places of radii between which the branch has all of the approaches it has."""
         try:
             high = curve.top(BY_APPROACH, float(approaches.max()))
         except NoState:
@@ -417,9 +420,10 @@ class AdhesiveProblem(CurveProblem):
         return np.asarray(values["reduced_modulus"] / 4.0 * loads)
 
     def _first_zero(self) -> float:
-        """Return the zero point that gives the start the depth at which the load is 0.
+        """Return the zero point at which the search starts.
 
-        It is less where the contact of the start would come off too early.
+        With it the parameters of the start have the load 0 at the depth at which it was measured.
+        It is less if the contact would come off before the first row in contact otherwise.
         """
         curve = self.branch.curve(*self._lengths(self.values(self.start)))
         first = float(self.depth[self.touching].min())

@@ -37,13 +37,14 @@ def fit_curve(
     free = names("free", [free] if isinstance(free, str) else free, kind.parameters(scene))
     problem = kind(scene, data, tuple(free), rtol)
     limits = np.array(problem.bounds())
-    # most of the way curves of a few digits do
+    # for most of the way curves with a few digits are enough
     rough = max(rtol, _ROUGH)
     with one_thread(), ProgressLine(progress) as tell:
         tell("the first curve")
         problem.take_tolerance(rough)
         problem.improve_start()
         problem.look()
+        # of y, what is searched: x in units of its scale, and 1 at the start
         bounds = 1.0 + (limits - problem.start) / problem.scale
 
         def search(y: Array, tolerance: float) -> Any:

@@ -31,7 +31,8 @@ _COMPLIANCES = 1e-13, 1e13
 _FRICTIONS = 1e-6, 1e6
 #: A parameter whose logarithm has a larger standard deviation is not determined.
 _LARGEST_ERROR = 10.0
-#: A law whose criterion is larger by more is ruled out: the other is twenty times as likely.
+#: A law is ruled out if its criterion is larger than the least one by more than this: the law with
+#: the least one is twenty times as likely.
 _RULED_OUT: Final = 6.0
 
 
@@ -133,7 +134,10 @@ __test__: Final = {"fit": fit}  # doctest passes over functions that are wrapped
 
 
 class _FitProblem:
-    """Residuals and their derivatives by the logarithms of the parameters over their start."""
+    """The problem of a fit in the variables ``x = ln(parameter/start)``, one for each free one.
+
+    It has residuals and their derivatives by x.
+    """
 
     def __init__(
         self, scene: Scene, data: tuple[Data, ...], free: tuple[str, ...], rtol: float
@@ -234,8 +238,8 @@ class _FitProblem:
     def _covariance(self, jacobian: Array, x: Array, active: Array) -> Array:
         """Return (JᵀJ)⁻¹, if the data determine all parameters.
 
-        The columns are scaled to length one, so that what is small is what data do not tell
-        apart, and not what they tell inaccurately.
+        The columns are scaled to length one. Then a small singular value says that the data do not
+        tell parameters apart, and not that they determine one inaccurately.
         """
         lengths = np.linalg.norm(jacobian, axis=0)
         flat = (lengths < 1.0 / _LARGEST_ERROR) | (active != 0)

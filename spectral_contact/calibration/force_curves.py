@@ -15,8 +15,8 @@ Rows = NDArray[np.intp]
 PARTS: Final = ("approach", "retraction", "all")
 #: A part spans at least this fraction of all depths.
 _SPAN: Final = 0.05
-#: Blocks of rows whose mean depths say whether the rows are in order, and by what fraction of all
-#: depths a mean may go back.
+#: Rows are in order of depth if the mean depths of so many blocks of them are. From one block to
+#: the next the mean may go back by this fraction of the range of all depths.
 _BLOCKS: Final = 20
 _BACK: Final = 0.1
 #: Slopes are taken over this fraction of the depths at either end. That of the contact is steeper
@@ -28,7 +28,8 @@ _STEEPER: Final = 1.5
 _FIRST: Final = 0.05
 _FEWEST: Final = 10
 _OFF: Final = 4.0
-#: Largest slope of a baseline over the mean slope of the curve, and least load over the noise.
+#: Largest rise of a baseline over all depths, as a fraction of the load above it at the deepest
+#: point; and least ratio of that load to the standard deviation about the baseline.
 _FLAT: Final = 0.1
 _RISE: Final = 10.0
 #: Correlation of neighbouring residuals beyond which they are curvature and no noise.
@@ -75,7 +76,7 @@ def baseline(depth: Array, load: Array) -> Baseline | None:
         return None
     line = _line(x[:block], y[:block])
     while line.points < len(x):
-        # of a contact the block after the next is off, too; of noise it is not
+        # where the contact has begun, the block after the next one is off the line, too
         if _is_off(line, x, y, block, 0) and _is_off(line, x, y, block, 1):
             break
         end = line.points + block
@@ -166,7 +167,7 @@ def curve_parts(depth: Array) -> dict[str, Rows]:
         for name, part in parts.items()
         if len(part) > 1 and float(np.ptp(depth[part])) >= _SPAN * extent > 0.0
     }
-    if len(there) == 1:  # the turning point is no part of its own
+    if len(there) == 1:  # the few rows beyond the turning point are no part of their own
         there = dict.fromkeys(there, rows)
     for name, part in there.items():
         blocks = np.array_split(depth[part], min(_BLOCKS, len(part)))

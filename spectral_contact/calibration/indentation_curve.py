@@ -59,15 +59,16 @@ _APART: Final = 1e-7
 _LARGEST_ERROR: Final = 10.0
 
 
-#: Loads of more standard deviations are no noise; the start is this fraction of all depths above.
+#: Loads of more standard deviations than this are no noise; and how far above the first row with
+#: such a load the first touch is at least, as a fraction of the range of all depths.
 _NOISE: Final = 3.0
 _ABOVE: Final = 0.01
 #: Largest approach of a first guess over that at which the contact is at the end of the profile.
 _SHORT_OF_END: Final = 0.999
 #: Load of the second row of a first guess over that of the deepest one.
 _SECOND_LOAD: Final = 0.25
-#: Chi square over its degrees of freedom beyond which a curve is not what was measured, if by
-#: chance it is as large or larger this rarely.
+#: The fitted curve is not what was measured if chi square over its degrees of freedom is beyond
+#: this, and the probability that chance makes it as large or larger is below this.
 _MISFIT: Final = 2.0
 _CHANCE: Final = 1e-6
 #: Standard deviations of its mean that a baseline without load may lie off zero.
@@ -381,10 +382,10 @@ def _interpolated(profile: Profile, approaches: Array, layer: float, rtol: float
 
 
 def cuts(profile: Profile, radius: float, finest: float) -> list[float]:
-    """Return distances from the edge between which the pressure is smooth.
+    """Return distances from the edge, over the radius, between which the pressure is smooth.
 
-    Layers at the edge, the centre of a tip and breaks are no thinner than the finest, over the
-    radius.
+    They are graded toward the edge, breaks of the profile and the centre of a tip, where the
+    pressure changes over no smaller distance than `finest`, over the radius.
     """
     steps = 10.0 ** -np.arange(1.0, 15.0)
     steps = np.append(steps[steps > finest / 30.0], 0.0)
@@ -485,10 +486,11 @@ class CurveProblem:
         return [-math.inf] * len(self.free), [math.inf] * len(self.free)
 
     def _searched(self, y: Array) -> tuple[Array, Array]:
-        """Return x and its derivatives by the unknowns y of a search, which starts at ones.
+        """Return x and its derivatives by the variables y of a search.
 
-        They are in units of their scale. Above its start a compliance itself is searched instead of
-        its logarithm, since loads are nearly linear in it.
+        x is the logarithm of a parameter over its start, or a number of the instrument itself. y is
+        1 at the start and grows like x in units of its scale. But for a compliance above its start
+        y is the compliance over its start, not the logarithm, since loads are nearly linear in it.
         """
         compliances = np.array([name == "normal_compliance" for name in self.free])
         grown = np.where(compliances, np.maximum(y, 1.0), 1.0)
@@ -546,9 +548,10 @@ class CurveProblem:
         }
 
     def turned(self, jacobian: Array, x: Sequence[float], sense: float) -> Array:
-        """Return derivatives by logarithms of the parameters as those by what is searched.
+        """Return a Jacobian by the logarithms of the parameters as one by x.
 
-        With the sense -1 it is the other way round.
+        With the sense -1 the one by x is given, and the other returned. Here both are the same; a
+        subclass may search for something else than these logarithms.
         """
         return jacobian
 

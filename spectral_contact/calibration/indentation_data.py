@@ -38,7 +38,8 @@ _DIRECTIONS: Final = (
     ("approach", "retraction"),
     ("loading", "unloading"),
 )
-#: Deviations by which the two parts of a loop differ on average if it is no one curve.
+#: Approach and retraction are two curves if their loads differ on average by more standard
+#: deviations than this.
 _LOOP: Final = 3.0
 #: Lines that a remark names.
 _NAMED: Final = 5
@@ -242,7 +243,10 @@ def _tables(
 
 
 def _side_by_side(depth: Array, count: int) -> dict[str, Rows]:
-    """Return the rows of both parts, the first `count` the approach, in the order of a motion."""
+    """Return the rows of both parts, of which the first `count` are the approach.
+
+    They are turned so that depths grow in the approach and fall in the retraction.
+    """
     rows = np.arange(len(depth))
     first, second = rows[:count], rows[count:]
     if depth[first[0]] > depth[first[-1]]:

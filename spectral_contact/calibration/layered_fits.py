@@ -41,10 +41,11 @@ from spectral_contact.solving.through_layer import through_layer
 _MOST_UNKNOWNS: Final = 20_000
 #: Exponents between which is searched.
 _EXPONENTS: Final = 1.0, 10.0
-#: The derivative by the logarithm of all pressures of the law at once.
+#: Name of the derivative by the logarithm of a factor of all pressures of the law.
 UNIT: Final = "unit"
-#: Share of the largest pressure below which derivatives are left out, points of the law between,
-#: and places at which the largest is looked for.
+#: Where the pressure is below this share of the largest one, it adds nothing to derivatives; number
+#: of points at which the law is evaluated between these two pressures; and number of radii at which
+#: the largest pressure is looked for.
 _LEAST, _POINTS, _LOOKS = 1e-12, 600, 400
 #: Where pressures are cut for quadrature, besides decades from the edge.
 _CUTS: Final = tuple(k / 16.0 for k in range(1, 16))
@@ -185,7 +186,7 @@ def _interpolated(
         return point(found, place, 0.0)
 
     if has_edge(profile, layer):
-        # near its start a law with one is a power of the distance
+        # next to its start a law is a power of the distance from there: so logarithms are smooth
         outer = approaches[[0, -1]].tolist()
         first, last = (_of_approach(profile, layer, one, rtol, None).radius for one in outer)
         breaks = [one for one in profile.breaks if first < one < last]
@@ -221,7 +222,8 @@ def _derivatives(
     if math.isfinite(layer.start):
         w = layer.start + np.geomspace(ends[0] - layer.start, ends[1] - layer.start, _POINTS)
     p, slope = layer._pressure(w), layer._slope(w)
-    # what moves the law at a pressure, over a function of that pressure
+    # ``(dF/dtheta)/F'``: how far the overclosure of a pressure moves with theta. It is interpolated
+    # as a function of the logarithm of the pressure.
     moved = {name: rate / slope for name, rate in {UNIT: p, **layer._rates(w)}.items()}
     high = math.log(p[-1])
     places = [*cuts(profile, a, 1.0 / (float(slope.max()) * a)), *_CUTS]
@@ -275,9 +277,11 @@ class LawProblem(CurveProblem):
         return math.log(float(np.ptp(self.depth)) or 1.0)
 
     def values(self, x: Sequence[float]) -> dict[str, float]:
-        """Return the parameters; the coefficient of a power law counts at the pivot.
+        """Return the parameters.
 
-        In Pa/m^exponent it hangs on the exponent so much that the search would creep.
+        If coefficient and exponent of a power law are both free, x has the pressure at the pivot in
+        place of the coefficient. With the coefficient itself, in Pa/m^exponent, a search would take
+        very many small steps, as a change of the exponent is made up for by one of it.
         """
         found = super().values(x)
         if {"coefficient", "exponent"} <= set(self.free):
@@ -286,7 +290,7 @@ class LawProblem(CurveProblem):
         return found
 
     def turned(self, jacobian: Array, x: Sequence[float], sense: float) -> Array:
-        """Return derivatives by logarithms of the parameters as those by what is searched."""
+        """Return a Jacobian by the logarithms of the parameters as one by x, or the reverse."""
         if not {"coefficient", "exponent"} <= set(self.free):
             return jacobian
         found, k = jacobian.copy(), self.free.index("exponent")
@@ -303,10 +307,11 @@ class LawProblem(CurveProblem):
         """Return the loads of all approaches, and their derivatives by name."""
         quarter = values["reduced_modulus"] / 4.0
         own = in_own_units(self._law(values), quarter)
-        # pressures in Pa are less of a larger E'; asperities have theirs in E'
-        rigid = isinstance(own, GreenwoodWilliamson)
+        # A pressure in Pa is a smaller multiple of E' if E' is larger, so the law in units of E'
+        # changes with it (UNIT). That of asperities is given in units of E' and does not.
+        in_moduli = isinstance(own, GreenwoodWilliamson)
         names = tuple(name for name in self.free if name in _rate_names(own))
-        names += (UNIT,) * (not rigid and "reduced_modulus" in self.free)
+        names += (UNIT,) * (not in_moduli and "reduced_modulus" in self.free)
         loads = layered_loads(self.profile, own, approach, self.rtol, names)
         value = quarter * loads.value
         by_approach = quarter * loads.by_approach

@@ -1,8 +1,8 @@
 """Loads of many approaches from few that are solved, with their derivatives.
 
 Polynomials go through the solved ones, as in sweeps (`fields.curves`). Where they do not settle,
-as next to a break of a profile or where a law bends, the curve is bisected; what is left of it with
-few approaches is solved one by one.
+as next to a break of a profile or where a law bends, the curve is bisected. The approaches in a
+piece are solved one by one if there are only a few of them.
 """
 
 from __future__ import annotations
@@ -55,15 +55,15 @@ class LoadCurve:
     single : callable
         Solves that of an abscissa.
     tolerance : float
-        Bound on the errors of single solves. Interpolated values may be off by ten of it, and by
-        more where the load is a small part of the largest.
+        Bound on the relative errors of single solves. Interpolated values may be off by ten times
+        that, and at smaller loads by so much more as the load is smaller than the largest one.
     """
 
     at_place: Callable[[float], CurvePoint]
     single: Callable[[float], CurvePoint]
     tolerance: float
     _solved: dict[float, CurvePoint] = field(default_factory=dict)
-    _largest: float = 0.0
+    _largest_log_load: float = 0.0
 
     def values(self, places: Sequence[float], wanted: Array) -> Array:
         """Return the functions, (abscissas, functions), at rising abscissas.
@@ -80,7 +80,7 @@ class LoadCurve:
         ConvergenceError
             If a single solve does not reach ten times the tolerance.
         """
-        self._largest = float(self._point(places[-1]).functions[0])
+        self._largest_log_load = float(self._point(places[-1]).functions[0])
         cuts = [int(np.searchsorted(wanted, self._point(one).abscissa)) for one in places[1:-1]]
         pieces = zip(pairwise(places), np.split(wanted, cuts), strict=True)
         return _joined([self._piece(*ends, some, _DEEPEST) for ends, some in pieces])
@@ -90,9 +90,9 @@ class LoadCurve:
             self._solved[place] = self.at_place(place)
         return self._solved[place]
 
-    def _allowed(self, load: Array) -> Array:
-        """Return the errors allowed where the logarithm of the load is this."""
-        return self.tolerance * np.exp(np.maximum(self._largest - load, 0.0))
+    def _allowed(self, log_load: Array) -> Array:
+        """Return the tolerance times the largest load over the load at hand."""
+        return self.tolerance * np.exp(np.maximum(self._largest_log_load - log_load, 0.0))
 
     def _piece(self, low: float, high: float, wanted: Array, depth: int) -> Array:
         if len(wanted) < LEAST or not low < high or not depth:

@@ -284,7 +284,7 @@ def _check(setting: object, layer: object) -> None:
 
 
 def _each(star: Callable[[float], float], radii: Array) -> Array:
-    """Return a quantity of every punch; punches of the same radius are solved once."""
+    """Return a quantity for every radius; `star` is called once for equal radii."""
     different, places = np.unique(radii, return_inverse=True)
     return np.array([star(float(a)) for a in different])[places]
 

@@ -24,8 +24,8 @@ from spectral_contact.solving.solver import solve
 #: Tolerance of the approaches of flat punches, and the rounding of their logarithms.
 _RTOL: Final = 1e-11
 _ROUNDING: Final = 1e-14
-#: Least error of a modulus behind a layer. And its largest: of stiffer layers the stiffness
-#: measured has no digit of the half-space.
+#: Least relative error of a modulus behind a layer. And the largest: with a larger one the layer
+#: takes so much of what was measured that no digit of the half-space is left.
 _LEAST_ERROR: Final = 1e-9
 _LARGEST_ERROR: Final = 0.1
 #: Relative step of the derivative by which deviations are handed on.
@@ -275,7 +275,7 @@ def _behind_layer(modulus: float, radius: float, compliance: float) -> _Modulus:
 
     wanted = math.log(apparent)
     high = wanted + 1.0
-    # as x grows it comes to pi/8, the stiffness of the layer alone
+    # as x grows, x/(8 delta*(x)) comes to pi/8, at which the layer alone has the stiffness measured
     stiffest = math.pi * radius / (2.0 * modulus)
     told = f"below {stiffest:.4g} m/Pa: such a layer alone gives way more than was measured"
     while logarithm(high)[0] < wanted:
@@ -285,7 +285,8 @@ def _behind_layer(modulus: float, radius: float, compliance: float) -> _Modulus:
     x = float(brentq(lambda v: logarithm(v)[0] - wanted, wanted, high, xtol=1e-14, rtol=1e-13))
     rise = logarithm(x + _STEP)[0] - logarithm(x - _STEP)[0]
     error = logarithm(x)[1]
-    # a difference of rounded numbers is no slope where they round by a tenth of it
+    # `rise` is a difference of two numbers with this error each, and no slope if the error is a
+    # tenth of it or more
     if not rise > 2.0 * error / _LARGEST_ERROR:
         told = f"below {stiffest:.4g} m/Pa by more than rounding: such a layer alone gives way by "
         raise SceneError("normal_compliance", compliance, told + "what was measured")

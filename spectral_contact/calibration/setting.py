@@ -43,7 +43,7 @@ class Setting:
     Attributes
     ----------
     material : tuple
-        Poisson's ratio, and in its place the size of κ of two bodies.
+        Poisson's ratio and the modulus of κ. Of two bodies the first is None, else the second.
     stiffness : float
         E/(4(1 − ν²)) [Pa].
     radius : float
@@ -149,7 +149,7 @@ def _solved(solver: _Solver, scene: Scene, rtol: float, quantities: Sequence[str
 
 @lru_cache(maxsize=128)
 def _with_zones(solver: _Solver, scene: Scene, rtol: float) -> Solution:
-    """Return a solution; the radius that is predicted and its slopes are of the same one."""
+    """Return the solution from which both the stick radius and its slopes are taken."""
     return _solved(solver, scene, rtol, ("stick_radius", "zones", "total_shear", "traction"))
 
 

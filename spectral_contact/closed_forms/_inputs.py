@@ -58,7 +58,7 @@ def position(s: ArrayLike | None, from_edge: ArrayLike | None) -> Position:
     radius, edge = (1.0 - given, given) if s is None else (given, 1.0 - given)
     y = np.asarray(edge * (2.0 - edge))
     with np.errstate(divide="ignore"):  # ln 0 = −inf at the edge is meant
-        # Where y is near 1 its logarithm is small, and only −s² still knows its digits.
+        # Where y is near 1, rounding of y would spoil its small logarithm, which is ln(1 − s²).
         log_y = np.where(radius < 0.5, np.log1p(-radius * radius), np.log(y))
     return Position(np.asarray(radius), np.asarray(edge), y, log_y, given.ndim == 0)
 

@@ -60,8 +60,8 @@ class StickRadius:
         if c < 0.5:
             gap = 0.0 if c == 0.0 else c * self.complementary_k
             return float(2.0 * special.elliprg(0.0, c * c, 1.0)) - gap
-        # Landen's transformation squares the small parameter and leaves no difference of
-        # near-equal terms: K − (K − E)/k² is π/4 at k = 0.
+        # With the modulus k = (1 − c)/(1 + c) of Landen's transformation this is
+        # (1 + c) k² [K − (K − E)/k²]. The bracket does not cancel: it is π/4 at k = 0.
         k = self.from_edge / (1.0 + c)
         k2 = k * k
         remainder = float(special.ellipk(k2) - special.elliprd(0.0, 1.0 - k2, 1.0) / 3.0)
@@ -93,8 +93,9 @@ def stick_radius(poisson_ratio: float, friction: float) -> StickRadius:
     -----
     Spence's condition (1/2c) ln((1 + c)/(1 − c)) = (f/2κ) K'(c), which makes q continuous at c:
     equation (5.9) of the paper for α = β = 0. Limits: c ~ 4 exp(−2κ/f) for f → 0 and
-    1 − c ~ 2 exp(−πf/(2κ)) for f → ∞. Each of c and 1 − c has a relative error of a few ε times
-    its own condition with respect to f/κ, which is 2κ/f for c and πf/(2κ) for 1 − c.
+    1 − c ~ 2 exp(−πf/(2κ)) for f → ∞. With the rounding ε of a double the relative error of c is a
+    few times ε 2κ/f in the first limit, and that of 1 − c a few times ε πf/(2κ) in the second: a
+    relative change of f/κ by ε changes them as much.
     """
     shear = kappa(poisson_ratio)
     f = check_friction(friction)

@@ -131,7 +131,8 @@ def power_law_pull_off(
     if n <= 0.5:
         raise refusal("exponent", exponent, "> 1/2")
     unit = power_law_contact(1.0, coefficient, exponent).approach
-    # δ' = 0 and P' = 0, with δ = B aⁿ − √(πaw/2)
+    # It comes off where δ' = 0 or, if the load is held, P' = 0. With δ = B aⁿ − √(πaw/2) either
+    # determines a^(n − 1/2), the second with a factor of 3.
     ratio = math.sqrt(math.pi * w / 2.0) * (1.0 if by_approach else 3.0) / (2.0 * unit * n)
     log_radius = math.log(ratio) / (n - 0.5)
     if abs(log_radius) > _LARGEST_LOG:

@@ -2,8 +2,8 @@
 
 The normal problem (3.5) of the paper, α p + N p = δ under the load 1, has no closed solution for
 0 < α < ∞. These are the leading terms at both ends; all quantities are dimensionless, lengths in
-units of the punch radius. Each docstring gives the first term left out, which measures the error
-well wherever it is small against the last term kept.
+units of the punch radius. Each docstring gives the first term left out. Where it is small against
+the last term kept, it is about the error.
 """
 
 import math

@@ -174,8 +174,9 @@ def coupled_traction(
     if theta == 0.0:
         return at.output(np.zeros_like(at.s))
     weights, t, artanh = _inverse_transform(at)
-    # sin ϑ − 2θ t cos ϑ = (sin ϑ − ϑ cos ϑ) + (ϑ − 2θt) cos ϑ, each of order t³ at the centre: the
-    # first is ϑ² j₁(ϑ), the second is 2θ (artanh t − t) cos ϑ with artanh t − t = (t³/3) R_J.
+    # The bracket in q is (sin ϑ − 2θ t cos ϑ)/t³, whose numerator cancels at the centre. It is
+    # (sin ϑ − ϑ cos ϑ) + (ϑ − 2θt) cos ϑ, and both terms are of order t³ there: the first is
+    # ϑ² j₁(ϑ), the second is 2θ (artanh t − t) cos ϑ, as ϑ = 2θ artanh t.
     angle = 2.0 * theta * artanh
     first = (angle / t) ** 3 * _bessel_ratio(angle)
     second = 2.0 / 3.0 * theta * _cubic_rest(t, artanh) * np.cos(angle)

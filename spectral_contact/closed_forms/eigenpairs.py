@@ -15,8 +15,8 @@ from scipy import special
 
 from ._inputs import Array, Position, Values, position, refusal
 
-#: Largest degree of a function, whose recurrence takes a second at a hundred points; and of an
-#: eigenvalue, which beyond is 1/(2l) to all digits of a double.
+#: Largest degree of an eigenfunction: there its recurrence takes a second at a hundred points. And
+#: of an eigenvalue: beyond, it is 1/(2l) to all digits of a double.
 _LARGEST_FUNCTION, _LARGEST_EIGENVALUE = 10**6, 10**100
 
 

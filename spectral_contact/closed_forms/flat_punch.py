@@ -1,7 +1,9 @@
 """Below a smooth, frictionless flat punch: Sneddon's solution, elementary functions throughout.
 
-With ``zeta = z + i`` and ``rho = sqrt(r**2 + zeta**2)`` every component is the imaginary part of an
-algebraic function of r, z, rho (Sneddon 1946): the contact is a source at the imaginary depth -i.
+With ``zeta = z + i`` and ``rho = sqrt(r**2 + zeta**2)`` every stress is the imaginary part of an
+algebraic function of r, z and rho, and so are the displacements but for one angle (Sneddon 1946).
+Their harmonic function 1/rho is the potential of a source at the imaginary depth -i, from which rho
+is the distance.
 """
 
 from typing import Any, NamedTuple
@@ -86,8 +88,8 @@ def flat_punch_stress(
 ) -> PunchStress:
     """Return the stress anywhere in the half-space; infinite or NaN at the edge.
 
-    Errors are rounding of the largest component at a point: far smaller components there have
-    fewer digits.
+    Errors are those of rounding the largest component at a point. A component that is far smaller
+    than another one at the same point has fewer digits.
 
     Parameters
     ----------
@@ -105,12 +107,14 @@ def flat_punch_stress(
     """
     nu = check_poisson_ratio(poisson_ratio)
     r_, z_, zeta, rho = _place(r, z, from_edge)
+    # a harmonic function: the sum of the three normal stresses is -2 (1 + nu) times it
     harmonic = _source(1.0 / rho)
     zz = -harmonic - _source(z_ * zeta / rho**3)
     rz = -_source(z_ * r_ / rho**3)
-    out = -(1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)) + _source(z_ / (rho * (rho + zeta)))
-    tt = out - 2.0 * nu * harmonic
-    return PunchStress(-2.0 * harmonic - zz - out, tt, zz, rz)
+    # 2 G u_r/r with the shear modulus G: the part of the hoop stress by the hoop strain
+    hoop = -(1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)) + _source(z_ / (rho * (rho + zeta)))
+    tt = hoop - 2.0 * nu * harmonic
+    return PunchStress(-2.0 * harmonic - zz - hoop, tt, zz, rz)
 
 
 @_QUIET
@@ -127,9 +131,10 @@ def flat_punch_displacement(
     """
     nu = check_poisson_ratio(poisson_ratio)
     r_, z_, zeta, rho = _place(r, z, from_edge)
-    shear = 4.0 * (1.0 - nu)
-    sink = np.where(z_ > 0.0, _source(z_ / rho), 0.0)
-    across = np.where(z_ > 0.0, _source(z_ / (rho * (rho + zeta))), 0.0)
-    down = (1.0 - nu) / np.pi * np.angle(zeta + rho) + sink
-    out = r_ * (across - (1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)))
-    return PunchDisplacement(out / shear, down / shear)
+    # terms with the factor z: they are 0 at the surface, also at the edge, where they are 0/0
+    down_below = np.where(z_ > 0.0, _source(z_ / rho), 0.0)
+    out_below = np.where(z_ > 0.0, _source(z_ / (rho * (rho + zeta))), 0.0)
+    down = (1.0 - nu) / np.pi * np.angle(zeta + rho) + down_below
+    out = r_ * (out_below - (1.0 - 2.0 * nu) * _source(1.0 / (rho + zeta)))
+    factor = 4.0 * (1.0 - nu)
+    return PunchDisplacement(out / factor, down / factor)

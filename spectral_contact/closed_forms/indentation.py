@@ -1,4 +1,4 @@
-"""Frictionless contact under a profile: on a smooth surface, and on one so rough that it is all.
+"""Frictionless contact under a profile: on a smooth surface, or on a layer over a rigid half-space.
 
 Lengths are in any unit L, tractions in E' = E/(4(1 − ν²)), a quarter of E*, loads in E'L². A
 contact is given by its radius.
@@ -212,7 +212,7 @@ def cone_pressure(contact_radius: float, half_angle: float, r: ArrayLike) -> Val
     half_angle = _angle(half_angle)
     at = _inside(r, contact_radius)
     with np.errstate(divide="ignore"):
-        # the quotient of the roots is a double where that of the radii is none
+        # next to the tip the quotient of the radii may overflow, that of their roots does not
         root = np.sqrt(0.5 * (contact_radius - at)) / np.sqrt(at)
     # arcosh(a/r), without its cancellation next to the edge
     return _shaped(4.0 / math.tan(half_angle) * np.arcsinh(root))

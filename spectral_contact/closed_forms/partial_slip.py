@@ -19,7 +19,8 @@ from .smooth import full_stick_shear, full_stick_traction, smooth_pressure
 
 # Below this fraction of s, a radius is so small that what it adds is known to rounding.
 _TINY = 1e-9
-# R_J(1, m, m, p) of scipy is unreliable once m is very small; the other form cancels for m near 1.
+# Up to this m = 1 − c² `_elementary_part` is a difference of two R_C, which cancels for m near 1;
+# beyond it is R_J(1, m, m, p), of which scipy's is unreliable for very small m.
 _NEAR_EDGE = 0.1
 
 
@@ -105,8 +106,8 @@ def partial_slip_traction(
         return at.output(np.zeros_like(at.s))
     if stick.from_edge == 0.0:
         return full_stick_traction(poisson_ratio, s, from_edge=from_edge)
-    gap = _inside_stick(at, stick)
-    inside = (gap > 0.0) | (at.s == 0.0)
+    inward = _inside_stick(at, stick)  # c − s
+    inside = (inward > 0.0) | (at.s == 0.0)
     q = np.array(f * np.asarray(smooth_pressure(s, from_edge=from_edge)))
     radius, y = at.s[inside], at.y[inside]
     if stick.is_tiny:
@@ -114,7 +115,7 @@ def partial_slip_traction(
         scale = stick.radius if stick.radius > 0.0 else 1.0
         q[inside] = f / math.pi**2 * np.arcsin(radius / scale)
     else:
-        b2 = gap[inside] * (stick.radius + radius) / y
+        b2 = inward[inside] * (stick.radius + radius) / y
         q[inside] = _stick_traction(stick, f, shear, radius, y, b2)
     return at.output(q)
 
@@ -143,8 +144,8 @@ def _elementary_part(stick: StickRadius, p: Array, b: Array) -> Array:
     m, c, e = stick.edge_coordinate, stick.radius, stick.from_edge
     if m > _NEAR_EDGE:
         return np.asarray(p * special.elliprj(1.0, m, m, p))
-    # The subtraction theorem of artanh, whose argument (c − b)/(1 − cb) nears 1 for a thin annulus
-    # and is then better given by its complement.
+    # artanh c − artanh b is the artanh of (c − b)/(1 − cb). For a thin annulus this argument is
+    # near 1, so 1 less its square is taken, the complement.
     product_gap = e + c * p / (1.0 + b)  # 1 − c b
     complement = (m / product_gap) * (p / product_gap)
     difference = special.elliprc(1.0, complement) - product_gap * special.elliprc(1.0, p)
@@ -251,6 +252,7 @@ def _inner_integral(stick: StickRadius, f: float, shear: float, s: float) -> flo
     bracket = np.arccos(ratio) + ratio * np.sqrt(1.0 - ratio * ratio)
     total = float(np.sum(weights * _density(f, shear, tau, 1.0 - tau * tau) * bracket))
     if stick.radius < _TINY * s:
-        # Below start, τD' = f/2 and the bracket is π/2; and f ln c = f ln 4 − 2κ holds for such c.
+        # Between c and the start τ D' is f/2 and the bracket π/2, so that part is (π/4) f times the
+        # logarithm of start s/c; and for such c it is f ln c = f ln 4 − 2κ.
         total += 0.25 * math.pi * (f * (math.log(start * s) - math.log(4.0)) + 2.0 * shear)
     return total

@@ -37,8 +37,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Error of an integral over the energy of the change by the top degrees, as in `indented`; and
-#: error of the stiffness over its difference between two spaces.
+#: Factors of error estimates: an integral is off by the first one times the energy of the change
+#: by the top degrees, as in `indented`; the stiffness by the second one times its change from the
+#: coarser space to this one.
 _ENERGY_FACTOR, _STIFFNESS_FACTOR = 2.0, 16.0
 #: Roundings of lengths, relative to the largest of the data, and of the pressure.
 _ROUNDINGS, _FIELD_ROUNDINGS = 3.0, 60.0
@@ -148,7 +149,7 @@ class Layered(ABC):
         stiffness_error = (
             (2.0 * a * stiffness_part + _STIFFNESS_FACTOR * stiffness_change) / totals.stiffness
             + (solver.edge_stiffness_error(fields) + misplaced.stiffness) / totals.stiffness
-            # the stiffness changes as fast as the load at most, both relative
+            # the relative change of the stiffness by the shift is at most that of the load
             + load_by_shift / totals.load
             + iteration_error
             + 2.0 * ROUNDING
@@ -191,7 +192,8 @@ class Layered(ABC):
             stiffness_indicators = _STIFFNESS_FACTOR * np.abs(by_panels) / totals.stiffness
             indicators = np.maximum(indicators**2, stiffness_indicators)
         if setting.centre is not None or not self.pointwise or setting.layer.knots:
-            # a part of the error that no indicator contains is attributed to the largest ones
+            # where the error is larger than every indicator, all of them are enlarged alike, so
+            # that the panels with the largest ones are refined
             indicators = indicators * max(1.0, min(error, 1.0) / float(indicators.max()))
         return SpaceSolution(indentation, error, indicators, form.space.unknowns)
 
@@ -204,7 +206,11 @@ def at_centre(contact: Indentation) -> tuple[float, float]:
 
 
 def _at_load(contact: Indentation, load: float) -> Indentation:
-    """Return the contact with exactly this load; the error of its load is one of the approach."""
+    """Return the contact with exactly this load.
+
+    The error of the load that it had, and how far that was from the given one, become an error of
+    the approach.
+    """
     error = contact.load_error + 2.0 * abs(contact.load / load - 1.0)
     result = _with_approach_error(contact, error * contact.load / contact.stiffness)
     return replace(result, load=load, load_error=0.0)
@@ -218,14 +224,17 @@ def _with_approach_error(contact: Indentation, change: float) -> Indentation:
         load_error=contact.load_error + load_change,
         approach_error=contact.approach_error + change / contact.approach_size,
         work_error=contact.work_error + contact.load * change / contact.work,
-        # the stiffness changes as fast as the load at most, both relative
+        # the relative change of the stiffness is at most that of the load
         stiffness_error=contact.stiffness_error + load_change,
         pressure_error=contact.pressure_error + load_change * _pressure_by_load(contact),
     )
 
 
 def _pressure_by_load(contact: Indentation) -> float:
-    """Return the largest ``dln p/dln P``; where p is below its mean, relative to the mean."""
+    """Return the largest ``(dp/dln P)/p`` of all radii; below its mean, p is replaced by the mean.
+
+    It is infinite if the pressure or its derivative is not at hand.
+    """
     if contact.pressure is None or contact.flat is None:
         return inf
     p = contact.pressure(RADII, 1.0 - RADII)

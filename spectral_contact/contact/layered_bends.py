@@ -31,8 +31,8 @@ _ROUNDING = 1e-14
 #: Least distance in ``s**2`` of a bend from the centre, the edge, a break of the profile or another
 #: bend. A bend that is closer is left out, and `misplacement` bounds the error.
 _LEAST_GAP = 1e-11
-#: Largest error of a polynomial interpolant of values with a kink, over how far the values are off
-#: beyond the kink.
+#: Values beyond a kink deviate from the smooth function on the other side of it. The error of a
+#: polynomial through all values is at most this times the largest of these deviations.
 _KINK_FACTOR = 3.0
 
 
@@ -106,8 +106,8 @@ class _Samples(NamedTuple):
     sample : ndarray
         Index of the sampling point itself, or of the one nearest to the centre or extremum.
     width : ndarray
-        Extent in ``s**2`` for which the value stands: that of its panel, or, at an extremum, up to
-        both neighbours.
+        Extent in ``s**2`` for which the value stands: at a sampling point that of its whole panel,
+        the same for all points of the panel; at an extremum from one neighbour to the other.
     drop, power : ndarray
         Next to an extremum w changes by ``drop * x**(1/power)`` over the fraction x of `width`:
         `power` is 1 at the centre, where w is linear in ``s**2``, and 1/2 elsewhere. At sampling
@@ -195,7 +195,8 @@ def bends_of(
     overclosure : ndarray
         Its coefficients.
     errors : ndarray
-        Its errors at the sampling points. A value that is closer to a knot is on neither side.
+        Its errors at the sampling points. A value that is closer to a knot than its error counts
+        as on neither side of it.
     """
     a = setting.radius
     origin = setting.origin
@@ -268,7 +269,8 @@ def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields
             step = max(largest, float(np.spacing(abs(knot))))
             slopes = setting.layer._slope(np.array([knot - step, knot + step]))
             jump = abs(float(slopes[1] - slopes[0]))
-            # a panel with samples beyond a knot counts with its whole extent, and once
+            # A panel with samples beyond a knot counts with its whole extent, and once: all of its
+            # samples have the same width, and no two panels of a part have (`unique`).
             beyond = excess > 0.0
             width = float(np.unique(samples.widths_beyond(excess)[beyond]).sum())
             max_rate = float(rate[samples.sample[beyond]].max(initial=0.0))
@@ -285,9 +287,10 @@ def misplacement(setting: LayeredSetting, form: PanelForm, fields: LayeredFields
 
 
 def _neighbouring_knots(setting: LayeredSetting, w: Array) -> tuple[float, float]:
-    """Return the neighbouring knots that the overclosures exceed least.
+    """Return the two neighbouring knots between which overclosures lie, or nearly lie.
 
-    Below the first knot and above the last one they are infinite.
+    Of all pairs it is the one beyond which the overclosures go least. Below the first knot and
+    above the last one they are infinite.
     """
     knots = np.array([-inf, *setting.layer.knots, inf])
     first, last = np.searchsorted(knots, [w.min(), w.max()])

@@ -2,9 +2,9 @@
 
 Under a flat punch, and under a law with pressure at every gap, the contact radius is not an
 unknown. The load P is a convex function of the approach, ln P a concave one, and the stiffness is
-``dP/d(approach)``. So Newton's method does not overshoot if it is applied to ln P where the load is
-too small, and to P where it is too large. The first spaces consist of panels graded to edges and
-tips, or of cells.
+``dP/d(approach)``. So a step of Newton's method does not overshoot if it is taken for ln P where
+the load is too small, and for P where it is too large. The first spaces consist of panels graded to
+edges and tips, or of cells.
 """
 
 from __future__ import annotations
@@ -56,8 +56,9 @@ _BEND_ROUNDING = 1e-14
 _MAX_KNOT_CHANGES = 8
 #: Degrees of the first space on a cell for each e-fold of the tolerance.
 _DEGREES_PER_EFOLD = 0.55
-#: Error of the stiffness by the tail at the edge, over the extent of the tail: at most 8e-4, which
-#: a power law of exponent 1.1 has.
+#: Error of the stiffness by the tail at the edge, over the extent of the tail in widths of the edge
+#: layer. It is 8e-4 at most, under a power law of exponent 1.1: the slope of this law goes like a
+#: small power of the overclosure, which the tail does not represent.
 _TAIL_ERROR = 1e-3
 
 
@@ -77,15 +78,22 @@ class LayeredProblem(Layered, PartedProblem):
         PartedProblem.__init__(self, setting.parts, setting.depths, tolerance, pointwise=pointwise)
 
     def _first_space(self, part: int, depth: float) -> DiscreteSpace:
+        """Return the first space of a part whose narrowest feature is at the depth x.
+
+        If the pressure is not wanted, the attribute `tolerance` is the root of the one asked for
+        (`PartedProblem`).
+        """
         space = super()._first_space(part, depth)
         if not self.setting.smooth[part]:
             if self.pointwise or self.parts.ends[part][0] is not EDGE:
                 return space
+            # the depth at which _TAIL_ERROR times the extent of the tail is the tolerance asked for
             depth += log(_TAIL_ERROR) - 2.0 * log(self.tolerance)
             more = max(ceil(depth / space.panels.width) - len(space.degrees), 0)
             return DiscreteSpace(space.panels, space.degrees + (space.degrees[-1],) * more)
-        # Errors of integrals go like the square of the distance at which the tail begins. A higher
-        # degree does not lower them, so further panels are added.
+        # The pressure is smooth in s**2 up to the end, as the tail is: it may begin earlier than in
+        # `space`. Errors of integrals go like the square of the distance at which it begins, and a
+        # higher degree does not lower them, so that depth follows from the tolerance.
         spare = 2.0 if self.pointwise else 4.0
         depth += -log(self.tolerance) / 2.0 + spare
         count = min(int(depth / space.panels.width) + 1, len(space.degrees))
@@ -327,7 +335,7 @@ def layered_contact(
                 rough_contact, start, load, lambda contact: (contact.load, contact.stiffness)
             )
         else:
-            # the approach exceeds the overclosure at the centre, so that this is a start from below
+            # the approach exceeds the overclosure at the centre, so this start is below the answer
             assert central_overclosure is not None
             pressure = float(layer._pressure(np.array(central_overclosure)))
             guess = _rough_approach(rough_contact, central_overclosure, pressure, at_centre)

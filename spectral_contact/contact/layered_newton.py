@@ -2,11 +2,12 @@ r"""Newton's method for contact through a nonlinear layer, in a given space.
 
 The law of the layer is ``p = F(w)``, with the pressure p and the overclosure w. Lengths are in
 units of the radius a of the disk, and the unknown w is counted from the *origin*, the overclosure
-at which the law begins. With the mass M and the Gram matrix K of a space (`spectral.regularised`)
-the equations are ``M w + K p = moments of [H(1) - H(t)] + 2 eps`` (docs/theory, nonlinear layers).
-H and ``eps``, the *shift*, are those of `indented`. F is applied at the sampling points, from which
-p is expanded. The *rate* ``dw/ddelta``, and with it the pressure of a flat punch ``F'(w)
-dw/ddelta``, is the response to one more right-hand side.
+at which the law begins. M is the mass matrix of a space, of the inner products of its functions,
+and K the Gram matrix, of those of their half-integrals (`spectral.regularised`). The equations are
+``M w + K p = moments of [H(1) - H(t)] + 2 eps`` (docs/theory, nonlinear layers), with H and
+``eps``, the *shift*, as in `indented`. F is applied at the sampling points, from which p is
+expanded. The *rate* ``dw/ddelta``, and with it the pressure of a flat punch ``F'(w) dw/ddelta``, is
+the response to one more right-hand side.
 """
 
 from __future__ import annotations
@@ -44,12 +45,13 @@ _MAX_NONLINEARITY = 0.1
 #: not fallen below this fraction of the last one. Without this a table of ten points under a cone
 #: had no solution (`test_steps_that_go_to_and_fro_are_halved`).
 _SHRINKING = 0.9
-#: Least share of a damped step. A share s lowers the change to 1 - s of the last one at best: with
-#: 1/16 that is not below _SHRINKING, so that every step would count as oscillation, and shares be
-#: halved until nothing moves (`test_shares_of_steps_are_not_halved_without_end`).
+#: Least share of a damped step. After a share s the change is 1 - s of the last one at best. With
+#: 1/16 that is above _SHRINKING: every step would count as oscillation, and shares would be halved
+#: until nothing moves (`test_shares_of_steps_are_not_halved_without_end`).
 _MIN_SHARE = 1.0 / 8.0
-#: The iteration ends at a relative change of the pressure of the first number; or at one of the
-#: second if all further changes together, extrapolated from two, are less than the third.
+#: The iteration ends if the relative change of the pressure is below the first number; or if it is
+#: below the second one, and the sum of all further changes, extrapolated from the last two, is
+#: below the third one.
 _LAST_CHANGE, _SMALL_CHANGE, _REMAINING_CHANGE = 1e-14, 1e-13, 1e-15
 #: A relative change of the pressure below this that no longer falls is rounding.
 _ROUNDED_CHANGE = 1e-9
@@ -64,7 +66,8 @@ _SPRING_RATIO, _SPRING_STEPS, _SPRING_CHANGE = 0.2, 12, 0.02
 #: Highest degree in the steps with a spring.
 _SPRING_DEGREE = 5
 #: The slope of w is taken at this distance y from the edge, in units of the width of the edge layer
-#: or, if that is nearer, of the distance to the pole of the half-integral.
+#: or, if that is less, of the distance from the edge to the radius at which H of the profile is
+#: infinite, as at the equator of a sphere (`Profile._to_pole`).
 _SLOPE_DISTANCE = 1e-4
 #: A rule that integrates any power of the distance from the edge: number of points, and the power
 #: by which they are clustered there.
@@ -144,7 +147,7 @@ class LayeredSetting:
 
 @dataclass(frozen=True, slots=True)
 class LayeredFields:
-    """A solution: coefficients of fields at the sampling points' panels.
+    """A solution: the coefficients of its fields in the space.
 
     Attributes
     ----------
@@ -284,8 +287,9 @@ class LayeredNewton:
 
         If the law is far from linear over a step, the step is taken for the total overclosure of
         the layer and a spring in series, from which w follows point by point. Where such steps
-        oscillate, only a share of them is taken, which is halved each time. The shift needs no
-        share: where it is not given, the next correction does not depend on it.
+        oscillate, only a share of them is taken, which is halved each time. The step of the shift
+        is taken in full. That does no harm: either it is 0, as the approach is given, or the next
+        correction meets the given load or overclosure from whatever shift it begins with.
         """
         setting = self.setting
         sampling = self.sampling
@@ -329,7 +333,7 @@ class LayeredNewton:
                 ratio = change / last_change
                 remaining = change * ratio / (1.0 - ratio) if ratio < 1.0 else inf
             rounded = change < _ROUNDED_CHANGE and change >= last_change
-            # the rate belongs to the w before the step: so the change has to be small, too
+            # the rate is that of the w before this step: so the step itself has to be small, too
             small = change < _SMALL_CHANGE and remaining < _REMAINING_CHANGE
             if rounded or small or change < _LAST_CHANGE:
                 remaining = min(change, remaining)

@@ -33,17 +33,20 @@ Array = NDArray[np.float64]
 _NEGLIGIBLE = 1e-18
 #: Least pressure, so that it has an overclosure.
 _LEAST_PRESSURE = float(np.finfo(float).tiny)
-#: Least and largest radius of the boundary at the turn, over the radius of the disk; and its least
-#: distance from a break, in the same unit.
+#: Of the boundary between panels at the turn: its least and its largest radius, and its least
+#: distance from a break of the profile, all over the radius of the disk.
 _MIN_TURN, _MAX_TURN, _MIN_DISTANCE = 0.3, 0.99, 0.05
-#: Load of a smooth contact over ``4 a delta``: that of a parabola, 4/3.
+#: Load of a smooth contact of approach delta over ``4 a delta``, pressures in units of
+#: ``E' = E/(4(1 - nu**2))``: 4/3 under a parabola, 1 under a cone. That of the parabola is taken
+#: for every profile, as it only places the turn.
 _LOAD_FACTOR = 4.0 / 3.0
-#: Largest radius of a bisection, and the ratio of its least radius to the largest.
+#: Largest radius at which a bisection begins, and the ratio of its least radius to that.
 _MAX_RADIUS, _MIN_RATIO = 1e100, 1e-200
 #: Relative accuracy of the radius of the disk, and of a turn.
 _RADIUS_TOLERANCE, _TURN_TOLERANCE = 1e-3, 1e-12
-#: Cells next to the turn over the width of the turn; ratio of neighbouring widths; largest width in
-#: ``s**2``; and the fraction of the distance to the end that is not worth a further cell.
+#: Width of the cells next to the turn over that of the turn; ratio of the widths of neighbouring
+#: cells; largest width in ``s**2``. If cells come this near to the end, as a fraction of its
+#: distance from the turn, all of them are widened instead of adding another one.
 _FIRST_WIDTH, _WIDTH_RATIO, _MAX_WIDTH, _END_MARGIN = 1.0, 2.5, 0.3, 0.1
 #: Largest depth of a turn in ``x = -ln d``.
 _MAX_TURN_DEPTH = 25.0
@@ -128,7 +131,7 @@ def _cells(pivot: Radius, width: float) -> DiskCells:
     pivot : Radius
         The turn.
     width : float
-        Width of the turn in ``s**2``, over the square of its radius s.
+        Width of the turn, a difference of ``s**2`` over that of the turn itself.
     """
 
     def steps(reach: float) -> Array:
@@ -154,6 +157,8 @@ def _to_edge(
     profile_breaks = profile_parts(profile, radius)
     parts = _with_smooth_breaks(profile_breaks, [bend.radius for bend in bends])
     setting = LayeredSetting(profile, layer, radius, approach, parts, (), ())
+    # what layer and body give way together at the centre: the approach from where the law begins,
+    # for which twice the height at the edge is taken if it is not given
     if approach is None:
         largest_height = 2.0 * float(profile._height(np.array(radius)))
     else:
@@ -169,10 +174,11 @@ def _to_edge(
 def _disk_radius(profile: Profile, layer: Layer, approach: float) -> float:
     """Return a radius beyond which the pressure is negligible.
 
-    The height of the undeformed punch there exceeds the approach less the overclosure at a
-    negligible pressure.
+    The pressure is negligible where the height of the undeformed punch exceeds the approach less
+    the overclosure that belongs to a negligible pressure.
     """
     pressure = _central_pressure(layer, approach, max(_turn(profile, layer, approach), layer._size))
+    # the largest height of the punch at which the pressure is not negligible
     largest_height = approach - layer._overclosure(max(_NEGLIGIBLE * pressure, _LEAST_PRESSURE))
 
     def beyond(radius: float) -> bool:
@@ -244,11 +250,12 @@ def _turn(profile: Profile, layer: Layer, approach: float) -> float:
 
 
 def _turn_depth(profile: Profile, layer: Layer, approach: float, turn: float) -> float:
-    """Return the depth ``x = -ln d`` of the turn, from its width d in ``s**2``.
+    """Return the depth ``x = -ln d`` of the turn, from its width d.
 
-    Beyond the edge of a smooth contact the gap grows as ``d**(3/2)``. The width d of the turn is
-    the distance at which the gap equals the overclosure over which the pressure falls by a factor
-    of e.
+    The width, as every distance d from the turn here, is a difference of ``s**2`` over that of the
+    turn itself. Beyond the edge of a smooth contact the gap grows as ``d**(3/2)``. The width of the
+    turn is the distance at which the gap equals the overclosure over which the pressure falls by a
+    factor of e.
     """
     if turn <= 0.0:
         return 0.0

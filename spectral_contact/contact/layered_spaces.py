@@ -43,7 +43,8 @@ class PartSamples(NamedTuple):
     samples : slice
         Their numbers among all sampling points.
     sign : int
-        +1 if the part lies above its boundary, -1 if below, as in `DiskPartition`.
+        +1 if the part is outside its boundary, at larger radii, -1 if inside, as in
+        `DiskPartition`.
     distances : ndarray
         Their distances in ``s**2`` to the boundary, falling.
     widths : ndarray
@@ -74,7 +75,8 @@ class PanelForm:
     tail_extent : float
         Extent in ``s**2`` of the tail at the edge.
     central : int
-        Number of panels of the part at the centre.
+        Number of panels of the part at the centre, which are the first ones. Their errors are those
+        of the pressure at the centre (`layered`).
     """
 
     def __init__(self, parts: DiskPartition, used: tuple[DiscreteSpace, ...]) -> None:
@@ -135,10 +137,11 @@ class PanelForm:
         return self.sampling.coefficients(old.field(coefficients).evaluate(self.y))
 
     def known_pressure(self, pressure: Array, change: Change, layer_width: float) -> NormalContact:
-        """Return the pressure as the known one of a traction, on panels of one part.
+        """Return the pressure as the known pressure that drives a traction, on one part.
 
-        If the law bends inside the contact there are several parts. Then the pressure is
-        interpolated on panels of one part, with an error that is returned.
+        With it come its contributions of the top degrees, for errors (`NormalContact.changes`). If
+        the law bends inside the contact, the pressure is on several parts. Then it is interpolated
+        on panels of one part, and `pressure_error` of the result is the error of that.
 
         Parameters
         ----------
@@ -149,6 +152,7 @@ class PanelForm:
             Width of its layer at the edge.
         """
         space = self.space
+        # the space with one degree less lacks exactly the coefficients of the top degrees
         is_top = np.zeros_like(pressure)
         is_top[space.index[space.coarse_unknowns :]] = 1.0
         fields: tuple[Array, ...] = (pressure, change.coefficients, is_top * pressure)
@@ -189,12 +193,20 @@ class PanelForm:
         return edge_value(self._used[-1][0], coefficients)
 
     def next_to_edge(self, coefficients: Array, y: float) -> float:
-        """Return the value at a ``1 - s**2``."""
+        """Return the value at the distance ``y = 1 - s**2`` from the edge."""
         series = series_on_parts(self._used, coefficients)[-1]
         return series.value(y / self._parts.ends[-1][2])
 
     def in_tail(self, rows: Array, u: Array) -> Array:
-        """Return values of functions, (k, size), on the last piece, from the edge at ``u = 0``."""
+        """Return values of functions on the tail at the edge.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (functions, size)
+            Their coefficients.
+        u : ndarray
+            Distances in ``s**2`` from the edge, over the extent of the tail.
+        """
         terms = self._used[-1][0].tail_terms
         return rows[:, -terms:] @ legendre_values(2.0 * u - 1.0, terms - 1).T
 
@@ -253,11 +265,11 @@ class CellForm:
         return float(self._split(coefficients)[-1].sum())
 
     def next_to_edge(self, coefficients: Array, y: float) -> float:
-        """Return the value at a ``1 - s**2``."""
+        """Return the value at the distance ``y = 1 - s**2`` from the edge, in the last cell."""
         return float(self.in_tail(coefficients[None, :], np.array([y / self.tail_extent]))[0, 0])
 
     def in_tail(self, rows: Array, u: Array) -> Array:
-        """Return values of functions, (k, size), on the last piece, from the edge at ``u = 0``."""
+        """Return values of functions on the last cell, which is the tail of `PanelForm.in_tail`."""
         degree = self._degrees[-1]
         return rows[:, -degree - 1 :] @ legendre_values(1.0 - 2.0 * u, degree).T
 
@@ -266,7 +278,7 @@ class CellForm:
         return float(np.abs(self._split(change)[-1]).sum())
 
     def known_pressure(self, pressure: Array, change: Change, layer_width: float) -> None:
-        """Return nothing: under a flat punch, which alone drives a traction, there are panels."""
+        """Return None: a traction is driven under flat punches alone, which have panels."""
 
 
 #: A space of Newton's method.

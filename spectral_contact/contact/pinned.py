@@ -86,8 +86,8 @@ class PinnedContact:
     ) -> Indentation | Refinement[Indentation]:
         """Return the contact under a load.
 
-        If the approach is given, too, it counts as exact, and `load` has to be `load_of` it. The
-        errors are those of the load then.
+        If the approach is given as well, `load` has to be its `load_of`. Then the approach counts
+        as exact, and what is wrong with the ratio of the two is an error of the load.
         """
         normal = self._normal
         a = self.radius
@@ -102,7 +102,7 @@ class PinnedContact:
             load,
             load**2 * self._flexibility / 2.0,
             1.0 / self._flexibility,
-            inf,
+            inf,  # growth: the radius stays whatever the approach is
             PressureField(weight, series) if self._pointwise else None,
             None,
             approach_error=error if approach is None else 0.0,

@@ -25,8 +25,8 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
     values, change : ndarray, shape (unknowns,)
         The vector of the system, and a change of it.
     """
-    # in a part where one field is singular at the edge, both are their leading terms from some
-    # depth ``x = -ln d`` on, with d the distance from the edge in units of the extent
+    # In a part where one of the fields is singular at the edge, both fields are their leading terms
+    # beyond some depth ``x = -ln d``, with the distance d from the edge in units of the extent.
     singular_parts = {field.part for field in system.fields if field.panels.power}
     changes = []
     for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):
@@ -35,6 +35,8 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
         leading = inf
         if field.part in singular_parts:
             leading = leading_depth(system.parameters, extent)
+        # next to a boundary between zones fields are rounding at some depth; a part that is graded
+        # to the edge of the contact instead has the boundary number -1
         cutoff = inf
         if part.boundary_number >= 0:
             cutoff = rounding_depth(part.mesh.boundary, extent)
@@ -53,11 +55,17 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
 def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
 
-    The sizes are the fields themselves. If p or ``u = q/s`` changes sign in full stick, the size
-    for p is ``sqrt(p^2 + u^2)``, and that for u is ``sqrt(u^2 + (kappa p)^2)``. In a part that
-    sticks again after slip, whose displacement is known, u may change sign, too: its size is
-    ``f p/s`` there, the most that u can be. REGULARISING_COMPLIANCE marks a regularising disk. Its
-    traction, the last field, is rounding that changes no other field, so that its size is infinite.
+    The sizes are the fields themselves, with three exceptions.
+
+    - If p or ``u = q/s`` changes sign in full stick, that is, does not have the sign of its first
+      value everywhere: the size for p is ``sqrt(p^2 + u^2)``, and that for u is
+      ``sqrt(u^2 + (kappa p)^2)``.
+    - In a part that sticks again after slip, whose displacement is known, u may change sign, too.
+      Its size there is ``f p/s``, the most that u can be. Without elastic coupling f is divided by
+      kappa, as in `Parameters`.
+    - The tangential compliance REGULARISING_COMPLIANCE says that there is a regularising disk. Its
+      traction is the last field. It is rounding that changes no other field, so its size is
+      infinite.
     """
     parameters = system.parameters
     sizes = [

@@ -3,10 +3,10 @@ r"""Contact under a profile on a smooth surface: the half-integral of the pressu
 s is the radius over that of the contact, and H the transform of the height (`indented`). The
 half-integral of the pressure is ``F = H(1) - H(t)``, and ``p(s) = (2/pi) int_s^1 H'(t) dt /
 sqrt(t^2 - s^2)``: a multiple of the half-integral of ``H'(t)/t``, so that no system is solved. This
-*density* is expanded on panels graded to the breaks of the profile and to its tip. Its
-half-integral over the part itself, and over the other half of an annulus, is a product with
-matrices that depend on the panels alone, and are kept. That over parts farther out is regular and
-integrated by a quadrature rule.
+*density* is expanded on panels graded to the breaks of the profile and to its tip. At points of a
+part, the half-integral of the density on this part, or on the other half of the same annulus, is a
+product of its coefficients with a matrix. The matrices depend on the panels alone and are cached.
+The integral over parts farther out is regular and taken by a quadrature rule.
 """
 
 from __future__ import annotations
@@ -40,10 +40,12 @@ _LOGARITHMIC_RATIO = 1.0 - 1e-6
 #: Degree on a panel. The singularity at the far end of an annulus lies ln 2 in ``x`` outside the
 #: first panel of the other half, which sets the rate of convergence.
 _DEGREE = 24
-#: Number of panels toward a tip: they end at 4e-18 of the contact radius, and nearer to it the
-#: pressure is that of the tail. And toward any other boundary, down to the rounding of its square.
+#: Number of panels toward a tip: they end at 4e-18 of the contact radius, and nearer to the tip the
+#: pressure is taken for a constant or a logarithm. And number of panels toward any other boundary:
+#: they end where the distance in ``s**2`` is rounding.
 _TIP_PANELS, _PANELS = 40, 20
-#: Panels that the density has beyond these, as it goes like 1/sqrt(d) past a corner and at a tip.
+#: Further panels of the density on a part outside its boundary, a corner or a tip. There it goes
+#: like 1/sqrt(d), so that its half-integral needs it at smaller d than the pressure is needed.
 _FURTHER_PANELS = 32
 #: Gauss points of the quadrature rule on a panel, and on one that begins at the centre.
 _POINTS, _CENTRAL_POINTS = 16, 24
@@ -147,7 +149,7 @@ class _KnownPart:
         boundary, sign, extent = end
         count = _TIP_PANELS if boundary is CENTRE else _PANELS
         self.mesh = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
-        # a disk graded to its rim has points with full relative accuracy in t
+        # if the first panel begins at the centre, t is accurate there, too: it is taken from 1 - d
         reaches_centre = innermost and sign < 0
         rule = _quadrature_rule(self.mesh.panels, reaches_centre)
         self.points = self.mesh.points(rule.d)
@@ -172,7 +174,7 @@ class _KnownPart:
         return np.asarray(decrement / self._radius)
 
     def density(self) -> _Density:
-        """Return ``H'(t)/t`` as a series, on more panels if it lies outside its boundary."""
+        """Return ``H'(t)/t`` as a series; on a part outside its boundary it has further panels."""
         panels = self.mesh.panels
         if self.mesh.sign > 0:
             panels = replace(panels, count=panels.count + _FURTHER_PANELS)

@@ -5,16 +5,17 @@ With v the vector of the fields, b the boundaries (as logits) and m a parameter,
     residual(v, b, m) = 0,      boundary residual(v, b, m) = 0.
 
 E is the residual of the tangential equation. Its *defect* at a boundary is the number that has to
-be added to E(b) there for the traction to be continuous; the boundary residual is minus the defect
-over the stick target ``kappa R`` (`contact.free_boundary`).
+be added to E(b) there for the traction to be continuous. The *boundary residual* is minus the
+defect over the stick target ``kappa R(b)``, with R as in docs/theory, symbols
+(`contact.free_boundary`).
 
 At given boundaries they are linear in v, and each parameter multiplies a term of them. So the
 derivative of a residual by a parameter is its difference to the residual for a larger parameter,
 over the increase: this is exact, and takes no second solution. With it as right-hand side, the
 factors of the system give ``dv/dm`` for boundaries that do not move. The traction of this
 derivative jumps at every boundary, because a moving boundary shifts a kink of the traction. The
-boundaries move by ``-J^-1`` times the derivative of the boundary residual. The Jacobian J is found
-by differentiating polynomials through the residuals at nearby boundaries.
+boundaries move by ``-J^-1`` times the derivative of the boundary residual. The Jacobian J, of the
+boundary residual by the boundaries, is that of polynomials through its values at boundaries nearby.
 """
 
 from __future__ import annotations
@@ -57,9 +58,9 @@ Array = NDArray[np.float64]
 #: Name of the logarithm of the factor of a known displacement, as a parameter.
 LOG_DISPLACEMENT = "ln displacement"
 #: Chebyshev nodes on (-1, 1), and the matrix from values at them to Chebyshev coefficients. A
-#: boundary is moved by a node times JACOBIAN_RANGE times the width of the narrowest zone. What
-#: depends on it is singular where that zone vanishes, at the node ``1/JACOBIAN_RANGE``, which sets
-#: the number of nodes.
+#: boundary is moved by a node times JACOBIAN_RANGE times the width of the narrowest zone. At the
+#: node ``1/JACOBIAN_RANGE``, outside of the interval, that zone would vanish: there the functions
+#: are singular, and this distance sets the number of nodes.
 _NODES, _FIT = chebyshev_interpolation(interpolation_points(1.0 / JACOBIAN_RANGE))
 #: From values at the scaled nodes to the derivative in the middle.
 _DERIVATIVE = (
@@ -85,8 +86,8 @@ class ZoneDerivatives:
         Derivatives of the approach delta, if the pressure is unknown, and of the total shear Q.
     pressure, traction : list of ZonalField
         Derivatives by each parameter of the pressure, if it is unknown, and of the traction in
-        stick; in slip the latter is left at 0. Without tangential compliance they are those at
-        fixed boundaries, except for one stick disk under a known pressure.
+        stick; in slip the latter is left at 0. Without tangential compliance the effect of moving
+        boundaries is not in them, except for one stick disk under a known pressure.
     slip : list of ZonalField
         Derivatives by each parameter of ``u_r / kappa``, if they were asked for.
     """
@@ -117,8 +118,8 @@ def differentiated(
     parameters : Parameters
         As for `FreeBoundaryProblem`.
     layout : Layout
-        The zones of the solution. A Newton step corrects the boundaries to rounding, unless they
-        have a Jacobian: then they are given (`layout.fixed_disk`).
+        The zones of the solution. A Newton step corrects their boundaries to rounding. If the
+        layout has a Jacobian, the boundaries are taken as they are (`layout.fixed_disk`).
     names : sequence of str
         Names of the parameters by which to differentiate, LOG_DISPLACEMENT perhaps among them.
         The parameters must not be 0. Under a known pressure alpha enters through that pressure
@@ -167,7 +168,8 @@ class _FunctionalDerivatives(NamedTuple):
     Attributes
     ----------
     jumps, boundary_residuals : ndarray, shape (boundaries, parameters)
-        Derivatives of the jumps of the traction, and of E(b), at the boundaries b.
+        Derivatives of the jumps of the traction at the boundaries b, and of E(b), the residual of
+        the tangential equation there. That is not the boundary residual of the module.
     shear : ndarray, shape (parameters,)
         Derivatives of the total shear.
     """
@@ -348,7 +350,7 @@ class _SolutionDerivatives:
                 # entry 1 of a vector is the coefficient of the second known pressure, dp/dalpha
                 values[1, i] = 1.0
                 continue
-            # an increase of at least 1: rounding of the other terms is not divided by a small one
+            # the increase is at least 1: the rounding of all other terms is divided by it
             increased, increase = self._increased(name)
             after = self._evaluated(increased)
             residual, jumps_by, residuals_by, shear_by = (
@@ -359,6 +361,7 @@ class _SolutionDerivatives:
             partial.jumps[:, i] = jumps_by
             partial.boundary_residuals[:, i] = residuals_by
             partial.shear[i] = shear_by
+        # the fields are those of an approach of 1, whatever the parameter: its derivative is 0
         no_approach = np.zeros(values.shape[1])
         for _ in range(DERIVATIVE_CORRECTIONS):
             residual = system.residual(values, no_approach, units)
@@ -375,8 +378,9 @@ class _SolutionDerivatives:
     def _slip(self, vectors: Array, pressures: Sequence[PressureField]) -> list[ZonalField]:
         """Return the derivatives of ``u_r / kappa`` in slip, for vectors as columns.
 
-        The displacement is linear in the fields, and at a given place these change as at given
-        boundaries (`slip_displacement`). Beta and the friction multiply its term ``beta f p``, too.
+        The displacement is linear in the fields, and at a fixed place these change as if the
+        boundaries were fixed (`slip_displacement`). Its term ``beta f p`` depends on beta and on
+        the friction directly, too.
 
         Parameters
         ----------
@@ -402,6 +406,9 @@ class _SolutionDerivatives:
                     value + (larger - smaller) / increase
                     for value, larger, smaller in zip(residual, after, before, strict=True)
                 ]
+            # ``beta f p`` is linear in each of its factors: in its derivative 1 takes the place of
+            # beta or f, and for alpha the derivative of p that of p. Slip is differentiated at the
+            # largest load only, where LOG_DISPLACEMENT is no parameter.
             if name != "alpha":
                 parameters = parameters._replace(**{name: 1.0})
             halves = residual[len(residual) - 2 * len(annuli) :]

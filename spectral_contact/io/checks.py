@@ -148,7 +148,7 @@ def decimal_number(text: str) -> float:
     if not _DECIMAL.fullmatch(text):
         raise ValueError("is not a number")
     value = float(text)
-    # exact, whatever the exponent: a decimal is zero if all digits before it are
+    # whatever the exponent is, a decimal is zero if all digits before the exponent are
     is_zero = not set("123456789") & set(text.lower().partition("e")[0])
     if math.isinf(value) or (value == 0.0) != is_zero:
         raise ValueError("is not within the range of a double")
@@ -264,10 +264,11 @@ def reals(
     allowed : str
         The interval in words, to follow "must be" in an error.
     low, high : float
-        The ends of the interval. They are checked of numbers that NumPy does not know
-        (`fractions.Fraction`, mpmath's); of others the caller does it.
+        The ends of the interval. Only numbers that NumPy does not know (`fractions.Fraction`,
+        mpmath's) are compared with them here; the caller does it with all others.
     anything : bool
-        Whether these, too, may be infinite or NaN.
+        Whether numbers that NumPy does not know may be infinite, NaN or out of the interval, as all
+        others may.
     unit : str
         Their SI unit, to which values with a unit are converted.
     """

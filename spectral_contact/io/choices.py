@@ -51,9 +51,10 @@ def function(parameter: str, value: object, of: str) -> Callable[..., Any]:
 
 
 def listed(parameter: str, values: object, of: str) -> list[Any]:
-    """Return what has several values as a list: no text and no mapping, nor what has no length.
+    """Return what has several values as a list.
 
-    That may have no end. ``of`` says of what the list must be, for the error.
+    Text and mappings are refused, and so is what has no length, as it may have no end. ``of`` says
+    of what the list must be, for the error.
     """
     try:
         if isinstance(values, Sized) and not isinstance(values, (str, bytes, bytearray, Mapping)):
@@ -105,8 +106,8 @@ def _plain(name: str) -> str:
 def suggesting(elsewhere: Mapping[str, str] | None = None) -> Callable[[_F], _F]:
     """Decorate a function so that an unknown keyword is a `TypeError` that says what was meant.
 
-    doctest does not look into functions that are wrapped: a module whose examples are in the
-    docstring of such a function names it in ``__test__``.
+    doctest passes over decorated functions. So a module with examples in the docstring of one lists
+    that function in ``__test__``.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """The kinds of values that a stored solution is made of, and the form of each in its JSON tree.
 
-What JSON lacks is an object with one key, its tag: ``{"float": "inf"}``, ``{"array": place}``,
-``{"dict": {...}}``, a record ``{tag: {key: ...}}``, a member of an enum ``{tag: name}``. All are
-declared in `spectral_contact.io.schema`; nothing is taken from the names of classes or annotations.
+A value that JSON has no form for is written as an object with one key, its tag:
+``{"float": "inf"}``, ``{"array": place}``, ``{"dict": {...}}``, a record ``{tag: {key: ...}}``, a
+member of an enum ``{tag: name}``. All are declared in `spectral_contact.io.schema`; nothing is
+taken from the names of classes or annotations.
 """
 
 from __future__ import annotations
@@ -186,8 +187,9 @@ class Choice:
 class Record:
     """A class: ``{tag: {key: ...}}`` with all its fields, in this order.
 
-    Those in `later` came after version 1 was published: they are left out where they have the
-    value given here, so that old files are read, and what does not use them is written as ever.
+    Fields that are younger than version 1 of the format are in `later`, each with the value that
+    stands for its absence. A field with this value is not written. So old files can be read, and a
+    result that uses no younger field is written as it was before.
     """
 
     def __init__(
@@ -245,7 +247,10 @@ class Either:
 
 
 class Values:
-    """A dict with some of these keys: ``{"dict": {...}}``."""
+    """A dict with some of these keys: ``{"dict": {...}}``.
+
+    The place of a value in it is its key alone: files have arrays and errors by this name.
+    """
 
     def __init__(self, **kinds: Kind) -> None:
         self.kinds = kinds

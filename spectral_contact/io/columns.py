@@ -114,10 +114,12 @@ def read_columns(
     path : path-like
     expected : sequence of Expected
     columns : str or sequence of str, optional
-        Which column is which. Either ``"r=2, z=Depth [mm]"``: numbers, from 1, or headings, with
-        units where the file has none. Or a list of names, ``"node, r [mm], z [mm]"``: of a file
-        without headings all of its columns in order, else the headings of those to be read.
-        By default headings tell; without headings the columns are the required ones in order.
+        Which column is which, in one of two ways. In ``"r=2, z=Depth [mm]"`` every quantity has the
+        number of its column, from 1, or its heading; a unit is added if the file has none. A list
+        of names such as ``"node, r [mm], z [mm]"`` says, of a file without headings, what all of
+        its columns are, in their order; of a file with headings it has those of the columns to be
+        read. By default the headings tell, or, without any, the columns are the required quantities
+        in order.
     header : int, optional
         Line of the headings; those above are passed over. By default the last line above the
         numbers that names a quantity.
@@ -246,7 +248,11 @@ def _cells(sheet: Sheet, used: Sequence[int]) -> Iterator[tuple[int, str]]:
 
 
 def _check_shape(row: TextRow, width: int, spare: Iterable[int]) -> None:
-    """Refuse a row that is not like the first one: a sum below the table, say."""
+    """Refuse a row that is unlike the first one, such as a line with sums below the table.
+
+    It has another number of cells, or text in one of the `spare` columns, which are not read and
+    have a number in the first row.
+    """
     if len(row.cells) != width:
         raise Refused(
             f"line {row.line}: {column_count(len(row.cells))}, where there are {width} above"

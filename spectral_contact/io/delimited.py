@@ -154,14 +154,14 @@ def read_sheet(
     separator = _SEPARATOR.fullmatch(lines[0])  # which Excel reads and writes
     comments: list[tuple[int, str]] = []
     texts: list[tuple[int, str]] = []
-    for number, text in enumerate(lines, start=1):
+    for line, text in enumerate(lines, start=1):
         comment = _COMMENT.fullmatch(text)
-        if not text.strip() or _RULE.fullmatch(text) or (number == 1 and separator):
+        if not text.strip() or _RULE.fullmatch(text) or (line == 1 and separator):
             continue
         if comment:
-            comments.append((number, comment["text"].strip()))
+            comments.append((line, comment["text"].strip()))
         else:
-            texts.append((number, _TRAILING_COMMENT.sub("", text)))
+            texts.append((line, _TRAILING_COMMENT.sub("", text)))
     delimiter = separator[1] if separator else _delimiter([text for _, text in texts])
     every = [TextRow(line, text, split(text, delimiter)) for line, text in texts]
     first = _first_row(every, delimiter, are_headings, header)
@@ -190,8 +190,9 @@ def split(text: str, delimiter: str) -> tuple[str, ...]:
 def heading_cells(text: str, delimiter: str) -> Iterator[tuple[str, ...]]:
     """Yield the ways in which a line may be parted into headings.
 
-    Between white space a unit in brackets belongs to the name before it, and names may have
-    single blanks where two part them; headings in a comment may have commas where numbers have not.
+    They are parted as the numbers are. If numbers are parted by white space, a unit in brackets may
+    also belong to the name before it, and names with single blanks may be parted by two or more.
+    Headings in a comment may be parted by commas whatever parts the numbers.
     """
     cells = split(text, delimiter)
     yield cells
@@ -210,7 +211,7 @@ def heading_cells(text: str, delimiter: str) -> Iterator[tuple[str, ...]]:
 def split_headings(text: str, delimiter: str, width: int) -> tuple[str, ...] | None:
     """Return the headings of a line if there are as many as columns, else None."""
     for cells in heading_cells(text, delimiter):
-        if max(_filled(cells), width) == width <= len(cells):
+        if _filled(cells) <= width <= len(cells):
             return cells[:width]
     return None
 
@@ -309,7 +310,7 @@ def _first_row(
 
     def has_no_value(place: int) -> bool:
         cells = every[place].cells
-        # a line of dashes may have the units of numbers without one
+        # a line of dashes below headings may be a line of units, of numbers that have none
         told = not _DASHES.issuperset(cells)
         return told and len(cells) == usual and all(map(is_missing, cells))
 
@@ -335,7 +336,8 @@ def _first_row(
 def _without_empty_ends(rows: Sequence[TextRow], above: Sequence[TextRow]) -> list[TextRow]:
     """Return the rows without the empty cells that a delimiter at the end of each makes.
 
-    Headings of as many cells have them, too, if it is no value that is missing.
+    Lines of as many cells above the rows are looked at, too: if a heading stands over such a cell,
+    it is a missing value and stays.
     """
     counts = {len(row.cells) for row in rows}
     alike = [*rows, *(row for row in above if len(row.cells) in counts)]

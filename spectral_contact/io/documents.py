@@ -34,9 +34,11 @@ _NO_LINKS: Final = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS)
 
 #: How the names of files begin that are written beside their targets.
 _BESIDE: Final = ".spectral_contact-"
-#: No file is being written for so many seconds.
+#: Seconds after which a file is no longer taken for one that is being written, if it is not known
+#: whether its process runs: it is of another machine, or on Windows.
 _LONGEST_WRITE: Final = 86_400.0
-#: What NumPy packs with, and more than files of this library shrink if they are packed again.
+#: The compressions that NumPy uses; and how many times its own size a file may unpack to. Files of
+#: this library stay below that, also if another tool has packed them again.
 _PACKINGS: Final = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _MOST_INFLATION: Final = 100
 
@@ -194,7 +196,8 @@ def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
 def replace_file(path: str, content: bytes) -> None:
     """Write a file; it is complete or, after any failure, an `OSError`, as it was before."""
     target = Path(os.path.realpath(path))  # else a symbolic link would give way to a file
-    if target.exists() and not os.access(target, os.W_OK):  # of which a replacement takes no notice
+    # a file that may not be written could be replaced all the same
+    if target.exists() and not os.access(target, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
     with _beside(target, content) as temporary:
         temporary.replace(target)

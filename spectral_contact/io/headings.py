@@ -54,7 +54,7 @@ _RATIOS: Final[Mapping[str, tuple[str, ...]]] = {
 _DIMENSIONLESS: Final = frozenset(("", "-", "1", "a", "L", "E'"))
 #: Part of a heading of a load that may be one in volts or of a length, too.
 _DEFLECTION: Final = "defl"
-# As in "units: m N s", "columns: height vDeflection time".
+# A comment that says what its cells are, as in "units: m N s", "columns: height vDeflection time".
 _LABELLED: Final = re.compile(r"(?P<label>\w+):\s+(?P<cells>\S.*)")
 #: What JPK's exports call headings and units in comments.
 _HEADING_LABELS: Final = ("columns", "fancyNames")
@@ -63,7 +63,8 @@ _UNITS_LABEL: Final = "units"
 _IN_BRACKETS: Final = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>.*)\]|\((?P<round>.*)\))\s*")
 # As in "r / mm", "r, mm", "r in mm", "r_mm".
 _APPENDED: Final = re.compile(r"(?P<name>.+?)(?:\s*/\s*|\s*,\s*|\s+in\s+|_|\s+)(?P<unit>[^\s_]+)")
-# As in "Separation_nm_Ex", "Force(pN)_Rt": the direction of a curve behind a unit.
+# Names whose unit is followed by the direction of the curve, extended or retracted, as in
+# "Separation_nm_Ex", "Force(pN)_Rt".
 _DIRECTED: Final = re.compile(r"(?P<front>.+)[\s_](?P<direction>Ex|Rt)")
 #: Units of lengths, pressures and forces, as they are appended to a name without brackets.
 _PLAIN_UNIT: Final = re.compile(r"[fpnuµμmcdkMG]?(?:m|Pa|N)|Å|psi|bar")
@@ -158,7 +159,11 @@ class _Heading:
 
     @classmethod
     def read(cls, text: str, expected: Sequence[Expected]) -> _Heading:
-        """Return what a heading says; names that are expected have their slashes and blanks."""
+        """Return what a heading says.
+
+        What is behind a slash or a blank may be a unit, except in a name that is expected as it is,
+        such as ``r/a``.
+        """
         bracketed = _IN_BRACKETS.fullmatch(text)
         if bracketed and bracketed["name"]:
             unit = bracketed["square"] or bracketed["round"] or ""
@@ -212,8 +217,9 @@ def _headings(
 ) -> list[_Heading] | None:
     """Return the headings of all columns, None if there are none.
 
-    They are the lowest line of text above the numbers that names a quantity, or else the last
-    comment if it does; units may be in the line below, or in a comment with the same names.
+    They are in the lowest line of text above the numbers that names a quantity or, if there is no
+    text above, in the last comment that does. Their units may be in the line below, or in a comment
+    that has the same names.
     """
     texts = [row for row in sheet.texts if header is None or row.line == header]
     for k in range(len(texts) - 1, -1, -1):
@@ -324,7 +330,10 @@ def _with_units(
 def _with_commented_units(
     headings: list[_Heading], sheet: Sheet, expected: Sequence[Expected], line: int
 ) -> list[_Heading]:
-    """Return headings with the units of the comment above that repeats them, as ours have it."""
+    """Return headings with the units of a comment above that has the same names with units.
+
+    Files of this library have such a comment.
+    """
     names = [heading.name for heading in headings]
     for comment in reversed(sheet.comments):
         found = _named(comment, sheet.delimiter, expected, len(headings))

@@ -34,7 +34,7 @@ def kind_from(name: str, tree: Any, kinds: Mapping[str, type[T]]) -> T:
         raise SceneError(name, shown(tree), f"{kind} with {', '.join(sorted(names))}")
     values = {k: tuple(v) if isinstance(v, list) else v for k, v in body.items()}
     for k, v in values.items():
-        if isinstance(v, Mapping):  # of a sum, which no part of one is
-            parts = {name: one for name, one in kinds.items() if name != kind}
-            values[k] = kind_from(f"{name}.{k}", v, parts)
+        if isinstance(v, Mapping):  # an object in it, as in a sum; it is not of the same kind
+            inner_kinds = {name: one for name, one in kinds.items() if name != kind}
+            values[k] = kind_from(f"{name}.{k}", v, inner_kinds)
     return kinds[kind](**values)

@@ -34,8 +34,8 @@ class Parameter:
     meaning : str
         In words, without a symbol.
     allowed : str
-        The range, worded to follow "must be" and read by `checks.within`; of a name the one that is
-        taken by default.
+        The range, worded to follow "must be" and read by `checks.within`. If there are `choices`,
+        what ``--help`` says besides them.
     unit : str
         The SI unit; empty if there is none. Dimensionless scenes have no units.
     symbol : str

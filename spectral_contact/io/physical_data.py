@@ -15,16 +15,17 @@ from spectral_contact.io.checks import exactly_one, flag, positive, real, scalar
 from spectral_contact.io.choices import one_of
 from spectral_contact.io.parameters import SCENE, SI
 
-#: Below this modulus [Pa] there are only the softest gels and cells, which are pressed by less than
-#: _SMALL_PUNCH [m] and _SMALL_LOAD [N]; numbers in GPa are below it, too.
+#: Only the softest gels and cells have moduli [Pa] below this, and they are pressed by punches and
+#: loads below _SMALL_PUNCH [m] and _SMALL_LOAD [N]. Other numbers below it are likely to be in GPa.
 _SOFTEST: Final = 1e3
 _SMALL_PUNCH: Final = 1e-3
 _SMALL_LOAD: Final = 1e-3
-#: A punch of this radius [m] is a building's, on ground between these moduli [Pa]: outside, numbers
-#: in mm with a modulus in Pa, or in MPa, are likelier.
+#: From this radius [m] on a punch is the foundation of a building, on ground whose modulus is in
+#: this range [Pa]. With another modulus, a radius in mm or a modulus in MPa is likelier.
 _BUILDING: Final = 1.0
 _GROUND: Final = 1e6, 1e9
-#: Of a dimensionless compliance: outside, another unit is likelier than such a surface.
+#: Likely range of a dimensionless compliance. Outside of it, it is likelier that a number is in
+#: another unit than that there is such a surface.
 _LEAST_LIKELY: Final = 1e-9
 _MOST_LIKELY: Final = 1e3
 #: A smaller κ of two bodies is what rounding makes of equal ones.
@@ -190,7 +191,7 @@ class PhysicalData:
         -----
         Under a profile a is 1 m here, the unit of its lengths.
         """
-        unit = self._length / self._quarter(nu)
+        unit = self._length / self._quarter(nu)  # of compliances [m/Pa]
         return (
             _dimensionless("normal_compliance", self.normal_compliance, "α* = αE/(4(1−ν²)a)", unit),
             _dimensionless(
@@ -389,7 +390,7 @@ class PhysicalData:
         if radius is not None:
             compliances = {"alpha": self.normal_compliance, "beta": self.tangential_compliance}
             for symbol, value in compliances.items():
-                found += _remarks_on_compliance(symbol, value, quarter / Fraction(radius))
+                found += _remarks_on_compliance(symbol, value, Fraction(radius) / quarter)
         return tuple(found)
 
     def _remarks_on_modulus_and_radius(self, radius: float | None) -> list[str]:
@@ -456,8 +457,8 @@ def _kappa(nu: object) -> Fraction:
 
 
 def _remarks_on_compliance(symbol: str, value: float, unit: Fraction) -> list[str]:
-    """Return a remark if a compliance [m/Pa] times the unit is unlikely, else nothing."""
-    star = float(min(Fraction(value) * unit, Fraction(sys.float_info.max)))
+    """Return a remark if a compliance over its unit, both in m/Pa, is unlikely, else nothing."""
+    star = float(min(Fraction(value) / unit, Fraction(sys.float_info.max)))
     if value == 0.0 or _LEAST_LIKELY <= star <= _MOST_LIKELY:
         return []
     limit = f"> {_MOST_LIKELY:g}" if star > _MOST_LIKELY else f"< {_LEAST_LIKELY:g}"
@@ -468,7 +469,7 @@ def _remarks_on_compliance(symbol: str, value: float, unit: Fraction) -> list[st
 
 
 def _dimensionless(name: str, compliance: float, formula: str, unit: Fraction) -> float:
-    """Return compliance/unit if it is 0 or in the range that scenes have."""
+    """Return a compliance over its unit, both in m/Pa, if it is 0 or in the range of scenes."""
     exact = Fraction(compliance) / unit
     if exact == 0 or SMALLEST_COMPLIANCE <= exact <= LARGEST_COMPLIANCE:
         return float(exact)

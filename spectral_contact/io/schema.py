@@ -134,7 +134,7 @@ _ZONE = Record(
     sense=_INT,
     memory=_FLAG,
 )
-#: Numbers that came after version 1 was published.
+#: Numbers that are younger than version 1 of the format; old files do not have them.
 _YOUNGER = tuple(name for name in NUMBERS if name not in _FIRST)
 _ERRORS = Record(
     "ErrorEstimates",

@@ -64,8 +64,8 @@ def save(result: Any, path: str | os.PathLike[str], document: Document = _SOLUTI
     """Store a result as `Solution.save` says."""
     source, suffix = _source(path)
     with reported(source, "cannot be written"):
-        text = _npz if suffix == ".npz" else _json
-        replace_file(source, text(result, document))
+        written = _npz if suffix == ".npz" else _json
+        replace_file(source, written(result, document))
 
 
 def load(path: str | os.PathLike[str], document: Document = _SOLUTION) -> Any:
@@ -121,18 +121,27 @@ def _source(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 
 def _json(result: Any, document: Document) -> bytes:
+    """Return the content of a ``.json`` file."""
     packed, arrays = _pack(result, document)
     packed["arrays"] = {name: _json_array(array) for name, array in arrays.items()}
     return json.dumps(packed, allow_nan=False).encode()
 
 
 def _json_array(array: NDArray[np.float64]) -> dict[str, Any]:
-    # The repr of a double, which JSON writes too, is a text that reads back as that double.
+    """Return an array as JSON has it: its doubles in a list, infinities as text.
+
+    The repr of a double, which JSON writes too, is a text that reads back as that double. If it did
+    not, the checksum of what is read would be another one, and the file refused.
+    """
     data = [x if math.isfinite(x) else repr(x) for x in array.ravel().tolist()]
     return {"shape": array.shape, "data": data}
 
 
 def _from_json_array(body: Any) -> NDArray[np.float64]:
+    """Return the array that `_json_array` wrote.
+
+    Whole numbers are refused: another program has written them, and the checksum would not notice.
+    """
     check_keys("an array", body, ("shape", "data"))
     if any(type(x) is not float and x not in _INFINITIES for x in body["data"]):
         raise Refused("an array holds something else than doubles")
@@ -140,6 +149,7 @@ def _from_json_array(body: Any) -> NDArray[np.float64]:
 
 
 def _npz(result: Any, document: Document) -> bytes:
+    """Return the content of a ``.npz`` file."""
     packed, arrays = _pack(result, document)
     members: dict[str, Any] = {"header": np.array(json.dumps(packed, allow_nan=False)), **arrays}
     buffer = BytesIO()

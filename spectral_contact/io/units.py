@@ -59,7 +59,7 @@ def in_si(parameter: str, value: Any, unit: str) -> Any:
     Parameters
     ----------
     parameter : str
-        The name that the `SceneError` of a unit bears that is none, or of another dimension.
+        The name of the parameter, for the error.
     value : object
         Text is converted exactly, if pint is installed; a quantity by its own registry. It may be
         an array.
@@ -82,7 +82,7 @@ def in_si(parameter: str, value: Any, unit: str) -> Any:
         return _converted(value, unit)
     except MissingDependencyError:
         raise
-    except Exception as error:  # pint has many, and lets some of Python's through
+    except Exception as error:  # pint raises errors of its own and of Python, too many to list
         told = f"a number in {unit}, or in a unit like it{_inverse_meant(value, unit)}"
         raise SceneError(parameter, value, told) from error
 

@@ -24,11 +24,12 @@ from spectral_contact.layers.layer_base import RANGE, Layer
 
 #: ``4/3 E*`` in E'.
 _FACTOR = 16.0 / 3.0
-#: Points of the trapezoidal rule, good to -30 deviations; where it ends, an exponential of -40.
+#: Points of the trapezoidal rule for a moment, good down to a separation of -30 deviations; and
+#: twice the exponent at which it ends: there the integrand has fallen by ``exp(-40)``.
 _POINTS, _END = 128, 80.0
-#: Terms of a series that stands for it on an interval of unit length.
+#: Terms of the Chebyshev series that stands for a moment on an interval of one deviation.
 _TERMS = 18
-#: Separations in deviations, whole numbers, between which that is done.
+#: Separations in deviations, whole numbers, between which moments are series.
 _NEAREST, _FARTHEST = -30.0, 45.0
 
 
@@ -36,8 +37,8 @@ _NEAREST, _FARTHEST = -30.0, 45.0
 class GreenwoodWilliamson(Layer):
     """Asperities with spherical tips, as Greenwood and Williamson have them.
 
-    The overclosure is counted from the mean of the heights: ``w = -d``; for exponential heights
-    from the lowest asperity, where Greenwood and Williamson put it.
+    The overclosure is ``w = -d``. The separation d is counted from the mean of Gaussian heights,
+    and from the lowest asperity if heights are exponential, as Greenwood and Williamson have it.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ def _gaussian(order: int, h: Array) -> Array:
 def _series(order: int) -> Array:
     """Return Chebyshev series of the moment on intervals of unit length, (terms, intervals).
 
-    Beyond 0 they are over the density of the heights.
+    Beyond 0 the moment is divided by ``exp(-h**2/2)``, with which `_gaussian` multiplies it again.
     """
     nodes = chebyshev.chebpts1(_TERMS)
     starts = np.arange(_NEAREST, _FARTHEST)
@@ -145,7 +146,7 @@ def _series(order: int) -> Array:
 
 
 def _moment(order: int, h: Array) -> Array:
-    """Return the moment, beyond 0 over the density of the heights.
+    """Return the moment; beyond 0 it is divided by ``exp(-h**2/2)``.
 
     With ``z = h + v**2`` the integrand is entire and dies out: the trapezoidal rule converges
     geometrically, and cancels nothing.

@@ -14,9 +14,10 @@ from spectral_contact.layers.layer_base import RANGE, Layer
 
 #: Exponentials of more leave the range of doubles.
 _HIGHEST = 700.0
-#: The overclosure of CalculiX' parameter: there the pressure is this share.
+#: Pressure at the gap that is CalculiX' parameter, over that at overclosure 0.
 _SHARE = 0.01
-#: Where the energy of `Exponential` is a series, for it would cancel.
+#: Below this x the energy of `Exponential` is summed as a series, as its closed form cancels; and
+#: the power of x before which the sum ends.
 _SMALL, _TERMS = 0.5, 18
 _ZERO_PRESSURE = declared("pressure at overclosure 0", RANGE, "Pa")
 
@@ -107,7 +108,7 @@ class PowerLaw(Layer):
 
 @dataclass(frozen=True, slots=True)
 class Exponential(Layer):
-    """Abaqus' exponential law, with no pressure at clearances beyond one.
+    """Abaqus' exponential law, without pressure where the gap is more than `clearance`.
 
     With ``x = 1 + w/clearance`` it is ``p = zero_pressure x (exp(x) - 1)/(e - 1)`` where x > 0.
 

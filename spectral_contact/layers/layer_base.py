@@ -14,7 +14,7 @@ from spectral_contact.fields import Array
 from spectral_contact.io.checks import real, reals
 from spectral_contact.io.parameters import check_parameters
 
-#: Steps of bracketing and of bisection between neighbouring doubles.
+#: Most steps of a bisection: enough to come from any two doubles to neighbouring ones.
 _STEPS = 2100
 #: The range of parameters whose powers have to stay in that of doubles.
 RANGE: Final = "in [1e-100, 1e+100]"
@@ -138,8 +138,9 @@ class Layer(ABC):
 
     @abstractmethod
     def _over(self, unit: float) -> Self:
-        """Return the law with its pressures in a unit; `SceneError` if a parameter is too large.
+        """Return the law with all its pressures divided by a unit of pressure.
 
+        `SceneError` is raised if a parameter leaves its range.
         `GreenwoodWilliamson` has its pressure in E' of the half-space, and stays what it is.
         """
 
@@ -150,7 +151,7 @@ class Layer(ABC):
 
     @abstractmethod
     def _pressure(self, w: Array) -> Array:
-        """Return the pressure, beyond the limit as a tangent goes on; infinite is allowed."""
+        """Return the pressure, along the tangent beyond the limit; it may be infinite."""
 
     @abstractmethod
     def _slope(self, w: Array) -> Array:

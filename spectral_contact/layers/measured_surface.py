@@ -33,14 +33,16 @@ _GAUSSIAN: Final = math.sqrt(math.log(2.0) / math.pi)
 _WIDE: Final = 1.5
 #: Factor by which the cut-off is changed for the sensitivities.
 _CHANGED: Final = 1.25
-#: Heights over the mean plane and spacings [m] whose moments, and products of these, are doubles.
+#: Range of heights over the mean plane and of spacings [m]: their moments, and products of these,
+#: stay in the range of doubles.
 _LENGTHS: Final = 1e-30, 1e30
 #: Heights over a mean plane that are rounding, over the largest height.
 _FLAT: Final = 1e-13
 #: Blocks along a side, whose scatter tells the errors, and the fewest points along a side.
 _BLOCKS: Final = 4
 _FEWEST: Final = 16
-#: A missing fraction, a bandwidth and a sensitivity that earn a remark.
+#: More missing points than this fraction, a smaller bandwidth than this, and a larger sensitivity
+#: than this make the numbers doubtful, which a remark says.
 _MISSING: Final = 0.05
 _NARROW: Final = 1.5
 _SENSITIVE: Final = 0.5
@@ -145,8 +147,8 @@ def from_height_map(
     spacing : float or tuple of float
         Distance of the points [m]; or that of the rows and that of the columns.
     cutoff : float, optional
-        Shortest wavelength [m] that counts, by the Gaussian filter of ISO 16610. By default
-        everything that was measured, where the sensitivities are those to a filter at five points.
+        Shortest wavelength [m] that counts, by the Gaussian filter of ISO 16610. By default nothing
+        is filtered, and `SurfaceStatistics.sensitivity` is that to a cut-off of five points.
 
     Raises
     ------

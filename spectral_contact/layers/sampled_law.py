@@ -26,14 +26,16 @@ Rows = tuple[tuple[float, ...], ...]
 #: Degrees that are tried, and how small the last coefficients of a fit must be, relative to the
 #: largest pressure on the piece.
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
-#: Estimated ratio of the sum of the omitted terms to the largest of the last coefficients.
+#: Estimated ratio of the sum of all terms that a series omits to the largest of its last
+#: coefficients.
 _DROPPED = 8.0
 #: Largest pressure at the start, and largest jump at a knot, in units of _EXACT times the largest
 #: pressure.
 _ZERO, _JUMP = 10.0, 1e3
 #: Tolerance on a given derivative, relative to the largest derivative of the fit.
 _ALIKE = 1e-9
-#: Number of points at which a piece is checked, and the derivative of the whole law.
+#: Number of points at which every piece is checked; and at which the derivative is, on the law as a
+#: whole.
 _LOOKS = 257
 #: Relative difference below which the cubics on both sides of a point count as the same.
 _SAME_CUBIC = 1e-12
@@ -199,10 +201,11 @@ class Table(_Pieces):
         return np.where(w < self.start, 0.0, cubics(np.clip(w, self.start, self.limit)))
 
     def _errors(self, w: float) -> LawErrors:
-        # With s_k the slope of the line through its points and h its length, the slopes of a cubic
-        # at the points lie in [0, 3 s_k]. Its coefficients of (w - w_k)^3, ^2 and ^1, with all
-        # summands positive, are at most 8 s_k/h^2, 12 s_k/h and 3 s_k: the terms of the pressure
-        # sum up to p_k + 23 s_k (w - w_k), those of the slope to 51 s_k.
+        # A cubic of the length h between two points, through which the line has the slope s_k, has
+        # slopes in [0, 3 s_k] at the points. If all summands in its coefficients of (w - w_k)^3, ^2
+        # and ^1 are taken positive, these are at most 8 s_k/h^2, 12 s_k/h and 3 s_k. So rounding
+        # acts on terms of the pressure whose sum is p_k + 23 s_k (w - w_k) at most, and on terms
+        # of the slope whose sum is 51 s_k.
         met = max(int(np.searchsorted(self.overclosures, w)), 1)
         points, pressures = np.array(self.overclosures), np.array(self.pressures)
         lines = (np.diff(pressures) / np.diff(points))[:met]
@@ -349,7 +352,8 @@ class Sampled(_Pieces):
         met = max(int(np.searchsorted(self.edges, w)), 1)
         series = _integrated(self.edges, self.series)
         dropped = [_dropped(row) for row in series.pressure[:met]]
-        # a fit is accepted at this part of its largest value
+        # a fit is accepted if its last coefficients are _EXACT of its largest value, of which the
+        # sum of the moduli of its coefficients is a bound
         pressure = max(
             _EXACT * float(np.abs(row).sum()) + more
             for row, more in zip(series.pressure, dropped, strict=False)
@@ -440,8 +444,9 @@ def _fitted(
     at_high : float
         The pressure at the end of the piece, 0 if it is not known.
     largest : float
-        The largest pressure of the law. Where the pressure is small beside it, its values may be
-        rounding, which no polynomial fits: there the series of the largest degree is taken.
+        The largest pressure of the law. On a piece where the pressure is far below it, values may
+        consist of rounding, which no polynomial fits: then the series of the largest degree is
+        taken, if its last coefficients are small beside the largest pressure.
     """
     # first the omitted terms, too, are to be within _EXACT; where rounding prevents that, the last
     # coefficients alone

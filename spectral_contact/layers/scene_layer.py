@@ -84,7 +84,7 @@ def in_own_units(law: Any, modulus: float) -> Layer:
 
 
 def _check_friction(scene: Mapping[str, Any]) -> None:
-    """Refuse friction but full stick on an area that does not change."""
+    """Refuse friction, except full stick under a flat punch, whose contact area does not change."""
     flat, friction = isinstance(scene["profile"], Flat), scene["friction"]
     if friction and not flat:
         told = "None or 0 with a layer and this profile: the traction of a growing contact is a "

@@ -16,13 +16,15 @@ from spectral_contact.layers.layer_base import Layer
 #: Overclosures at which a law is looked at, over its size: beyond its start, or about 0.
 _DECADES: Final = np.geomspace(1e-3, 1e3, 61)
 _SIZES: Final = np.linspace(-30.0, 30.0, 121)
-#: Nodes of the quadrature between two of them, and what may be off of energies, relatively.
+#: Nodes of the quadrature between two of these overclosures, and the relative difference that an
+#: energy may have from it.
 _NODES: Final = 16
 _ENERGY: Final = 1e-7
-#: Step of differences over the overclosure from start, and what they may be off.
+#: Step of differences, over the distance from the start or, without one, over the size of the law;
+#: and the relative difference that a slope may have from them.
 _STEP: Final = 1e-4
 _SLOPE: Final = 1e-4
-#: What may be off in another unit of pressure.
+#: The relative difference that pressures may have in another unit.
 _UNIT: Final = 1e-12
 
 
@@ -102,7 +104,8 @@ def _places(law: Layer) -> Array:
 
 def _check_slope(law: Layer, w: Array, slope: Array) -> None:
     """Compare with differences, where no knot and no end is near."""
-    # a law with a start has powers of the distance from it, one without exponentials over its size
+    # a law with a start goes like powers of the distance from it, a law without one like
+    # exponentials of the overclosure over its size
     step = np.full(len(w), _STEP * law._size)
     if isfinite(law.start):
         step = _STEP * (w - law.start)

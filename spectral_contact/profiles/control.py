@@ -31,15 +31,15 @@ from spectral_contact.profiles.sums import Sum
 CONTROLS: Final = ("contact_radius", "load", "approach")
 #: The same where a layer may have pressure at every gap.
 ALL_CONTROLS: Final = (*CONTROLS, "separation")
-#: Least pressure of a layer at a given approach or separation: the load, its product with an area,
-#: has all digits of a double.
+#: Least pressure of a layer at a given approach or separation. The load, a product of it with an
+#: area, is then still a double with all digits.
 _LEAST_PRESSURE: Final = 1e-290
 #: Profiles by the name that they have in files.
 KINDS: Final[dict[str, type[Profile]]] = {
     one.__name__: one
     for one in (Parabola, Sphere, PowerLaw, Cone, TruncatedCone, RoundedFlat, Sampled, Flat, Sum)
 }
-#: Those that numbers describe, with the names of these.
+#: Names of the profiles that are given by numbers alone, with the names of these numbers.
 SHAPES: Final = {
     name: tuple(one.name for one in fields(kind))  # type: ignore[arg-type]
     for name, kind in KINDS.items()

@@ -17,12 +17,14 @@ from spectral_contact.fields import Array
 
 #: Largest ratio of a and b, in either sense, at which the cubic on an interval is convex.
 _CUBIC_RATIO = 2.0
-#: Largest ratio of a and b at which an interval is split. Beyond it the points have a corner that
-#: they do not resolve, and the slope jumps there: a piece is never below 1/51 of its interval.
+#: Largest ratio of a and b at which two parabolas are taken. At a larger one the points have a
+#: corner that they do not resolve: there the ratio is lowered to this one, and the slope jumps at
+#: the point. So neither parabola has less than 1/51 of the interval.
 _LARGEST_RATIO = 50.0
 #: Points of the finite difference that gives the slope at a point.
 _STENCIL = 5
-#: How far, of the distance to the nearer secant, that slope may differ from the three-point one.
+#: How far the slope at a point may be from that of the parabola through the point and its two
+#: neighbours, over the distance of the latter from the nearer secant.
 _BAND = 0.9
 #: Errors of the heights, in units of their rounding, within which three points are on one line.
 _ROUNDINGS = 4.0
@@ -103,7 +105,7 @@ def _checked_secants(r: Array, heights: Array) -> tuple[Array, Array]:
     straight = np.zeros(len(secants), dtype=bool)
     straight[:-1] |= on_a_line
     straight[1:] |= on_a_line
-    # a slope that is nowhere negative and zero on the mean is zero
+    # a slope that is nowhere negative, and whose mean on the interval is 0, is 0 everywhere on it
     straight[0] |= secants[0] == 0.0
     return np.maximum.accumulate(secants), straight
 
@@ -133,6 +135,8 @@ def _end_slopes(r: Array, heights: Array, s: Array, straight: Array) -> tuple[Ar
     below, above = s - begin, end - s
     end = np.minimum(end, s + _LARGEST_RATIO * below)
     begin = np.maximum(begin, s - _LARGEST_RATIO * above)
+    # Limiting the ratios may leave a jump of the slope at a point. There is none after all if one
+    # of the two slopes there suits both intervals.
     for i in range(1, len(s)):
         for slope in (end[i - 1], begin[i]):
             if end[i - 1] < begin[i] and not straight[i - 1] and not straight[i]:

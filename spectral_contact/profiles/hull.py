@@ -12,7 +12,8 @@ from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import finite
 
-#: Least distance of two radii, over the larger one: panels between closer ones are rounding.
+#: Least distance of two radii, over the larger one. A panel between closer ones would be as narrow
+#: as rounding.
 LEAST_STEP: Final = 1e-14
 
 
@@ -74,7 +75,8 @@ def hull_of_points(radii: ArrayLike, heights: ArrayLike) -> PointHull:
     if not values[corners[-1]] > 0.0:
         raise SceneError("heights", float(given[-1]), "above 0 where the profile ends")
     hull = np.interp(r, np.array(r)[corners], values[corners])
-    if len(corners) == 2:  # a line: a third point is on it
+    # the hull is a line, and profiles take three points: another one of the line is added
+    if len(corners) == 2:
         corners.insert(1, len(r) // 2)
     off = np.abs(given - hull)
     return PointHull(

@@ -42,11 +42,11 @@ class Profile(ABC):
 
     @property
     def _pole(self) -> float:
-        """Radius at which the half-integral is infinite."""
+        """Contact radius at which ``H`` is infinite, as that of a sphere is at its equator."""
         return inf
 
     def _to_pole(self, radius: float) -> float:
-        """Return how far that is beyond a contact radius, relative to the radius."""
+        """Return how far `_pole` is beyond a contact radius, relative to this radius."""
         return (self._pole - radius) / radius
 
     @property
@@ -106,11 +106,11 @@ class Profile(ABC):
         t, y : ndarray
             Numbers in [0, 1], and ``1 - t**2`` without cancellation.
         past : ndarray
-            As in `rate`, of the radii ``radius t``.
+            As in `_rate`, for the radii ``radius t``.
         """
 
     def _bracket(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        """Return `_fall` in units of the radius, in which `past` is, too."""
+        """Return `_fall` over the radius, with all arguments but the radius in units of it."""
         return np.asarray(self._fall(radius, t, y, radius**2 * past) / radius)
 
     @abstractmethod

@@ -22,13 +22,15 @@ from spectral_contact.profiles.profile_base import Profile
 
 Rows = tuple[tuple[float, ...], ...]
 
-#: Degrees that are tried, and the last coefficients at which a fit is taken for exact.
+#: Degrees that are tried, and how small the last coefficients of a fit must be, relative to the
+#: largest slope on the piece.
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
-#: What the terms beyond the last of a fit come to at most, over the last coefficients.
+#: Estimated ratio of the sum of all terms that a fit omits to its last coefficients.
 _DROPPED = 8.0
-#: By how much of its largest value a slope may fall, and a height differ from its integral.
+#: Fractions of the largest slope by which the slope may fall, and of the largest height by which a
+#: height may differ from the integral of the slope.
 _SLACK, _ALIKE = 1e-11, 1e-9
-#: Where the slope of a piece is looked at.
+#: Number of points at which the slope of a piece is checked.
 _LOOKS = 257
 #: Radii at once, so that what is made of them stays in a cache.
 _BLOCK = 2048
@@ -211,9 +213,10 @@ class Sampled(Profile):
         near = inward < 0.25 * (radius - last)
         g, w = _gauss(24)
         points = radius - inward[near][:, None] * (1.0 + g) / 2.0
-        past = (points - last) * (points + last) * (last > 0.0)
+        # `past` of the argument is that of the radii t, this one that of the points of the rule
+        past_at_points = (points - last) * (points + last) * (last > 0.0)
         fallen = np.empty(np.shape(t))
-        fallen[near] = inward[near] * (self._rate(points, past) @ (w / 2.0))
+        fallen[near] = inward[near] * (self._rate(points, past_at_points) @ (w / 2.0))
         whole = self._transform(np.asarray(radius))
         fallen[~near] = whole - self._transform(radius * t[~near])
         return fallen
@@ -225,7 +228,7 @@ class Sampled(Profile):
         rows, edges = [row for _, row in self._pieces()], self.edges
         for k in range(1, len(rows)):
             jump = float(chebyshev.chebval(-1.0, rows[k]) - chebyshev.chebval(1.0, rows[k - 1]))
-            # the last break below t is known better than by t
+            # from the last break below t the distance is given, without the cancellation of t
             last = (t > edges[k]) & (t <= edges[k + 1])
             beyond = np.where(last, past, np.maximum(t - edges[k], 0.0) * (t + edges[k]))
             outside = beyond > 0.0
@@ -296,7 +299,8 @@ def _gauss(points: int) -> tuple[Array, Array]:
 
 def _series_error(row: Array) -> float:
     """Return a bound on the error of a series that `_fitted` made."""
-    # it is right to the part of its largest value at which a fit is accepted
+    # a fit is accepted if its last coefficients are _EXACT of its largest value, of which the sum
+    # of the moduli of its coefficients is a bound
     error = _EXACT * float(np.abs(row).sum())
     if len(row) <= _DEGREES[-1]:
         return error
@@ -314,7 +318,7 @@ def _fitted(
     at_high: float,
     largest: float,
 ) -> tuple[float, ...]:
-    """Return the series of the slope on a piece, right to a part of its largest value there.
+    """Return the series of the slope on a piece, accurate relative to its largest value there.
 
     Parameters
     ----------
@@ -323,11 +327,12 @@ def _fitted(
     at_high : float
         The slope at the end of the piece, 0 if it is not known.
     largest : float
-        The largest slope of the profile. Where the slope is small beside it, as next to a flat
-        part, its values may be rounding, which no polynomial fits: there the series of the largest
-        degree is taken whole.
+        The largest slope of the profile. On a piece where the slope is far below it, as next to a
+        flat part, values may consist of rounding, which no polynomial fits: then the series of the
+        largest degree is taken whole, if its last coefficients are small beside the largest slope.
     """
-    # what is left out comes to more than the last coefficients, but rounding is not lowered further
+    # first the omitted terms, too, are to be within _EXACT; where rounding prevents that, the last
+    # coefficients alone
     for part, degree in product((_EXACT / _DROPPED, _EXACT), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("slope", slope, low + (high - low) * (1.0 + nodes) / 2.0)

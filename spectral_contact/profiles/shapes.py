@@ -125,7 +125,10 @@ class Sphere(Profile):
         return np.asarray(t * self._slope_of(t))
 
     def _slope_of(self, t: Array) -> Array:
-        """Return ``H/t = 2 artanh(t/radius)``, which a quotient would spoil next to the equator."""
+        """Return ``H/t = 2 artanh(t/radius)``, accurate also next to the equator.
+
+        There artanh of a rounded quotient would lose digits.
+        """
         return np.asarray(np.log1p(2.0 * t / (self.radius - t)))
 
     def _rate(self, t: Array, past: Array) -> Array:
@@ -177,7 +180,8 @@ class PowerLaw(Profile):
         return np.asarray(self._factor * self.exponent * t ** (self.exponent - 1.0))
 
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
-        outer = np.minimum(y, 0.75)  # farther in y does not know the radius
+        # farther in, at t < 1/2, y is near 1 and has lost the digits of t, which is taken itself
+        outer = np.minimum(y, 0.75)
         near = -np.expm1(self.exponent / 2.0 * np.log1p(-outer))
         left = np.where(t < 0.5, 1.0 - t**self.exponent, near)
         return np.asarray(self._factor * radius**self.exponent * left)
@@ -322,12 +326,14 @@ class RoundedFlat(_FlatEnded):
     def _fall(self, radius: float, t: Array, y: Array, past: Array) -> Array:
         b = self.flat_radius
         whole, less = self._roots(radius, y, past)
-        # sqrt - b arctan(sqrt/b), and by how much it is less inside
+        # But for a factor, H is t times (root - b arctan(root/b)) with the root of `_outside`.
+        # `rise` is this bracket at the radius, and `step` by how much it is less at radius t.
         rise = _risen(np.asarray(whole), b)
         inner = whole - less
         product = b**2 + whole * inner
         angle = less * b / product
-        # less - b arctan(angle): angle b = less (1 - whole inner / product)
+        # step = less - b arctan(angle) = (less - b angle) + b (angle - arctan(angle)), of which the
+        # first bracket is less whole inner / product
         step = less * (whole * inner / product) + b * _past(angle)
         fallen = radius * (_inward(t, y) * rise + t * step)
         return np.asarray(2.0 / self.radius * fallen)

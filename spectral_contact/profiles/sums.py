@@ -74,7 +74,7 @@ class Sum(Profile):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Those of both, below the reach; of two that rounding alone parts the larger one."""
+        """Those of both below the reach; of two that differ by rounding alone, the larger one."""
         together = sorted({b for one in self._both for b in one.breaks if b < self.reach})
         apart = [b for b, after in pairwise(together) if not _alike(b, after)]
         return (*apart, *together[-1:])
@@ -101,7 +101,7 @@ class Sum(Profile):
         return np.asarray(self.first._rate(t, first) + self.second._rate(t, second))
 
     def _past(self, one: Profile, t: Array, past: Array) -> Array:
-        """Return ``t**2 - b**2`` with the last break below t that a profile has by itself.
+        """Return ``t**2 - b**2`` where b is the last break below t that is one of this profile.
 
         Parameters
         ----------
@@ -110,13 +110,14 @@ class Sum(Profile):
         t : ndarray
             Radii.
         past : ndarray
-            The same with the last break of both.
+            The same where b is the last break below t of the sum, so a break of either profile.
         """
         breaks = np.array(self.breaks)
         if not len(breaks):
             return past
         t, past = np.broadcast_arrays(np.asarray(t, dtype=float), past)
-        # which break it is, t cannot tell next to one
+        # which break of the sum it is follows from t**2 - past; next to a break a comparison of t
+        # with it would be decided by rounding
         last = np.argmin(np.abs(np.subtract.outer(t**2 - past, breaks**2)), axis=-1)
         within = (past == 0.0) & (t <= breaks[0])
         found = np.zeros(t.shape)

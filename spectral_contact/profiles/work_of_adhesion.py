@@ -42,7 +42,10 @@ def checked_adhesion(scene: Mapping[str, Any]) -> float | None:
 
 
 def checked_branch(scene: Mapping[str, Any]) -> int:
-    """Return which state of a scene it is.
+    """Return the number of the state that is meant, of several with one load or approach.
+
+    They are counted along the curve of states: 0 is the one on the stretch of large contacts, 1
+    that on the next stretch to smaller contacts, and so on (`Scene`).
 
     Raises
     ------

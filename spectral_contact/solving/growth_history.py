@@ -1,4 +1,8 @@
-"""The history of a growing contact as it is told to users."""
+"""The history of a growing contact as it is told to users.
+
+Symbols are those of docs/theory, contacts that grow: ``u = ln b`` is the logarithm of a contact
+radius, and ``v = ln(b - b_0)`` the coordinate of interpolation on a panel (`RadiusStretch`).
+"""
 
 from __future__ import annotations
 
@@ -20,11 +24,12 @@ from spectral_contact.solving.stretch import (
 from spectral_contact.spectral.jacobi import gauss_rule
 
 _ENDS: Array = np.array([-1.0, 1.0])
-#: Points of a piece, and of a rule up to one.
+#: Chebyshev points of a piece, and points of the quadrature rule from its lower end to one of them.
 _COUNT, _POINTS = 16, 20
-#: How wide pieces are at most, in ``v`` and in the logarithm of the radius.
+#: Largest width of a piece, in ``v`` and in ``u``.
 _WIDE, _WIDE_IN_LOG = 1.1, 1.6
-#: What is known of flat punches, and by how much more their errors count in what adds up.
+#: Quantities of flat punches whose errors are read, and the factor of these errors in load,
+#: approach and shear, which are integrals over the history (docs/theory, Errors).
 _OF_FLATS, _FLATS_COUNT = ("pressure", "approach", "total_shear", "stick_radius"), 3.0
 
 
@@ -82,7 +87,10 @@ def _in_logs(part: RadiusStretch) -> list[RadiusStretch]:
 
 
 def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
-    """Return ``Q/P`` at the nodes of the pieces; before the first it is constant."""
+    """Return ``Q/P`` at the nodes of the pieces.
+
+    Up to the first piece Q/P is taken for constant.
+    """
     first, (g, w) = growth.panels[0], gauss_rule(_POINTS)
     shear, ratios = first.flats[0].total_shear * float(first.load(_ENDS[:1])[0]), []
     for one in pieces:
@@ -104,7 +112,7 @@ def _errors(
         known += max(one.node_loads.node_error for one in panels)
     flats = {name: np.array([_worst(one, name) for one in panels]) for name in _OF_FLATS}
     grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
-    # on a smooth surface shear is in proportion to the load from the first touch on
+    # where all flat punches are alike, Q/P up to the first piece is exact and has no error
     shear = own["shears"] + _carried(pieces, rows["loads"], 0.0 if panels[0].alike else 1.0)
     shear += _FLATS_COUNT * (grown["total_shear"] + grown["approach"])
     load, approach = np.full((2, len(panels)), known or 0.0)
@@ -125,13 +133,25 @@ def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict
     own["sticks"] += [left_out(one.stick) if one.slips else 0.0 for one in panels]
     own["shears"] += [one.shear_error * float(np.abs(one.shears).max()) for one in panels]
     own["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
-    # the last terms of one piece may be small by chance; between nodes under cones 1.1 times that
+    # The last terms of one piece may be small by chance, so those of its neighbours count, too.
+    # Under cones errors between nodes are 1.1 times that at most, for which there is a factor of 2.
     around = {name: np.pad(values, 1, mode="edge") for name, values in own.items()}
     return {name: 2.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in around.items()}
 
 
 def _carried(pieces: list[_HistoryPiece], logs: list[Array], begun: float) -> Array:
-    """Return what panels before leave out, and a share of the beginning, over the value of each."""
+    """Return the errors that pieces take over from earlier ones, relative to their lower values.
+
+    An integral over the history keeps what every earlier piece has left out.
+
+    Parameters
+    ----------
+    pieces : list of _HistoryPiece
+    logs : list of ndarray
+        The logarithm of the load or approach at the nodes of every piece.
+    begun : float
+        Relative error of the value at which the first piece begins.
+    """
     found = []
     lost = begun * float(np.exp(chebyshev_value(logs[0], _ENDS[:1])[0]))
     for one, values in zip(pieces, logs, strict=True):

@@ -25,10 +25,12 @@ from spectral_contact.spectral.jacobi import gauss_rule, graded_rule, legendre_e
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-#: Panels in ``-ln Y`` and their points; deeper the surface is at the edge.
+#: Number of panels in ``-ln Y``, their width, and the points on each. Nearer to the edge than the
+#: last panel the surface goes down as at the edge.
 _PANELS, _WIDTH, _POINTS = 36, 2.0, 16
-#: Quadrature of the pressure towards the boundary of a zone, where it is almost smooth: points,
-#: panels and their ratio. Towards the edge it is at the distances at which the surface is seen.
+#: Quadrature of the pressure towards the boundary of a zone, where it is almost smooth: points on a
+#: panel, panels, and the ratio of the widths of two neighbours. Towards the edge the rule has the
+#: panels above, in ``-ln y``.
 _BOUNDARY = 12, 16, 0.15
 
 
@@ -53,7 +55,10 @@ def outside_displacement(flat: Solution) -> LogSeries:
 
 
 def reached(series: list[LogSeries], ahead: Array) -> Array:
-    """Return ``omega`` of several punches, ``ahead`` in ``ln r`` of their radius, (punches, n)."""
+    """Return ``omega`` of several punches at radii outside of them, (punches, n).
+
+    ``ahead`` is the logarithm of the radius over that of the punch.
+    """
     distance = -np.expm1(-2.0 * ahead)
     return LogSeries.several(series, distance) * np.exp(-ahead)
 
@@ -92,7 +97,10 @@ def _quadrature(inner: list[Radius]) -> tuple[Array, Array]:
 
 
 def _toward_edge() -> tuple[Array, Array]:
-    """Return a rule on (0, 1) for what is singular at 0, deep enough for an inverse root."""
+    """Return distances and weights of a rule on (0, 1) for what is singular at 0.
+
+    What is nearer to 0 than the last panel is left out: of the integral of an inverse root 2e-16.
+    """
     g, w = gauss_rule(_POINTS)
     d = np.exp(-_WIDTH * (np.arange(_PANELS)[:, None] + (1.0 + g) / 2.0))
     return d.ravel(), (d * w * _WIDTH / 2.0).ravel()

@@ -87,7 +87,7 @@ def plan(scene: Scene, quantities: Iterable[str] | None = None) -> Plan:
             missing["slip"] = "it is not computed at friction 0 under a profile"
         missing.update(dict.fromkeys(FLAT_QUANTITIES, reason))
     elif scene.couples:
-        # a scene with friction 0 or kappa 0 does not couple: the ratio is 1 or 0, exactly
+        # a scene with friction 0 or kappa 0 does not couple, and has the ratio 1 or 0 exactly
         missing["shakedown_ratio"] = "with elastic coupling its law is only approximate"
     if endless(scene):
         missing["contact_radius"] = "the layer law has no contact edge"
@@ -123,7 +123,7 @@ def _no_traction_condition(scene: Scene) -> str:
 def _traction_dependent(scene: Scene) -> frozenset[str]:
     """Return the quantities that depend on the traction.
 
-    With coupling these are all quantities, those of adhesion excepted.
+    With coupling these are all quantities but those of adhesion.
     """
     return frozenset((*QUANTITIES, *PROFILE_QUANTITIES)) if scene.couples else TANGENTIAL_QUANTITIES
 
@@ -154,12 +154,14 @@ def _coupling(scene: Scene, present: tuple[str, ...]) -> tuple[PlannedStep, ...]
 def _needs_tangential(scene: Scene, present: Iterable[str]) -> bool:
     """Return whether anything asked for needs the tangential problem solved.
 
-    If not, all that depends on the traction is known in advance, or there is no friction.
+    Nothing does without friction, and where the pressure drives no traction. At friction 0 all but
+    the slip and the ratios of full stick is known in advance, at infinite friction zones and slip.
     """
     if scene.friction is None or _no_traction_condition(scene):
         return False
     asked = _traction_dependent(scene).intersection(present)
     if scene.friction == 0.0:
+        # the slip is the displacement by the pressure, which is computed for it
         return bool(asked & (FULL_STICK_RATIOS | {"slip"}))
     if scene.friction == math.inf:
         return bool(asked - {"zones", "stick_radius", "slip", *UNLOADED_QUANTITIES})

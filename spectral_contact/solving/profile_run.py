@@ -43,8 +43,9 @@ if TYPE_CHECKING:
     from spectral_contact.solving.growth import Growth
     from spectral_contact.solving.stages import FlatPunches, Stages
 
-#: A first guess of the radius is extrapolated from at most `_POINTS` earlier scenes; the logarithm
-#: of their load (or approach) differs from that of this scene by less than `_FARTHEST`.
+#: A first guess of the radius is extrapolated from at most `_POINTS` earlier scenes. Only those
+#: count whose load (or approach) differs from that of this scene by less than `_FARTHEST` in its
+#: logarithm.
 _POINTS, _FARTHEST = 5, 1.0
 #: Tolerance of the normal contact without coupling that bounds the radius up to which a history
 #: with coupling is followed.
@@ -53,7 +54,8 @@ _ROUGH_TOLERANCE = 1e-4
 #: or approach is certainly reached.
 _RADIUS_MARGIN = 1e-3
 #: Where the slope of the law of a layer jumps, the series of the pressure that drives the traction
-#: has errors that oscillate. The traction may be off by up to this factor times that error.
+#: has an error that oscillates. The relative error of the traction by it may be this many times as
+#: large.
 _KINK_TRACTION_FACTOR = 10.0
 _NOT_REACHED = (
     "the given load or approach is not reached up to the contact radius without coupling, "
@@ -73,7 +75,8 @@ class ProfileRun(Run):
     (see `Stages`).
     """
 
-    #: without the traction: its error is that of the flat punches of the history, and not bounded
+    #: Quantities whose errors `rtol` bounds (`Run.bounded`). The traction is not among them: its
+    #: error comes from the flat punches of the history, and is only estimated.
     bounded: tuple[str, ...] = ("approach", "pressure", "total_shear", *PROFILE_QUANTITIES)
     _driving: NormalContact | None = None
 
@@ -359,6 +362,7 @@ class ProfileRun(Run):
         """Superpose the flat punches of the history with the known increments of the load."""
         begin, scene = perf_counter(), self.scene
         radius = self.values["contact_radius"]
+        # the first radius of the history: what the contact does before is negligible
         least = history.least(radius, self.values["load"])
         growth = history.grower(least, radius).grown(least, radius, self.values["load"])
         today = self._take_zones(history, growth)
@@ -412,7 +416,7 @@ class ProfileRun(Run):
         today = self._take_zones(history, growth)
         self.errors["total_shear"] += error
         self.values["stiffness"] = radius / today.approach
-        # the stiffness grows like the radius on a smooth surface, like its square on a soft layer
+        # the stiffness goes like a power of the radius: 1 on a smooth surface, 2 on a soft layer
         self.errors["stiffness"] = (today.error.approach or 0.0) + 2.0 * radius_error
         wanted = {"slip"}.intersection(self.plan.quantities)
         pointwise = not {"pressure", "traction"}.isdisjoint(self.plan.quantities)
@@ -440,7 +444,7 @@ class ProfileRun(Run):
                 self.ran(told, COUPLING)
         mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
-        # `left` is taken to be relative to the pressure; 2 is for its ratio to the mean
+        # `left` is relative to the pressure itself, which is taken to be twice the mean at most
         self.errors["pressure"] = pressed.error / mean + 2.0 * left
         found = fields.traction(friction, pressed.field)
         self.traction = found.field
@@ -495,7 +499,8 @@ class ProfileRun(Run):
             )
         value = value_of(found)
         radius = value.radius
-        # coupling lowers the radius; near nu = 0.5 by less than the error of this one
+        # With coupling the radius is smaller. Near nu = 0.5 the difference is less than the error
+        # of this radius, which is therefore enlarged.
         if scene.contact_radius is None:
             radius += min(_RADIUS_MARGIN * radius, (scene.profile.reach - radius) / 2.0)
         return radius, value.load
@@ -542,7 +547,7 @@ class _RadiusPath:
         """
         target = math.log(value)
         known = [one for one in self._known if 0.0 < abs(one[0] - target) < _FARTHEST]
-        # the latest first: of equal places the first one counts
+        # the latest first: of several scenes at one place `well_spaced` takes the first
         places = [place for place, _ in known[::-1]]
         log_radii = [np.array(log_radius) for _, log_radius in known[::-1]]
         chosen = well_spaced(places, target)

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from spectral_contact.contact.layout import Layout
     from spectral_contact.spectral.parameters import Parameters
 
-#: A scene is on a line if its distance from it is at most this fraction of that from the latest.
+#: A scene counts as on a line if its distance from the line is at most this fraction of its
+#: distance from the latest scene.
 _COLLINEARITY = float(np.sqrt(np.finfo(float).eps))
 
 _T = TypeVar("_T")
@@ -58,7 +59,7 @@ class StepCache:
 def log_parameters(parameters: Parameters) -> LogParameters:
     """Return ``(ln alpha, ln beta, ln f)``, with minus infinity where a parameter is 0.
 
-    Without elastic coupling the friction of the parameters is f/kappa.
+    Without elastic coupling f is the friction over kappa, as in `Parameters`.
     """
     log_alpha, log_beta, log_friction = (
         math.log(x) if x > 0.0 else -math.inf
@@ -102,6 +103,7 @@ class ZonePath:
         predicted = value_at(1.0, times, [np.array(one.logits) for one in layouts])
         if not (np.diff(predicted) > 0.0).all():  # boundaries would cross
             return layout
+        # those of the boundary residual by the logits (`Layout.jacobian`), at the latest two scenes
         jacobians = [one.jacobian for one in layouts[:2] if one.jacobian is not None]
         if len(jacobians) == 2:
             layout = layout._replace(jacobian=value_at(1.0, times[:2], jacobians))
@@ -119,7 +121,7 @@ class ZonePath:
         layouts = [layout]
         for parameters, earlier in reversed(self._scenes[:-1]):
             back = _difference(last, parameters)
-            if not all(map(math.isfinite, back)):  # a parameter is 0 in one of both scenes
+            if not all(map(math.isfinite, back)):  # a parameter is 0 in only one of the two scenes
                 break
             time = back[step.index(longest)] / longest
             off_line = max(abs(b - time * a) for a, b in zip(step, back, strict=True))
@@ -202,9 +204,10 @@ def _difference(start: LogParameters, end: LogParameters) -> LogParameters:
 def well_spaced(places: list[float], target: float) -> list[int]:
     """Return numbers of places from which to interpolate at a target, nearest first.
 
-    Errors of values at two places close to each other are amplified far from there. So a place is
-    left out if a chosen one is closer to it than ``1/(2 PATH_POINTS)`` of its distance from the
-    target. Of equally spaced places, PATH_POINTS are kept with room to spare.
+    A polynomial through two places close to each other amplifies the errors of the values there,
+    the more, the farther away its target is. So a place is left out if its distance from one that
+    is chosen already is less than ``1/(2 PATH_POINTS)`` of its distance from the target. This
+    leaves out none of the nearest PATH_POINTS places if they are equally spaced.
     """
     chosen: list[int] = []
     for i in sorted(range(len(places)), key=lambda i: abs(places[i] - target)):

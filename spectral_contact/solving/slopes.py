@@ -92,7 +92,7 @@ class SolutionSlopes:
         self.states = tuple(_state(own, zone) for zone in zones)
         #: whether friction changes the pressure: there is elastic coupling, and there are zones
         self.couples = self.scene.coupling and bool(zones)
-        #: whether all slips, around a stick disk that is too small to be solved for
+        #: whether everything slips, but for a stick disk that is too small to be solved for
         self.slips = any(self.states) and not self.inner
         self.moving = [name for name in PARAMETERS[:2] if getattr(self.scene, name) > 0.0]
         if any(self.states):
@@ -110,6 +110,7 @@ class SolutionSlopes:
 
         The derivative is None on a smooth surface.
         """
+        # to a tenth of the tolerance, unless that is near the rounding of fields, 3 FIELD_ROUNDING
         solved = solve_normal(
             self.scene.normal_compliance, max(0.1 * self.tolerance, 1.2e-13), _MAX_UNKNOWNS
         )
@@ -159,7 +160,11 @@ class SolutionSlopes:
             return math.nan
         scene, kappa = self.scene, self.scene.kappa
         kappa_rate = kappa_slope(scene)
-        if name == LOAD_RATIO:  # in units of the load the slip that is kept is like 1/load
+        if name == LOAD_RATIO:
+            # In units of the load the displacement that is kept goes like one over the load, so by
+            # the logarithm of the load ratio the derivative is minus that by LOG_DISPLACEMENT. To
+            # the shear comes the load, which is a factor of it: `explicit_part` is the whole
+            # derivative by that logarithm here.
             by_zones = self._of_system(quantity, name, boundary) if any(self.states) else 0.0
             explicit_part = (
                 self.own.total_shear - kappa * by_zones if quantity == "total_shear" else -by_zones
@@ -168,7 +173,10 @@ class SolutionSlopes:
         if self.couples:
             column, factor = self._column(name)
             return factor * self._of_system(quantity, column, boundary)
-        if name == "poisson_ratio":  # kappa enters shear as a factor, and friction as f/kappa
+        if name == "poisson_ratio":
+            # Zones are functions of f/kappa, whose derivative by kappa is -(f/kappa)/kappa. Shear
+            # is kappa times such a function: `explicit_part`, its derivative by that factor, is the
+            # function itself.
             ratio = scene.friction / kappa if self.inner and scene.friction else 0.0
             by_zones = ratio * self._of_system(quantity, "friction", boundary) if ratio else 0.0
             explicit_part = self.own.total_shear / kappa if quantity == "total_shear" else 0.0
@@ -181,8 +189,8 @@ class SolutionSlopes:
     def _column(self, name: str) -> tuple[str, float]:
         """Return the column of the system with coupling, and the factor of its derivatives.
 
-        Where everything slips the pressure depends on ``kappa f`` alone, so that the column of the
-        friction serves for Poisson's ratio.
+        Where everything slips kappa and f matter through ``kappa f`` alone. So derivatives by ln
+        kappa are those by ln f, and the column of the friction serves for Poisson's ratio.
         """
         if name != "poisson_ratio":
             return name, 1.0

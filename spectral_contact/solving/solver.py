@@ -109,9 +109,10 @@ def _unmet(run: Run, solution: Solution) -> str:
 def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -> Solution:
     """Return the solution of a run, or one to a tighter tolerance that knows slip or zones better.
 
-    The slip in a narrow zone is smaller than the fields by a power of its width, and may be less
-    than their errors. So the scene is solved to tighter tolerances until a digit of the slip is
-    known. The tolerance that was asked for still decides on convergence.
+    The slip in a narrow zone is as small as a power of the width of the zone, and may be less than
+    the errors of the fields that it follows from. So the scene is solved to tighter tolerances
+    until a digit of the slip is known. The tolerance that was asked for still decides on
+    convergence.
 
     Parameters
     ----------
@@ -121,8 +122,8 @@ def _resolved(run: Run, solution: Solution, *, closer_for_zones: bool = False) -
     closer_for_zones : bool
         Whether to try one tighter tolerance because a zone may be missing.
     """
-    # a tighter tolerance takes even more unknowns; and the flat punches of a history, of which one
-    # was refused, were tried at tighter tolerances already
+    # A tighter tolerance takes more unknowns than this one, which took too many. And if a flat
+    # punch of a history was refused, it was tried at tighter tolerances already.
     if solution.ending is Ending.UNKNOWNS or (run.refusal and run.scene.profile is not None):
         return solution
     rtol = tolerance = solution.rtol
@@ -160,8 +161,9 @@ def _from_looser(
     """Return the solution with zones that are found at a looser tolerance, if any are.
 
     Next to a threshold of friction a search may fail by accident of rounding. The search at `rtol`
-    then starts from the zones that a looser tolerance found. If it fails again, the looser solution
-    is returned, which has converged only if its estimates meet `rtol`. Of 16 scenes whose friction
+    then starts from the zones that a looser tolerance found. If it fails again, the solution to the
+    looser tolerance is returned: it counts as converged only if its estimates happen to meet
+    `rtol`. Of 16 scenes whose friction
     is within 1e-12 of a threshold, and that fail at rtol 1e-9 or 1e-12, all are solved this way.
     """
     known = None
@@ -180,12 +182,13 @@ def _from_looser(
 
 
 def _zone_unknown(solution: Solution) -> bool:
-    """Return whether a zone may be missing, so that a tighter tolerance may find it.
+    """Return whether a zone may be missing that a tighter tolerance may find.
 
-    The error of the zones is 1 or more then. A solution of full stick that has converged is left as
-    it is. Next to the threshold of slip it may depend on rounding whether the search finds a narrow
-    zone at the edge: for a friction 1e-7 below the threshold, with NumPy and SciPy of the oldest
-    versions, rtol 1e-11 and 5e-12 ended in full stick, not converged, and 1e-12 found the zone.
+    The error of the zones is 1 or more then. A solution of one zone, full stick, is tried again
+    only if it has not converged. Next to the threshold of slip it may depend on rounding whether
+    the search finds a narrow zone at the edge: for a friction 1e-7 below the threshold, with NumPy
+    and SciPy of the oldest versions, rtol 1e-11 and 5e-12 ended in full stick, not converged, and
+    1e-12 found the zone.
     """
     return _zone_missing(solution) and (len(solution.zones) >= 2 or not solution.converged)
 

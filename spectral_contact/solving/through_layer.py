@@ -38,13 +38,14 @@ def through_layer(
     Parameters
     ----------
     profile : Profile
-        Refused if it ends before the pressure does.
+        A `SceneError` says if it ends inside the contact, or before the pressure is negligible.
     layer : Layer
     tolerance : float
     max_unknowns : int
         Most unknowns of a space.
     load, approach, separation : float or None
-        One of them.
+        The given one of them. The separation is the gap at the centre; scenes have one only under a
+        law without an edge (`profiles.control`).
     pointwise : bool
         Whether the pressure is wanted.
     near : float or None
@@ -64,6 +65,7 @@ def through_layer(
                 last, setting, tolerance, max_unknowns, pointwise=pointwise
             )
         except SceneError as error:
+            # it is about the radius tried, which is not what the user has given
             name, value = ("load", load) if approach is None else ("approach", approach)
             raise SceneError(name, value, f"that of a contact radius {error.allowed}") from error
         bends = value_of(found).bends
@@ -97,7 +99,10 @@ def through_layer(
 def _nearby(
     profile: Profile, layer: Layer, load: float | None, approach: float | None
 ) -> float | None:
-    """Return the radius of a smooth contact; far beyond it an exponential law overflows."""
+    """Return the radius of a smooth contact under the same load or approach, None if there is none.
+
+    The search for the radius begins there, since at far larger ones an exponential law overflows.
+    """
     smooth = indenter(profile, 0.0, 0)
     deep = None if approach is None else approach - layer.start
     try:
