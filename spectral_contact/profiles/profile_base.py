@@ -51,7 +51,12 @@ class Profile(ABC):
 
     @property
     def pointed(self) -> bool:
-        """Whether the height is no smooth function of the radius squared at the centre."""
+        """Whether panels are graded to the centre.
+
+        They have to be where the height is no smooth function of the radius squared there, and
+        where the tip is round but may be small beside the contact. It is right for every profile,
+        and takes more time.
+        """
         return False
 
     @property

@@ -25,6 +25,9 @@ Rows = tuple[tuple[float, ...], ...]
 #: Degrees that are tried, and how small the last coefficients of a fit must be, relative to the
 #: largest slope on the piece.
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
+#: Most coefficients of the slope on the first piece of a rounded tip that the disk resolves without
+#: panels to the centre. A function with more varies over less than half of the piece.
+_GENTLE = 32
 #: Estimated ratio of the sum of all terms that a fit omits to its last coefficients.
 _DROPPED = 8.0
 #: Fractions of the largest slope by which the slope may fall, and of the largest height by which a
@@ -176,8 +179,9 @@ class Sampled(Profile):
 
     @property
     def pointed(self) -> bool:
-        """Whether panels are graded to the centre, too."""
-        return not self.rounded and self.flat_part == 0.0
+        """Whether panels are graded to the centre, too: if not rounded, or to a small radius."""
+        graded = not self.rounded or len(self.slopes[0]) > _GENTLE
+        return graded and self.flat_part == 0.0
 
     @property
     def breaks(self) -> tuple[float, ...]:

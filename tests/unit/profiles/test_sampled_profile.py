@@ -244,3 +244,15 @@ def test_rounding_next_to_a_flat_part_is_no_reason_to_refuse():
         breaks=(1.0, 1.0001),
     )
     assert 1e-16 < flat_ended._slope_error(1.0) < 1e-14
+
+
+@pytest.mark.parametrize("c", [0.3, 0.15, 0.05])
+def test_a_round_tip_that_is_small_beside_the_contact_has_its_load(c):
+    """Without panels to the centre the last was off by 5e-9, with an estimate of 1e-13."""
+    tip = profiles.Sampled.from_functions(
+        lambda r: r**2 / (np.hypot(r, c) + c), lambda r: r / np.hypot(r, c), reach=1.5, rounded=True
+    )
+    # H = 2 t arctan(t/c), and the load is 4 int H(1) - H(t) dt
+    exact = 4.0 * ((1.0 - c**2) * np.arctan(1.0 / c) + c)
+    found = solve(Scene(0.3, profile=tip, contact_radius=1.0), 1e-12, ["load"])
+    assert abs(found.load / exact - 1.0) <= found.error.load < 1e-12
