@@ -10,16 +10,18 @@ import pytest
 from mpmath.ctx_mp import MPContext
 
 from spectral_contact import NotComputedError, Scene, layers, profiles, solve
+from spectral_contact.layers import scene_layer
 from spectral_contact.precise import reference
 from spectral_contact.precise.layer_laws import law_of
 
 BALL = profiles.Parabola(1.0)
 TABLE = layers.Table((0.0, 0.2, 0.4, 0.6), (0.0, 0.1, 0.3, 0.6))
+POWER, OPEN = layers.PowerLaw(5.0, 1.7), layers.CalculixExponential(0.1, 0.2)
 LAWS = [
     layers.Linear(0.3),
-    layers.PowerLaw(5.0, 1.7),
+    POWER,
     layers.Exponential(0.1, 0.2),
-    layers.CalculixExponential(0.1, 0.2),
+    OPEN,
     layers.GreenwoodWilliamson(9.0, 1.5, 0.5),
     layers.GreenwoodWilliamson(9.0, 1.5, 0.5, "exponential"),
     layers.Sampled.from_functions(
@@ -42,6 +44,10 @@ def test_laws_with_derivatives_and_integrals(layer):
         assert mp.almosteq(law.energy(w + 0.25) - law.energy(w), between, rel_eps=1e-25)
 
 
+def test_every_kind_of_law_without_bends_is_tried():
+    assert {type(law) for law in LAWS} == {*scene_layer.KINDS.values()} - {layers.Table}
+
+
 def test_the_energy_of_a_small_overclosure_keeps_its_digits():
     mp = MPContext()
     mp.dps = 30
@@ -53,7 +59,7 @@ def test_the_energy_of_a_small_overclosure_keeps_its_digits():
 
 
 def test_a_contact_without_edge():
-    scene = Scene(0.3, layer=LAWS[3], profile=BALL, approach=0.05)
+    scene = Scene(0.3, layer=OPEN, profile=BALL, approach=0.05)
     true, double = reference(scene, 15, progress=False), solve(scene, 1e-11)
     assert true.contact_radius is None
     for name in ("load", "stiffness", "indentation_work"):
@@ -68,9 +74,9 @@ def test_a_contact_without_edge():
 
 def test_what_it_does_not_know_of_layers_is_refused():
     with pytest.raises(NotComputedError, match="without a contact edge"):
-        reference(Scene(0.3, layer=LAWS[3], profile=profiles.Cone(1.2), load=1.0), 15)
+        reference(Scene(0.3, layer=OPEN, profile=profiles.Cone(1.2), load=1.0), 15)
     with pytest.raises(NotComputedError, match="bends"):
         reference(Scene(0.3, layer=TABLE, profile=BALL, load=0.01), 15)
-    flat = {"layer": LAWS[1], "profile": profiles.Flat(1.0), "load": 1.0}
+    flat = {"layer": POWER, "profile": profiles.Flat(1.0), "load": 1.0}
     with pytest.raises(NotComputedError, match="normal contact alone"):
         reference(Scene(0.3, friction=math.inf, **flat), 15)

@@ -14,10 +14,21 @@ from mpmath.ctx_mp import MPContext
 from spectral_contact import NotComputedError, Scene, SceneError, gold, profiles, solve
 from spectral_contact.precise import indented_rough, reference
 from spectral_contact.precise.heights import heights
+from spectral_contact.profiles import control
 
 PARABOLA = Scene(0.3, 0.5, profile=profiles.Parabola(1.0), contact_radius=1.0)
 CORNER = Scene(0.3, 0.1, profile=profiles.TruncatedCone(0.5, 1.0), contact_radius=1.0)
 KINKED = profiles.Sampled((0.0, 0.5, 2.0), ((0.25, 0.25), (1.5,)), rounded=True)
+CONE = profiles.Cone(1.1)
+SHAPES = [
+    *(profiles.Flat(1.0), profiles.Parabola(1.3), profiles.Sphere(1.3), CONE, KINKED),
+    *(
+        profiles.PowerLaw(0.7, 2.5),
+        profiles.TruncatedCone(0.4, 1.1),
+        profiles.RoundedFlat(0.4, 0.8),
+    ),
+    profiles.Sum(CONE, profiles.Sphere(1.3)),
+]
 SCALARS = ("approach", "contact_radius", "load", "stiffness", "indentation_work")
 
 
@@ -98,6 +109,21 @@ def test_a_kinked_profile_of_its_own_series():
         rate = mp.diff(found.transform, t)
         assert abs(found.rate(t) / (rate * found.root(t)) - 1) < 1e-12
     assert found.height(1.0) == b**2 / 2 + 1.5 * b
+
+
+@pytest.mark.parametrize("kind", control.KINDS.values(), ids=lambda kind: kind.__name__)
+def test_heights_of_every_kind_are_those_in_doubles(kind):
+    """A kind that `heights` lacks is an `AssertionError`, or a case missing from `SHAPES`."""
+    mp, [profile] = MPContext(), [one for one in SHAPES if type(one) is kind]
+    mp.dps = 30
+    precise = heights(mp, profile)
+    for t in (0.3, 0.8):
+        last = max((one for one in profile.breaks if one < t), default=0.0)
+        past = t**2 - last**2 if last else 0.0
+        rate = profile._rate(np.array([t]), np.array([past]))[0] * float(precise.root(mp.mpf(t)))
+        expected = profile.height(t), profile._transform(np.array([t]))[0], rate
+        found = (one(mp.mpf(t)) for one in (precise.height, precise.transform, precise.rate))
+        assert [float(one) for one in found] == pytest.approx(expected, rel=1e-13, abs=1e-15)
 
 
 def test_a_pulled_sphere_next_to_its_equator_has_no_gap_beyond_it():

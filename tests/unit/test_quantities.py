@@ -14,6 +14,7 @@ from spectral_contact import (
     Solution,
     solve,
 )
+from spectral_contact.profiles import Parabola
 from spectral_contact.quantities import (
     ADHESION_QUANTITIES,
     FIELDS,
@@ -23,6 +24,7 @@ from spectral_contact.quantities import (
     UNLOADED_QUANTITIES,
 )
 from spectral_contact.solving.planning import plan
+from spectral_contact.sweeps.physical_scenes import _RESULTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -42,6 +44,41 @@ def test_a_quantity_is_in_the_file_format_and_has_known_kinds(quantity):
     assert quantity.contact in ("normal", "tangential")
     assert quantity.scenes in ("all", "profile", "adhesion", "flat", "unloaded")
     assert bool(quantity.si_unit) >= bool(quantity.si_factor)
+
+
+PARABOLA = {"profile": Parabola(1.0), "contact_radius": 1.0}
+SCENES = {
+    "flat": Scene(0.1, 0.5, 0.5, 0.1),
+    "frictionless": Scene(0.1, 0.5),
+    "full stick": Scene(0.1, 0.5, 0.5, np.inf),
+    "profile": Scene(0.3, 0.5, **PARABOLA),
+    "growing": Scene(0.3, 0.5, 0.5, np.inf, **PARABOLA),
+    "adhesion": Scene(0.3, 0.5, work_of_adhesion=0.01, **PARABOLA),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_a_plan_lists_has_a_value_and_an_estimate(name):
+    """Asked for alone as well, where steps are left out."""
+    scene = SCENES[name]
+    together = solve(scene, 1e-5)
+    for quantity in together.plan.quantities:
+        alone = solve(scene, 1e-5, [quantity])
+        for one in (together, alone):
+            assert isinstance(getattr(one.error, quantity), float)
+        values = [getattr(one, quantity) for one in (together, alone)]
+        if quantity in FIELDS:
+            values = [value([0.3, 0.9]) for value in values]
+        if quantity == "zones":
+            values = [[zone.outer for zone in zones] for zones in values]
+        if values[0] is not None:
+            assert values[0] == pytest.approx(values[1], rel=1e-5, abs=1e-9)
+
+
+def test_quantities_in_si_units_are_in_datasets_of_sweeps():
+    assert {name: unit for name, (_, unit) in _RESULTS.items()} == {
+        one.name: one.si_unit for one in OUTPUTS if one.si_unit
+    }
 
 
 def test_names_are_in_the_order_of_a_report():

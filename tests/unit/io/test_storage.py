@@ -10,6 +10,7 @@ import pickle
 import zipfile
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,8 +37,8 @@ from spectral_contact.fields.series import (
     ZonePiece,
 )
 from spectral_contact.io import physical_data, schema, storage
-from spectral_contact.layers import asperity_law, laws, sampled_law
-from spectral_contact.profiles import sampled_profile, sums
+from spectral_contact.layers import asperity_law, laws, sampled_law, scene_layer
+from spectral_contact.profiles import control, sampled_profile, sums
 from spectral_contact.profiles import shapes as shape_profiles
 from spectral_contact.scene import Scene
 from spectral_contact.solution import (
@@ -295,6 +296,22 @@ def test_the_schema_declares_every_class_and_every_field():
     assert all(f'"{one.tag}": ' in synthetic().to_json() for one in others)
 
 
+def classes_of(package):
+    return [one for one in map(package.__dict__.get, package.__all__) if isinstance(one, type)]
+
+
+def missing_of(words, page):
+    text = (Path(__file__).parents[3] / "docs" / page).read_text(encoding="utf-8")
+    return sorted(word for word in words if f"`{word}" not in text)
+
+
+def test_the_page_of_the_format_names_every_record_and_key():
+    words = {one.tag for one in schema.RECORDS} | {
+        key for one in schema.RECORDS for key in one.kinds
+    }
+    assert missing_of({f"{word}`" for word in words}, "file_format.md") == []
+
+
 PROFILES = {
     "parabola": profiles.Parabola(1.3),
     "sphere": profiles.Sphere(1.3),
@@ -323,8 +340,10 @@ def test_solutions_with_a_profile_round_trip(name, alpha, tmp_path):
 
 
 def test_each_profile_is_declared_and_tried():
-    tried = {type(one) for one in PROFILES.values()}
-    assert {one.cls for one in schema.PROFILES} == tried | {profiles.Flat}
+    tried = {type(one) for one in PROFILES.values()} | {profiles.Flat}
+    assert {one.cls for one in schema.PROFILES} == tried == {*control.KINDS.values()}
+    assert tried == {*classes_of(profiles)} - {profiles.Profile, profiles.PointHull}
+    assert missing_of({one.__name__ for one in tried}, "profiles.md") == []
 
 
 LAYERS = {
@@ -348,7 +367,10 @@ def test_solutions_with_a_layer_round_trip(name, tmp_path):
 
 
 def test_each_layer_is_declared_and_tried():
-    assert {one.cls for one in schema.LAYERS} == {type(one) for one in LAYERS.values()}
+    tried = {type(one) for one in LAYERS.values()}
+    assert {one.cls for one in schema.LAYERS} == tried == {*scene_layer.KINDS.values()}
+    assert tried == {*classes_of(layers)} - {layers.Layer}
+    assert missing_of({one.__name__ for one in tried}, "layers.md") == []
 
 
 def test_flat_scenes_say_nothing_of_profiles():

@@ -2,12 +2,15 @@
 
 import math
 import pickle
+from dataclasses import replace
 
 import mpmath
 import numpy as np
 import pytest
 
 from spectral_contact import Scene, SceneError, layers, profiles
+from spectral_contact.io.parameters import parameters_of
+from spectral_contact.layers import scene_layer
 
 TABLE = layers.Table((0.0, 0.1, 0.3, 0.7, 1.5), (0.0, 0.1, 0.5, 2.0, 9.0))
 CUBIC = layers.Sampled.from_functions(
@@ -34,6 +37,23 @@ def test_stiffness_is_the_derivative_and_energy_the_integral(name):
     np.testing.assert_allclose(rise, law.stiffness(w), rtol=1e-6)
     rise = (law._energy(w + step) - law._energy(w - step)) / (2.0 * step)
     np.testing.assert_allclose(rise, law.pressure(w), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_rates_are_derivatives_by_the_logarithms_of_all_numbers(name):
+    """Fits find the numbers that have one."""
+    law, w, step = LAWS[name], np.linspace(-0.15, 1.4, 50), 1e-5
+    numbers = [one for one, told in parameters_of(type(law)).items() if told.kind is float]
+    rates = law._rates(w)
+    assert sorted(rates) == sorted(numbers)
+    for one in numbers:
+        low, high = (replace(law, **{one: getattr(law, one) * (1 + d)}) for d in (-step, step))
+        differences = (high._pressure(w) - low._pressure(w)) / (2.0 * step)
+        np.testing.assert_allclose(rates[one], differences, rtol=1e-6, atol=1e-9)
+
+
+def test_every_kind_of_law_is_tried():
+    assert {type(law) for law in LAWS.values()} == {*scene_layer.KINDS.values()}
 
 
 def test_a_linear_layer_is_stiff_from_the_first_touch_on():

@@ -18,6 +18,7 @@ from spectral_contact import (
     profiles,
     solve,
 )
+from spectral_contact.profiles import control
 from spectral_contact.scene import same_problem
 from spectral_contact.studies.study import truth_of
 from spectral_contact.view.report import report
@@ -92,6 +93,11 @@ def test_rates_are_derivatives_and_heights_integrals(name):
         # 2e-14 is what slopes are sampled to
         assert float(profile.height(np.array(t))) == pytest.approx(float(height), rel=2e-14)
     assert profile.height(np.array(0.0)) == 0.0
+
+
+def test_every_kind_of_profile_is_tried():
+    tried = {type(profile) for profile, _ in SLOPES.values()}
+    assert tried == {*control.KINDS.values()} - {profiles.Flat, profiles.Sum}
 
 
 def test_profiles_are_values():
