@@ -38,7 +38,8 @@ def test_a_quantity_has_an_estimate_and_is_in_both_units(quantity):
 
 @pytest.mark.parametrize("quantity", OUTPUTS, ids=lambda one: one.name)
 def test_a_quantity_is_in_the_file_format_and_has_known_kinds(quantity):
-    assert f"`{quantity.name}`" in (DOCS / "file_format.md").read_text(encoding="utf-8")
+    named = f"`{quantity.name}`" in (DOCS / "file_format.md").read_text(encoding="utf-8")
+    assert named, "docs/file_format.md does not have it"
     assert quantity.si_factor in ("", "radius", "displacement", "stress", "force")
     assert quantity.kind in ("number", "field", "zones")
     assert quantity.contact in ("normal", "tangential")
@@ -62,6 +63,11 @@ def test_what_a_plan_lists_has_a_value_and_an_estimate(name):
     """Asked for alone as well, where steps are left out."""
     scene = SCENES[name]
     together = solve(scene, 1e-5)
+    known = {
+        one.name for one in fields(together.error) if getattr(together.error, one.name) is not None
+    }
+    assert set(together.plan.quantities) - {*together.values, *FIELDS} == set()
+    assert set(together.plan.quantities) - known == set()
     for quantity in together.plan.quantities:
         alone = solve(scene, 1e-5, [quantity])
         for one in (together, alone):
