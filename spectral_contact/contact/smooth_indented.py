@@ -49,6 +49,8 @@ _TIP_PANELS, _PANELS = 40, 20
 _FURTHER_PANELS = 32
 #: Gauss points of the quadrature rule on a panel, and on one that begins at the centre.
 _POINTS, _CENTRAL_POINTS = 16, 24
+#: How many points more the finer rule has, whose difference estimates the error of an integral.
+_MORE_POINTS = 8
 
 
 class _QuadratureRule(NamedTuple):
@@ -75,12 +77,16 @@ class KnownContact:
     ----------
     moment, energy : float
         ``int F dt`` and ``int F^2 dt``.
+    moment_error, energy_error : float
+        Estimates of their relative errors by the quadrature.
     pressure : SmoothPressure or None
         None if it is not wanted.
     """
 
     moment: float
     energy: float
+    moment_error: float
+    energy_error: float
     pressure: SmoothPressure | None
 
 
@@ -98,18 +104,21 @@ def smooth_contact(
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.
     """
-    ends = zip(parts.ends, parts.profile_breaks, strict=True)
-    pieces = [
-        _KnownPart(profile, radius, end, last_break, innermost=k == 0)
-        for k, (end, last_break) in enumerate(ends)
-    ]
-    moment = energy = 0.0
-    for piece in pieces:
-        half_integral = piece.half_integral()
-        weights = piece.weights / (2.0 * piece.t)
-        moment += float(weights @ half_integral)
-        energy += float(weights @ half_integral**2)
-    return KnownContact(moment, energy, _pressure(pieces, moment) if pointwise else None)
+    ends = list(zip(parts.ends, parts.profile_breaks, strict=True))
+    pieces, finer = (
+        [
+            _KnownPart(profile, radius, end, last_break, innermost=k == 0, more_points=more_points)
+            for k, (end, last_break) in enumerate(ends)
+        ]
+        for more_points in (0, _MORE_POINTS)
+    )
+    integrals, best = (
+        np.sum([part.integrals() for part in rule], axis=0) for rule in (pieces, finer)
+    )
+    moment, energy = best.tolist()
+    moment_error, energy_error = (np.abs(integrals - best) / np.maximum(best, TINY)).tolist()
+    pressure = _pressure(pieces, moment) if pointwise else None
+    return KnownContact(moment, energy, moment_error, energy_error, pressure)
 
 
 class _KnownPart:
@@ -125,6 +134,8 @@ class _KnownPart:
         The largest break of the profile that is inside the part; the centre if there is none.
     innermost : bool
         Whether the part begins at the centre.
+    more_points : int
+        How many points a panel has beyond those of the usual rule.
 
     Attributes
     ----------
@@ -142,6 +153,7 @@ class _KnownPart:
         last_break: Radius,
         *,
         innermost: bool,
+        more_points: int,
     ) -> None:
         self._profile = profile
         self._radius = radius
@@ -151,7 +163,7 @@ class _KnownPart:
         self.mesh = GradedMesh(*end, LogPanels(count, PANEL_WIDTH, _DEGREE))
         # if the first panel begins at the centre, t is accurate there, too: it is taken from 1 - d
         reaches_centre = innermost and sign < 0
-        rule = _quadrature_rule(self.mesh.panels, reaches_centre)
+        rule = _quadrature_rule(self.mesh.panels, reaches_centre, more_points)
         self.points = self.mesh.points(rule.d)
         self.weights = extent * rule.weights
         self.t: Array = np.sqrt(extent * rule.rest if reaches_centre else self.points.z)
@@ -167,11 +179,13 @@ class _KnownPart:
             self._radius * t, self._radius * self._radius * self._past_break(points)
         )
 
-    def half_integral(self) -> Array:
-        """Return ``F`` at the points."""
+    def integrals(self) -> Array:
+        """Return ``int F dt`` and ``int F^2 dt`` over the part."""
         past_break = self._radius * self._radius * self._past_break(self.points)
         decrement = self._profile._fall(self._radius, self.t, self.points.y, past_break)
-        return np.asarray(decrement / self._radius)
+        half_integral = decrement / self._radius
+        weights = self.weights / (2.0 * self.t)
+        return np.array([weights @ half_integral, weights @ half_integral**2])
 
     def density(self) -> _Density:
         """Return ``H'(t)/t`` as a series; on a part outside its boundary it has further panels."""
@@ -287,20 +301,21 @@ def _with_limit(series: LogSeries) -> tuple[LogSeries, float]:
 
 
 @bounded_cache("quadrature rules", 8)
-def _quadrature_rule(panels: LogPanels, reaches_centre: bool) -> _QuadratureRule:
+def _quadrature_rule(panels: LogPanels, reaches_centre: bool, more_points: int) -> _QuadratureRule:
     """Return a rule on these panels and the tail (cached).
 
     If the first panel reaches the centre of a disk, its points are clustered there, for square
-    roots of the distance from the centre.
+    roots of the distance from the centre. Every panel has so many points more than usual.
     """
     h = panels.width
-    _, w = gauss_rule(_POINTS)
-    by_panels = panels.sampling(_POINTS)
+    points = _POINTS + more_points
+    _, w = gauss_rule(points)
+    by_panels = panels.sampling(points)
     weights_by_panels = np.tile(w * h / 2.0, (panels.count, 1))
     x = by_panels.ravel()
     x_weights = weights_by_panels.ravel()
     if reaches_centre:
-        g, w = gauss_rule(_CENTRAL_POINTS)
+        g, w = gauss_rule(_CENTRAL_POINTS + more_points)
         root = (1.0 + g) / 2.0
         x = np.concatenate([h * root**2, by_panels[1:].ravel()])
         x_weights = np.concatenate([w * h * root, weights_by_panels[1:].ravel()])
