@@ -12,6 +12,7 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
+from spectral_contact.equations.interior.places import boundaries
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io.checks import exactly_one, reals
@@ -19,10 +20,11 @@ from spectral_contact.io.checks import exactly_one, reals
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-#: Panels shrink by this factor towards the edge, the breaks of the profile and the centre (chosen).
+#: Panels shrink by this factor towards the centre, the edge and the places between at which the
+#: pressure is not smooth (chosen).
 _RATIO = 0.3
-#: Number of the panels. The first point is 5e-15 from a break, over half of the interval: closer, a
-#: radius has too few digits of its distance from the break.
+#: Number of the panels. The first point is 5e-15 from such a place, over half of the interval:
+#: closer, a radius has too few digits of its distance from it.
 _PANELS = 24
 #: Gauss points of each panel (chosen).
 _POINTS = 16
@@ -59,11 +61,12 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     displacement = np.zeros(len(past_edge))
     nodes, weights = _graded_rule()
     radius = 1.0 + past_edge[:, None]
-    for inner, outer in pairwise([0.0, *(b / a for b in profile.breaks if b < a), 1.0]):
-        half = (outer - inner) / 2.0
-        from_inner = inner + half * nodes  # radii
-        from_outer = (1.0 - outer) + half * nodes  # distances from the edge
-        for eta, from_edge in ((from_inner, 1.0 - from_inner), (1.0 - from_outer, from_outer)):
+    for inner, outer in pairwise(boundaries(solution)):
+        half = (inner.from_edge - outer.from_edge) / 2.0
+        step = half * nodes
+        from_inner = inner.value + step, inner.from_edge - step
+        from_outer = outer.value - step, outer.from_edge + step
+        for eta, from_edge in (from_inner, from_outer):
             ring_loads = eta * (half * weights) * field(eta, from_edge)
             # 1 - m of the parameter m = (eta/radius)**2, without cancellation
             complement = (past_edge[:, None] + from_edge) / radius * ((radius + eta) / radius)
