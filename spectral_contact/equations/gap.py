@@ -12,9 +12,9 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike
 from scipy.special import ellipkm1
 
-from spectral_contact.equations.interior.places import boundaries
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
+from spectral_contact.fields.series import CENTRE, EDGE, ZonalField
 from spectral_contact.io.checks import exactly_one, reals
 
 if TYPE_CHECKING:
@@ -61,7 +61,8 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     displacement = np.zeros(len(past_edge))
     nodes, weights = _graded_rule()
     radius = 1.0 + past_edge[:, None]
-    for inner, outer in pairwise(boundaries(solution)):
+    ends = [one.outer for one in field.pieces] if isinstance(field, ZonalField) else [EDGE]
+    for inner, outer in pairwise([CENTRE, *ends]):
         half = (inner.from_edge - outer.from_edge) / 2.0
         step = half * nodes
         from_inner = inner.value + step, inner.from_edge - step
