@@ -260,4 +260,7 @@ class SolutionSlopes:
         slipping = (scene.friction or 0.0) * self._pressure(name, s, from_edge)
         if name == "friction":
             slipping = slipping + own.pressure(from_edge=from_edge)
-        return np.asarray(value + sign * slipping)
+        # where it sticks the pressure may be infinite, as at a smooth edge
+        return np.asarray(
+            value + np.multiply(sign, slipping, out=np.zeros(s.shape), where=sign != 0)
+        )
