@@ -261,6 +261,4 @@ class SolutionSlopes:
         if name == "friction":
             slipping = slipping + own.pressure(from_edge=from_edge)
         # where it sticks the pressure may be infinite, as at a smooth edge
-        return np.asarray(
-            value + np.multiply(sign, slipping, out=np.zeros(s.shape), where=sign != 0)
-        )
+        return np.asarray(value + sign * np.where(sign == 0, 0.0, slipping))
