@@ -521,8 +521,9 @@ class Inside:
             raise NotComputedError("energies", "the load does work on both bodies together")
         own = self._unscaled
         units = self._units
-        size = 1.0 if self.flat else self._solution.contact_radius
-        unit = units.stress * units.length**2 * units.displacement * size
+        # displacements of the solution are in the unit of the approach, or under a profile in L
+        of_area = units.length**2 * units.displacement
+        unit = units.stress * (of_area if self.flat else self._solution.contact_radius**2)
         with ProgressLine(progress) as tell:
             return energies(
                 self._solution,
