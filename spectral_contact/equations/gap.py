@@ -14,15 +14,17 @@ from scipy.special import ellipkm1
 
 from spectral_contact.errors import SceneError
 from spectral_contact.fields import Array
+from spectral_contact.fields.series import CENTRE, EDGE, ZonalField
 from spectral_contact.io.checks import exactly_one, reals
 
 if TYPE_CHECKING:
     from spectral_contact.solution import Solution
 
-#: Panels shrink by this factor towards the edge, the breaks of the profile and the centre (chosen).
+#: Panels shrink by this factor towards the centre, the edge and the places between at which the
+#: pressure is not smooth (chosen).
 _RATIO = 0.3
-#: Number of the panels. The first point is at 5e-15 of half the interval from a break: of a closer
-#: one, the radius would have too few digits of the distance.
+#: Number of the panels. The first point is 5e-15 from such a place, over half of the interval:
+#: closer, a radius has too few digits of its distance from it.
 _PANELS = 24
 #: Gauss points of each panel (chosen).
 _POINTS = 16
@@ -60,11 +62,13 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
     displacement = np.zeros(len(past_edge))
     nodes, weights = _graded_rule()
     radius = 1.0 + past_edge[:, None]
-    for inner, outer in pairwise([0.0, *(b / a for b in profile.breaks if b < a), 1.0]):
-        half = (outer - inner) / 2.0
-        radii = inner + half * nodes  # of the inner half, graded to its inner end
-        depths = (1.0 - outer) + half * nodes  # from the edge, of the outer half
-        for eta, from_edge in ((radii, 1.0 - radii), (1.0 - depths, depths)):
+    ends = [one.outer for one in field.pieces] if isinstance(field, ZonalField) else [EDGE]
+    for inner, outer in pairwise([CENTRE, *ends]):
+        half = (inner.from_edge - outer.from_edge) / 2.0
+        step = half * nodes
+        from_inner = inner.value + step, inner.from_edge - step
+        from_outer = outer.value - step, outer.from_edge + step
+        for eta, from_edge in (from_inner, from_outer):
             ring_loads = eta * (half * weights) * field(eta, from_edge)
             # 1 - m of the parameter m = (eta/radius)**2, without cancellation
             complement = (past_edge[:, None] + from_edge) / radius * ((radius + eta) / radius)

@@ -150,10 +150,13 @@ class Growth:
         def rates(panel: Panel) -> Callable[[Array], Array]:
             return lambda t: chebyshev_value(panel.shears, t) * panel.increment(t)
 
+        return self.first_shear + sum(one.integral(rates(one)) for one in self.panels)
+
+    @property
+    def first_shear(self) -> float:
+        """Total shear where the first panel begins, before which Q* is taken for constant."""
         first = self.panels[0]
-        # before the first panel, where the load is negligible, Q* is taken for constant
-        beginning = first.flats[0].total_shear * float(first.load(-_TOP)[0])
-        return beginning + sum(one.integral(rates(one)) for one in self.panels)
+        return float((chebyshev_value(first.shears, -_TOP) * first.load(-_TOP))[0])
 
     @cached_property
     def load_error(self) -> float:

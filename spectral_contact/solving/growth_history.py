@@ -91,8 +91,9 @@ def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
 
     Up to the first piece Q/P is taken for constant.
     """
-    first, (g, w) = growth.panels[0], gauss_rule(_POINTS)
-    shear, ratios = first.flats[0].total_shear * float(first.load(_ENDS[:1])[0]), []
+    shear = growth.first_shear
+    ratios = []
+    g, w = gauss_rule(_POINTS)
     for one in pieces:
         low, logs = one.radii.low, one.radii.u_nodes
         extent = np.append(logs, one.radii.high) - low

@@ -268,4 +268,5 @@ class SolutionSlopes:
         slipping = (scene.friction or 0.0) * self._pressure(name, s, from_edge)
         if name == "friction":
             slipping = slipping + own.pressure(from_edge=from_edge)
-        return np.asarray(value + sign * slipping)
+        # where it sticks the pressure may be infinite, as at a smooth edge
+        return np.asarray(value + sign * np.where(sign == 0, 0.0, slipping))

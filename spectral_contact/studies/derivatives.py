@@ -627,7 +627,8 @@ class _Slopes:
             return np.zeros(from_edge.shape)
         error = getattr(self.own.error, field_in_it) or 0.0
         field_values = getattr(self.own, field_in_it)(from_edge=from_edge)
-        return np.asarray(factor * error * np.abs(field_values))
+        # where the pressure is infinite the surface sticks, and the derivative is without it
+        return factor * error * np.abs(np.where(np.isfinite(field_values), field_values, 0.0))
 
     def _at_a_boundary(self, s: Array, from_edge: Array) -> NDArray[np.bool_]:
         """Return a mask of the places that are on a boundary of zones, within its error."""

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isinf
 from typing import Any, Final
 
 import numpy as np
+from scipy.optimize import brentq
 
 from spectral_contact.fields import Array
 from spectral_contact.layers import Layer
@@ -16,6 +18,8 @@ from spectral_contact.testing.attributes import computed
 #: Cuts, as distances from the edge, for layer laws without an edge: wherever a steep law turns from
 #: contact to gap, the interval around is short (chosen).
 _CUTS: Final = tuple(k / 30.0 for k in range(1, 30))
+#: Distances from the edge between which it is seen whether a pressure passes a knot (chosen).
+_LOOKS: Final = np.concatenate([np.geomspace(1e-15, 0.1, 200), np.linspace(0.1, 1.0, 201)[1:]])
 #: A pressure up to this counts as none.
 _TINY: Final = float(np.finfo(float).tiny)
 
@@ -68,6 +72,25 @@ class LayerConditions:
         slope = float(self.law._slope(np.array(self.law._overclosure(largest))))
         finest = 1.0 / max(slope * radius, 1.0)
         return [*inner, *(10.0**-k for k in range(1, 15) if 10.0**-k > finest / 30.0)]
+
+    def bends(self, pressure: Callable[[Array], Array]) -> list[float]:
+        """Return distances from the edge at which a pressure passes a knot of the law.
+
+        It is not smooth there.
+        """
+        seen = pressure(_LOOKS)
+        found = []
+        for knot in self.law._pressure(np.array(self.law.knots)).tolist():
+            side = np.sign(seen - knot)
+            passes = (side[1:] != side[:-1]) & np.isfinite(side[1:] - side[:-1])
+            for k in np.flatnonzero(passes).tolist():
+
+                def excess(d: float, knot: float = knot) -> float:
+                    return float(pressure(np.array([d]))[0]) - knot
+
+                low, high = _LOOKS[k : k + 2].tolist()
+                found.append(float(brentq(excess, low, high, xtol=1e-16)))
+        return found
 
     def overclosures(self, p: Array) -> Array:
         """Return the overclosure of every pressure.

@@ -132,9 +132,9 @@ def check_solution(
         Relative accuracy claimed.
     breaks : sequence of float
         Distances from the edge, in (0, 1), at which the fields are not smooth: nodes of a coarse
-        mesh, zone boundaries. Quadrature across a kink has five digits only. Within ``sqrt(rtol)``
-        times its own distance from the edge of each of them, the friction law is checked to
-        ``sqrt(rtol)`` only.
+        mesh, zone boundaries; those at knots of a layer's law are found. Quadrature across a kink
+        has five digits only. Within ``sqrt(rtol)`` times its own distance from the edge of each of
+        them, the friction law is checked to ``sqrt(rtol)`` only.
     strict : bool
         Raise if a check fails.
 
@@ -364,7 +364,7 @@ class _Indented:
         rtol = self.rtol
         p = pressure(_PLACES)
         if self.layered is not None:
-            self.cuts += self.layered.cuts(float(p.max()), a)
+            self.cuts += self.layered.cuts(float(p.max()), a) + self.layered.bends(pressure)
         cuts = self.cuts
         displacement = np.array([normal_displacement(pressure, float(d), cuts) for d in _PLACES])
         heights = self.profile.height(a * (1.0 - _PLACES))

@@ -177,6 +177,13 @@ def test_inside_the_body_it_is_huber_on_the_axis():
     assert moved.z == pytest.approx(found.approach, rel=1e-10)
 
 
+def test_the_energy_in_the_body_is_that_of_hertz():
+    found = solve(made(), 1e-10).physical
+    energies = found.inside.energies()
+    assert energies.strain == pytest.approx(0.4 * P * found.approach, rel=1e-9)
+    assert energies.external == pytest.approx(0.4 * P * found.approach, rel=1e-9)
+
+
 def test_the_gap_at_the_surface_is_zero_in_the_contact_and_that_of_the_solution_outside():
     solution = solve(made(), 1e-10)
     body, a = solution.physical.inside, solution.contact_radius

@@ -67,8 +67,23 @@ def test_what_it_was_is_what_a_smaller_contact_is(profile, friction, coupling):
     assert history.error("total_shear")[-1] < 1e-4
 
 
+@functools.cache
+def layered():
+    return solve(Scene(0.2, 0.1, 0.1), 1e-6, NAMES)
+
+
+def test_it_begins_where_the_layer_alone_gives_way():
+    """There pressures under flat punches are uniform, and Q/P = 4 kappa b/(15 beta)."""
+    history = layered().history
+    b = history.radii[0]
+    truth = 4.0 * layered().scene.kappa * b / (15.0 * 0.1)
+    found = history.total_shear(b) / history.load(b)
+    assert abs(found / truth - 1.0) < 1.0
+    assert abs(found / truth - 1.0) <= history.error("total_shear", b)
+
+
 def test_it_ends_with_the_solution_and_follows_the_stick_radius():
-    solution = solve(Scene(0.2, 0.1, 0.1), 1e-6, NAMES)
+    solution = layered()
     history = solution.history
     for name in NAMES:
         off = abs(getattr(history, name)(1.0) / getattr(solution, name) - 1.0)

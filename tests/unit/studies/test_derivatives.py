@@ -542,3 +542,13 @@ def test_next_to_pull_off_it_has_fewer_digits():
 def test_a_flat_punch_is_the_same_with_any_work_of_adhesion():
     flat = Scene(0.3, 0.5, profile=profiles.Flat(1.0), work_of_adhesion=0.2, load=0.1)
     assert solve(flat).sensitivity()["approach", "work_of_adhesion"].value == 0.0
+
+
+def test_where_a_smooth_edge_sticks_its_traction_has_a_derivative():
+    """The pressure is infinite there, but no part of the traction."""
+    scene = Scene(0.1, 0.0, 0.5, 0.05)
+    slopes = solve(scene, 1e-3).sensitivity(["friction"], s=[1.0])
+    found = slopes.fields["traction", "friction"]
+    less, more = (solve(scene.replace(friction=f), 1e-12).traction(1.0) for f in (0.04999, 0.05001))
+    assert found.value[0] == pytest.approx((more - less) / 2e-5, rel=1e-6)
+    assert found.error[0] < 1e-11

@@ -13,6 +13,9 @@ SCENES = {
     "abaqus, before first touch": Scene(
         0.3, layer=layers.Exponential(1.0, 0.1), profile=BALL, approach=-0.02
     ),
+    "a law that bends": Scene(
+        0.3, layer=layers.Table((0, 0.02, 0.04, 0.06), (0, 0.1, 0.5, 1.5)), profile=BALL, load=0.1
+    ),
     "no edge": Scene(0.3, layer=layers.CalculixExponential(0.1, 0.1), profile=BALL, approach=0.2),
     "flat": Scene(
         0.3, layer=layers.GreenwoodWilliamson(9.0, 1.0, 0.5), profile=profiles.Flat(2.0), load=1.0
