@@ -179,7 +179,7 @@ class Sampled(Profile):
 
     @property
     def pointed(self) -> bool:
-        """Whether panels are graded to the centre, too: if not rounded, or to a small radius."""
+        """Whether panels are graded to the centre, as for a tip that is sharp or hardly rounded."""
         graded = not self.rounded or len(self.slopes[0]) > _GENTLE
         return graded and self.flat_part == 0.0
 

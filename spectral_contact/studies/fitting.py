@@ -70,7 +70,7 @@ class Rate:
 
     @property
     def rivals(self) -> tuple[str, ...]:
-        """The other kinds that fit nearly as well: with less than twice the residual.
+        """The other kinds that fit nearly as well, with less than twice the residual.
 
         Residuals up to 5 per cent count as good.
         """

@@ -139,7 +139,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def total_shear(self) -> float:
-        """Total shear Q = 2π∫q r dr [N]: no resultant force, as the traction is radial."""
+        """Total shear Q = 2π∫q r dr [N], no resultant force, as the traction is radial."""
         return float(self._in_si("total_shear"))
 
     @property
@@ -206,7 +206,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def punch_inside(self) -> Inside:
-        """The same in an elastic punch: depths are below its surface, which bears p and −q.
+        """The same in an elastic punch, with depths below its surface, which bears p and −q.
 
         Raises
         ------

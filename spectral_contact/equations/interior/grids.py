@@ -66,7 +66,7 @@ class Units:
     length, stress, displacement : float
         What places over the contact radius, and stresses and displacements as the body computes
         them from the loads, are multiplied by.
-    names : UnitNames
+    names : tuple of str
         Of places, displacements and stresses, in this order.
     """
 
