@@ -81,7 +81,8 @@ class FreeBoundaryProblem:
     boundary_tolerance : float, optional
         Bound on the relative errors of the boundaries; by default the tolerance.
     displacement : KnownDisplacement, optional
-        That of what sticks, under a known pressure.
+        The displacement u_r that slip which is over has left where the surface sticks now; under a
+        known pressure only.
     """
 
     def __init__(

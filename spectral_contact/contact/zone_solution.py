@@ -27,7 +27,7 @@ class ScalarResults:
     Attributes
     ----------
     approach, total_shear : float
-        delta and Q, dimensionless.
+        delta and Q, dimensionless. Q is no resultant force, as the traction is radial.
     approach_error, shear_error : float
         Estimates of their relative errors.
     pressure_error, traction_error : float
@@ -66,7 +66,8 @@ class ZoneSolution(ScalarResults):
         Largest relative error of ``b^2 - a^2`` for a slip zone between a and b; it bounds the error
         of slip next to the ends (`friction_law.slip_error_from_boundaries`).
     residual_error : float
-        Estimate of the largest error of E where it drives the displacement in slip.
+        Estimate of the largest error of E in the zones that stick and that slip: E drives the
+        displacement in slip.
     jacobian : ndarray
         Derivatives of the boundary residual by the logits.
     pressures, shears : list of LogSeries, dict of LogSeries
