@@ -35,8 +35,7 @@ from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import DERIVATIVE_CORRECTIONS, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.contact.zone_fields import stick_tractions
-from spectral_contact.contact.zone_problem import min_zone_width
-from spectral_contact.contact.zone_spaces import edge_power, first_spaces, known_pressure_spaces
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem, min_zone_width
 from spectral_contact.fields.series import (
     DiskSeries,
     EdgeWeight,
@@ -137,13 +136,8 @@ def differentiated(
         Whether to differentiate the displacement in slip, which needs a known pressure.
     """
     logits = np.array(layout.logits)
-    radii = tuple(map(Radius.from_logit, layout.logits))
-    states = layout.states
-    if known:
-        spaces = known_pressure_spaces(parameters, radii, states, tolerance)
-    else:
-        power = edge_power(parameters, states)
-        spaces = first_spaces(parameters, radii, states, tolerance, power)
+    problem = FreeBoundaryProblem(parameters, layout, tolerance, known=known[0] if known else None)
+    spaces = problem.spaces(tolerance, logits)
     pressures = [contact.pressure for contact in known]
 
     def system_at(

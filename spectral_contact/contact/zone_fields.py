@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import atan, exp, gamma, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spectral_contact.contact.friction_law import DISTANCES
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.tuning import MAX_STEPS
+from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.contact.zone_spaces import with_asymptotic_tail
 from spectral_contact.fields.series import (
     AnnulusSeries,
@@ -30,9 +30,6 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
-
-if TYPE_CHECKING:
-    from spectral_contact.contact.zone_solution import ZoneSolution
 
 
 def all_positive(pressures: Sequence[LogSeries]) -> bool:

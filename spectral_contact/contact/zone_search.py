@@ -31,7 +31,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import exp, inf, log
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -66,13 +66,11 @@ from spectral_contact.contact.zone_fields import (
     with_central_asymptote,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_coupled_zones
+from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.threads import cached_property
-
-if TYPE_CHECKING:
-    from spectral_contact.contact.zone_solution import ZoneSolution
 
 Record = Callable[[str, Any, float], Any]
 
