@@ -354,7 +354,9 @@ def _smooth_growth(profile: Profile, radius: float) -> float:
     return float(profile._rate(np.array([radius]), np.array([past_break]))[0]) / 2.0
 
 
-def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float) -> Indentation:
+def _smooth(
+    profile: Profile, radius: float, *, pointwise: bool, estimated: bool, adhesion: float
+) -> Indentation:
     """Return the contact on a smooth surface, where the half-integral F is known.
 
     Adhesion lowers F by a constant, which is the half-integral of a flat punch (Johnson, Kendall
@@ -362,7 +364,7 @@ def _smooth(profile: Profile, radius: float, *, pointwise: bool, adhesion: float
     """
     parts = profile_parts(profile, radius)
     a = radius
-    contact = smooth_contact(profile, a, parts, pointwise=pointwise)
+    contact = smooth_contact(profile, a, parts, pointwise=pointwise, estimated=estimated)
     pressure = contact.pressure
     pull = sqrt(pi * a * adhesion / 2.0)
     flat_half = 2.0 * pull / a
@@ -429,7 +431,7 @@ def solve_indentation(
     if not limits.tiny <= radius * radius <= limits.max:
         raise UnrepresentableError("contact_radius", radius, REPRESENTABLE)
     if compliance == 0.0:
-        contact = _smooth(profile, radius, pointwise=pointwise, adhesion=adhesion)
+        contact = _smooth(profile, radius, pointwise=pointwise, estimated=True, adhesion=adhesion)
         _check_range(contact)
         return contact
     problem = _IndentationProblem(
@@ -452,7 +454,7 @@ def values_only(
     Parameters are those of `solve_indentation`.
     """
     if compliance == 0.0:
-        return _smooth(profile, radius, pointwise=False, adhesion=adhesion)
+        return _smooth(profile, radius, pointwise=False, estimated=False, adhesion=adhesion)
     problem = _IndentationProblem(
         profile, radius, compliance, tolerance, pointwise=False, adhesion=adhesion
     )

@@ -49,7 +49,8 @@ _TIP_PANELS, _PANELS = 40, 20
 _FURTHER_PANELS = 32
 #: Gauss points of the quadrature rule on a panel, and on one that begins at the centre.
 _POINTS, _CENTRAL_POINTS = 16, 24
-#: How many points more the finer rule has, whose difference estimates the error of an integral.
+#: Further points on a panel of the finer rule: integrals by it differ from those by the usual rule
+#: by the error of the latter.
 _MORE_POINTS = 8
 
 
@@ -78,7 +79,7 @@ class KnownContact:
     moment, energy : float
         ``int F dt`` and ``int F^2 dt``.
     moment_error, energy_error : float
-        Estimates of their relative errors by the quadrature.
+        Estimates of their relative errors by the quadrature; 0 if they were not wanted.
     pressure : SmoothPressure or None
         None if it is not wanted.
     """
@@ -91,7 +92,7 @@ class KnownContact:
 
 
 def smooth_contact(
-    profile: Profile, radius: float, parts: DiskPartition, *, pointwise: bool
+    profile: Profile, radius: float, parts: DiskPartition, *, pointwise: bool, estimated: bool
 ) -> KnownContact:
     """Return the contact of a given radius.
 
@@ -103,20 +104,25 @@ def smooth_contact(
         The disk, divided at the breaks of the profile.
     pointwise : bool
         Whether the pressure is wanted; next to the edge it has the weight ``sqrt(d)``.
+    estimated : bool
+        Whether errors of the integrals are wanted. Then the integrals are those by the finer rule.
     """
     ends = list(zip(parts.ends, parts.profile_breaks, strict=True))
-    pieces, finer = (
-        [
+
+    def with_points(more_points: int) -> list[_KnownPart]:
+        return [
             _KnownPart(profile, radius, end, last_break, innermost=k == 0, more_points=more_points)
             for k, (end, last_break) in enumerate(ends)
         ]
-        for more_points in (0, _MORE_POINTS)
-    )
-    integrals, best = (
-        np.sum([part.integrals() for part in rule], axis=0) for rule in (pieces, finer)
-    )
+
+    def integrals(pieces: list[_KnownPart]) -> Array:
+        return np.asarray(np.sum([piece.integrals() for piece in pieces], axis=0))
+
+    pieces = with_points(0)
+    usual = integrals(pieces)
+    best = integrals(with_points(_MORE_POINTS)) if estimated else usual
     moment, energy = best.tolist()
-    moment_error, energy_error = (np.abs(integrals - best) / np.maximum(best, TINY)).tolist()
+    moment_error, energy_error = (np.abs(usual - best) / np.maximum(best, TINY)).tolist()
     pressure = _pressure(pieces, moment) if pointwise else None
     return KnownContact(moment, energy, moment_error, energy_error, pressure)
 

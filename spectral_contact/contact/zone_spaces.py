@@ -216,8 +216,8 @@ def known_pressure_spaces(
     Parameters are those of `first_spaces`.
     """
     if not radii:
-        smooth = parameters.alpha == 0.0
-        return [_full_stick_space(parameters.alpha, parameters.beta, smooth, tolerance)]
+        alpha = parameters.alpha
+        return [_full_stick_space(alpha, parameters.beta, alpha == 0.0, tolerance)]
     spaces = first_spaces(parameters, radii, states, tolerance)
     if parameters.beta == 0.0 and states == (0, 1):
         # the traction has a root at the rim, and bends where the annulus around it ends

@@ -373,11 +373,13 @@ class Run:
         if self.scene.friction != math.inf:
             ratios = True
             pointwise |= bool(asked & {"slip", "zones", "stick_radius"})
-        parameters = self.parameters._replace(friction=math.inf)
+        key = *self.normal_key, self.parameters._replace(friction=math.inf), pointwise, ratios
         solved = self.cache.get(
             FULL_STICK,
-            (*self.normal_key, parameters, pointwise, ratios),
-            lambda: self.solve_full_stick(parameters, contact, pointwise=pointwise, ratios=ratios),
+            key,
+            lambda: self.solve_full_stick(
+                self.parameters, contact, pointwise=pointwise, ratios=ratios
+            ),
         )
         stick: FullStick = self.record(FULL_STICK, solved, begin)
         return stick
