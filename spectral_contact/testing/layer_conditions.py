@@ -18,8 +18,8 @@ from spectral_contact.testing.attributes import computed
 #: Cuts, as distances from the edge, for layer laws without an edge: wherever a steep law turns from
 #: contact to gap, the interval around is short (chosen).
 _CUTS: Final = tuple(k / 30.0 for k in range(1, 30))
-#: Distances from the edge between which it is seen whether a pressure passes a knot (chosen).
-_LOOKS: Final = np.concatenate([np.geomspace(1e-15, 0.1, 200), np.linspace(0.1, 1.0, 201)[1:]])
+#: Distances from the edge at which a pressure is compared with the pressure at a knot (chosen).
+_DISTANCES: Final = np.concatenate([np.geomspace(1e-15, 0.1, 200), np.linspace(0.1, 1.0, 201)[1:]])
 #: A pressure up to this counts as none.
 _TINY: Final = float(np.finfo(float).tiny)
 
@@ -78,18 +78,16 @@ class LayerConditions:
 
         It is not smooth there.
         """
-        seen = pressure(_LOOKS)
+        sampled = pressure(_DISTANCES)
         found = []
         for knot in self.law._pressure(np.array(self.law.knots)).tolist():
-            side = np.sign(seen - knot)
-            passes = (side[1:] != side[:-1]) & np.isfinite(side[1:] - side[:-1])
-            for k in np.flatnonzero(passes).tolist():
 
-                def excess(d: float, knot: float = knot) -> float:
-                    return float(pressure(np.array([d]))[0]) - knot
+            def excess(d: float, knot: float = knot) -> float:
+                return float(pressure(np.array([d]))[0]) - knot
 
-                low, high = _LOOKS[k : k + 2].tolist()
-                found.append(float(brentq(excess, low, high, xtol=1e-16)))
+            step = np.diff(np.sign(sampled - knot))
+            for k in np.flatnonzero(np.isfinite(step) & (step != 0.0)):
+                found.append(float(brentq(excess, *_DISTANCES[k : k + 2], xtol=1e-16)))
         return found
 
     def overclosures(self, p: Array) -> Array:

@@ -21,12 +21,14 @@ CORNER = Scene(0.3, 0.1, profile=profiles.TruncatedCone(0.5, 1.0), contact_radiu
 KINKED = profiles.Sampled((0.0, 0.5, 2.0), ((0.25, 0.25), (1.5,)), rounded=True)
 CONE = profiles.Cone(1.1)
 SHAPES = [
-    *(profiles.Flat(1.0), profiles.Parabola(1.3), profiles.Sphere(1.3), CONE, KINKED),
-    *(
-        profiles.PowerLaw(0.7, 2.5),
-        profiles.TruncatedCone(0.4, 1.1),
-        profiles.RoundedFlat(0.4, 0.8),
-    ),
+    profiles.Flat(1.0),
+    profiles.Parabola(1.3),
+    profiles.Sphere(1.3),
+    CONE,
+    KINKED,
+    profiles.PowerLaw(0.7, 2.5),
+    profiles.TruncatedCone(0.4, 1.1),
+    profiles.RoundedFlat(0.4, 0.8),
     profiles.Sum(CONE, profiles.Sphere(1.3)),
 ]
 SCALARS = ("approach", "contact_radius", "load", "stiffness", "indentation_work")
