@@ -44,8 +44,9 @@ _DEGREE = 24
 #: pressure is taken for a constant or a logarithm. And number of panels toward any other boundary:
 #: they end where the distance in ``s**2`` is rounding.
 _TIP_PANELS, _PANELS = 40, 20
-#: Further panels of the density on a part outside its boundary, a corner or a tip. There it goes
-#: like 1/sqrt(d), so that its half-integral needs it at smaller d than the pressure is needed.
+#: Panels that the density has beyond those of the pressure, on a part that lies outside of the
+#: corner or tip to which it is graded. There the density goes like 1/sqrt(d), so that the
+#: half-integral needs it at smaller distances d than those at which the pressure is wanted.
 _FURTHER_PANELS = 32
 #: Gauss points of the quadrature rule on a panel, and on one that begins at the centre.
 _POINTS, _CENTRAL_POINTS = 16, 24
@@ -248,7 +249,7 @@ def _pressure(pieces: list[_KnownPart], moment: float) -> SmoothPressure:
     densities = [piece.density() for piece in pieces]
     pressures = []
     error = 0.0
-    mean = 4.0 / pi * moment
+    mean = 4.0 / pi * moment  # mean pressure: the load 4 int F dt over the area
     for k, (piece, density) in enumerate(zip(pieces, densities, strict=True)):
         mesh = piece.mesh
         panels = mesh.panels

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 #: Panels shrink by this factor towards the centre, the edge and the places between at which the
 #: pressure is not smooth (chosen).
 _RATIO = 0.3
-#: Number of the panels. The first point is 5e-15 from such a place, over half of the interval:
-#: closer, a radius has too few digits of its distance from it.
+#: Number of the panels. The first point is at 5e-15 of half the interval from such a place: of a
+#: closer one, the radius would have too few digits of the distance.
 _PANELS = 24
 #: Gauss points of each panel (chosen).
 _POINTS = 16
@@ -69,6 +69,7 @@ def gap_outside(solution: Solution, s: ArrayLike | None, beyond: ArrayLike | Non
         from_inner = inner.value + step, inner.from_edge - step
         from_outer = outer.value - step, outer.from_edge + step
         for eta, from_edge in (from_inner, from_outer):
+            # loads of rings, over 2 pi a**2
             ring_loads = eta * (half * weights) * field(eta, from_edge)
             # 1 - m of the parameter m = (eta/radius)**2, without cancellation
             complement = (past_edge[:, None] + from_edge) / radius * ((radius + eta) / radius)

@@ -94,7 +94,7 @@ class LayerConditions:
         """Return the overclosure of every pressure.
 
         Where there is no pressure it is that at which the law begins, or for a law without a
-        beginning that of the least double.
+        beginning that of the least normal double.
         """
         least = self.law.start if not isinf(self.law.start) else self.law._overclosure(_TINY)
         return np.array([self.law._overclosure(p_i) if p_i > _TINY else least for p_i in p])
@@ -113,7 +113,7 @@ class LayerConditions:
         residual : ndarray
             The distance.
         size : float
-            The displacement.
+            The displacement: the largest of approach, displacements and overclosures, in L.
         """
         with np.errstate(over="ignore"):
             stiffness = np.maximum(self.law._slope(w), _TINY)

@@ -111,11 +111,11 @@ class Toroidal:
         return from_toroidal(u, v)
 
     def reflected(self, u: float, v: float) -> tuple[float, float]:
-        """Return coordinates in range: reflected at axis and surface, and no closer to the edge."""
+        """Return coordinates in range: reflected at axis and surface, with u at most `_CLOSEST`."""
         return min(abs(u), _CLOSEST), float(np.abs(np.mod(v + np.pi, 2.0 * np.pi) - np.pi))
 
     def inside(self, u: float, v: float) -> bool:
-        """Return whether coordinates lie inside the chart, and not on its boundaries."""
+        """Return whether coordinates lie inside the chart; u may be negative, beyond the axis."""
         return 0.0 < v < np.pi and abs(u) < _CLOSEST
 
     def scale(self, u: float, v: float) -> float:
