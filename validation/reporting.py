@@ -11,6 +11,7 @@ import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -77,6 +78,16 @@ def stored(name: str) -> dict[str, Any]:
     """Return the record in results/NAME.json; it is empty where there is none."""
     path = RESULTS / f"{name}.json"
     return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def sources() -> str:
+    """Return a digest of the library's sources, to tell whose results a store holds."""
+    import spectral_contact  # here, as in `write`
+
+    digest = sha256()
+    for path in sorted(Path(spectral_contact.__file__).parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:12]
 
 
 def json_lines(path: Path) -> list[Any]:

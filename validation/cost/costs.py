@@ -26,9 +26,8 @@ sys.path.append(str(Path(__file__).parents[1] / "honesty"))
 
 import numpy as np
 from costs_report import all_unknowns, draw_errors, growth_argument, tables
-from flat_punches import sources
 from honesty_scenes import true_solution
-from reporting import RESULTS, options, resumed, stored, unit, write
+from reporting import RESULTS, options, resumed, sources, stored, unit, write
 from scipy.stats import linregress, t
 
 from spectral_contact import Scene, Solution, clear_caches, gold, solve

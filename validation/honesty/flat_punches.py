@@ -21,28 +21,18 @@ import tempfile
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
-from reporting import RESULTS, json_lines, options, table, write
+from reporting import RESULTS, json_lines, options, sources, table, write
 from strata import in_order
 
-import spectral_contact
 from spectral_contact.view.progress import ProgressLine
 
 #: How many truths have many digits.
 REFERENCES = 200
-
-
-def sources() -> str:
-    """Return a digest of the library's sources, to tell whose results a store holds."""
-    digest = sha256()
-    for path in sorted(Path(spectral_contact.__file__).parent.rglob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:12]
 
 
 def violations_of(row: dict) -> list[dict]:

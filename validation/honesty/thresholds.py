@@ -1,13 +1,13 @@
 """Whether solutions at thresholds obey the friction law within their estimates.
 
-Strata of honesty.py: ``thresholds --seconds N`` writes validation/results/honesty_thresholds.json
-and .md, and ``thresholds_precise --scenes N``, of some twenty seconds of CPU a scene,
-thresholds_precise.json and .md. Scenes of the first lie at relative distances of
-10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and from the second
-threshold, at which the edge begins to slip, too. The law is
-evaluated with the elliptic kernels, which share nothing with the solver, on both sides of all
-boundaries; a zone that must be there is looked for. A broken law that no estimate explains is
-wrong, and so is an infinite estimate of the slip that a closer tolerance makes finite.
+Strata of honesty.py: ``thresholds`` writes validation/results/honesty_thresholds.json and .md and,
+with the same library and seed, goes on where it was stopped; ``thresholds_precise``, of some twenty
+seconds of CPU a scene, writes thresholds_precise.json and .md. Scenes of the first lie at relative
+distances of 10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and
+from the second threshold, at which the edge begins to slip, too. The law is evaluated with the
+elliptic kernels, which share nothing with the solver, on both sides of all boundaries; a zone that
+must be there is looked for. A broken law that no estimate explains is wrong, and so is an infinite
+estimate of the slip that a closer tolerance makes finite.
 
 Precise scenes lie below the friction at which slip begins, at the edge or inside, by relative
 distances of 10^-9 ... 10^-14, nearer than doubles can judge; `reference` takes its zones from the
@@ -24,18 +24,20 @@ import json
 import math
 from collections import Counter
 from collections.abc import Sequence
-from time import perf_counter, process_time
+from time import monotonic, process_time
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from honesty_errors import unexplained, zones_alike, zones_error
-from reporting import options, stored, table, unit, write
+from reporting import options, sources, stored, table, unit, write
+from strata import PAUSE, in_order
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, reference, solve
 from spectral_contact.testing.solution_checks import _zone_checks, field_of
 
-SEED, SECONDS = 18, 540.0
+#: Scenes at thresholds unless another number is asked for, and the seed of precise scenes.
+COUNT, SEED = 150, 18
 VERDICTS = "right", "room", "refused", "wrong"
 KINDS = "edge", "inside", "second"
 LEAST, MOST = 2, 14
@@ -63,9 +65,9 @@ def second_threshold(base: tuple[float, float, float], coupled: bool) -> float:
     return 0.5 * (low + high)
 
 
-def draw(number: int) -> Record:
+def draw(number: int, seed: int) -> Record:
     """Return a scene at a threshold, how far it is, on which side, and a tolerance."""
-    rng = np.random.default_rng([SEED, number])
+    rng = np.random.default_rng([seed, number])
     kind, coupled = KINDS[number % 3], bool(number // 3 % 2)
     decade = LEAST + number // 6 % (MOST - LEAST + 1)
     distance = 10.0**-decade * (1.0 if rng.random() < 0.8 else -1.0)
@@ -142,9 +144,9 @@ def verdict(drawn: Record, solution: Solution) -> str:
     return "right" if certain else "room"
 
 
-def judged(number: int) -> Record:
+def judged(number: int, seed: int) -> Record:
     """Return a scene with its verdict, and the time of the processor in U."""
-    drawn = draw(number)
+    drawn = draw(number, seed)
     solution = None
     begin = process_time()
     try:
@@ -166,7 +168,7 @@ def counted(rows: list[Record]) -> list[int]:
     return [len(rows), *(counts[name] for name in VERDICTS)]
 
 
-def counts_table(rows: list[Record]) -> str:
+def counts_table(rows: list[Record], seed: int) -> str:
     """Return the counts as Markdown."""
     cells = []
     for kind, coupled in itertools.product(KINDS, (False, True)):
@@ -175,20 +177,28 @@ def counts_table(rows: list[Record]) -> str:
         cells.append((kind, "yes" if coupled else "no", *counted(own), slow))
     heading = f"threshold | coupled | scenes | {' | '.join(VERDICTS)} | above {SLOW:g} U"
     return (
-        f"{len(rows)} scenes at relative distances 10^-2 ... 10^-14 from a threshold. *Room*: the "
-        f"zones' estimate says that one may be missing.\n\n{table(heading, cells)}"
+        f"{len(rows)} scenes, seed {seed}, at relative distances 10^-2 ... 10^-14 from a "
+        "threshold. *Room*: the zones' estimate says that one may be missing.\n\n"
+        f"{table(heading, cells)}"
     )
 
 
-def judged_for(seconds: float) -> list[Record]:
-    """Judge as many scenes as the time allows, print and store them."""
-    rows: list[Record] = []
-    end = perf_counter() + seconds
-    while perf_counter() < end:
-        rows.append(judged(len(rows)))
-        print(json.dumps(rows[-1]), flush=True)
-    record = {"seed": SEED, "scenes": len(rows), "rows": rows}
-    write("honesty_thresholds", counts_table(rows), record)
+def judged_rows(scenes: int, seed: int, workers: int) -> list[Record]:
+    """Judge so many scenes; their record is written from time to time."""
+    made_with = {"seed": seed, "sources": sources()}
+    kept = stored("honesty_thresholds")
+    same = all(kept.get(key) == value for key, value in made_with.items())
+    rows: list[Record] = kept["rows"][:scenes] if same else []
+    written = monotonic()
+    work = functools.partial(judged, seed=seed)
+    for row in in_order(work, range(len(rows), scenes), workers):
+        rows.append(row)
+        if row["verdict"] == "wrong":
+            print(json.dumps(row), flush=True)
+        if len(rows) == scenes or monotonic() > written + PAUSE:
+            record = {**made_with, "scenes": len(rows), "rows": rows}
+            write("honesty_thresholds", counts_table(rows, seed), record)
+            written = monotonic()
     return rows
 
 
@@ -251,7 +261,7 @@ def precise_rows(scenes: int) -> list[Record]:
             return rows
         number = next(numbers)
         try:
-            drawn = draw(number)
+            drawn = draw(number, SEED)
             if drawn["decade"] > NEAR and drawn["below"]:
                 rows.append(judged_precisely(with_truth(drawn)))
                 print(json.dumps(rows[-1]), flush=True)
@@ -261,7 +271,10 @@ def precise_rows(scenes: int) -> list[Record]:
 
 
 def main(stratum: str, arguments: Sequence[str]) -> bool:
-    """Run a stratum: the first for so many seconds, the precise one for so many scenes."""
-    asked = options(__doc__, arguments, seconds=SECONDS, scenes=SCENES)
-    rows = judged_for(asked.seconds) if stratum == "thresholds" else precise_rows(asked.scenes)
+    """Run a stratum, and return whether a solution is wrong."""
+    if stratum == "thresholds":
+        asked = options(__doc__, arguments, scenes=COUNT, seed=1, workers=1)
+        rows = judged_rows(asked.scenes, asked.seed, asked.workers)
+    else:
+        rows = precise_rows(options(__doc__, arguments, scenes=SCENES).scenes)
     return any(row["verdict"] == "wrong" for row in rows)
