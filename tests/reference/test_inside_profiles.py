@@ -230,6 +230,19 @@ def test_friction_under_a_profile():
         body.energies()
 
 
+def test_friction_under_a_corner_whose_radius_rounds_differently_in_both_loads():
+    """The breaks of pressure and traction at 0.5/1.3 are one ulp apart."""
+    scene = Scene(0.1, 0.1, 0.1, 0.2, profile=profiles.RoundedFlat(0.5, 1.0), contact_radius=1.3)
+    solution = solve(scene, rtol=1e-3)
+    for from_edge, z in ((0.5, 0.3), (1.0 - 0.5 / 1.3, 1e-3)):
+        exact, known = over_rings(solution, from_edge, z)
+        stress = solution.inside.stress(from_edge=from_edge, z=z)
+        got = np.array([stress.rr, stress.tt, stress.zz, stress.rz])
+        apart = np.abs(got - np.array(exact[:4])) - np.array(known[:4])
+        assert apart.max() <= 1e-8 * stress.norm
+        assert stress.error < 0.05
+
+
 def test_displacements_over_the_contact_radius_have_its_error():
     """At s = r/a they are a times an integral of p(s): of the pressure alone if a is exact."""
     exact, off = smooth(SPHERE), 1e-6

@@ -165,11 +165,11 @@ class Grading(NamedTuple):
     def lengths(self) -> Array:
         """Lengths of the panels."""
         # if the ends of a panel are counted from two boundaries, the distance of these is added
-        gaps = np.array([*(_between(*both) for both in pairwise(self.places)), 0.0])
+        gaps = np.array([*(between(*both) for both in pairwise(self.places)), 0.0])
         return np.asarray(np.diff(self.offset) + gaps[self.at[:-1]] * np.diff(self.at))
 
 
-def _between(inner: Radius, outer: Radius) -> float:
+def between(inner: Radius, outer: Radius) -> float:
     """Return the distance of two radii, accurate to rounding also next to the edge."""
     high = outer.value > 0.5
     return inner.from_edge - outer.from_edge if high else outer.value - inner.value
@@ -196,7 +196,7 @@ def _halves(inner: Radius, outer: Radius, below: int, above: int) -> tuple[Array
     high = outer.value > 0.5
     outer_half = middle_from_edge - outer.from_edge if high else outer.value - middle
     in_outer_half = -outer_half * np.exp(-np.arange(float(above + 1)))
-    inner_half = _between(inner, outer) - outer_half
+    inner_half = between(inner, outer) - outer_half
     # without grading two panels of one length
     fractions = np.array([0.5]) if below == 0 else np.exp(np.arange(-float(below), 0.0))
     return np.concatenate([[0.0], inner_half * fractions]), in_outer_half
@@ -208,20 +208,17 @@ def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0)
     Parameters
     ----------
     boundaries : sequence of Radius
-        From the centre to the edge, both included.
+        From the centre to the edge, both included; none coincide.
     edge_folds : int
         How many e-folds the panels go towards the edge.
     centre_folds : int
         The same towards the centre; 0 where the loads are smooth.
     """
-    # if boundaries coincide, the first of them is kept
-    places = list(boundaries[:1])
-    places += [outer for inner, outer in pairwise(boundaries) if _between(inner, outer) > 0.0]
     offsets = []
     at = []
     runs = []
     count = 0
-    for k, (inner, outer) in enumerate(pairwise(places)):
+    for k, (inner, outer) in enumerate(pairwise(boundaries)):
         below = centre_folds if inner.value == 0.0 else _FOLDS
         above = edge_folds if outer.from_edge == 0.0 else _FOLDS
         for side, steps in enumerate(_halves(inner, outer, below, above)):
@@ -233,8 +230,8 @@ def graded(boundaries: Sequence[Radius], edge_folds: int, centre_folds: int = 0)
             count = stop
     # the last end is the edge
     offsets.append(np.zeros(1))
-    at.append(np.array([len(places) - 1]))
-    return Grading(places, np.concatenate(at), np.concatenate(offsets), runs)
+    at.append(np.array([len(boundaries) - 1]))
+    return Grading(boundaries, np.concatenate(at), np.concatenate(offsets), runs)
 
 
 class BodyMesh:

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from spectral_contact.equations.interior.mesh import BodyPoints, Evaluator, Grading, graded
+from spectral_contact.equations.interior.mesh import (
+    BodyPoints,
+    Evaluator,
+    Grading,
+    between,
+    graded,
+)
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.profiles import Flat
@@ -34,10 +40,15 @@ _AT_OTHERS = 0.1
 #: And this times the error of the boundary, over the same root (largest factor measured: 0.4).
 _BY_BOUNDARY = 1.0
 _ROUNDING = float(np.finfo(float).eps)
+#: Radii that are closer, in units of rounding, are the same: up to one unit was met.
+_SAME = 4.0
 
 
 def boundaries(solution: Solution) -> list[Radius]:
-    """Return the ends of all zones of the loads, with the centre and the edge."""
+    """Return the ends of all zones of the loads, with the centre and the edge.
+
+    Pressure and traction have the breaks of the profile in common, which may differ by rounding.
+    """
     inner = {
         piece.outer.value: piece.outer
         for field in (solution.pressure_field, solution.traction_field)
@@ -45,7 +56,14 @@ def boundaries(solution: Solution) -> list[Radius]:
         for piece in field.pieces
         if piece.outer.from_edge > 0.0
     }
-    return [CENTRE, *(inner[value] for value in sorted(inner)), EDGE]
+    found = [CENTRE]
+    for value in sorted(inner):
+        place = inner[value]
+        # `between` takes the difference of the distances from the edge in the outer half
+        scale = place.from_edge if value > 0.5 else value
+        if between(found[-1], place) > _SAME * _ROUNDING * scale:
+            found.append(place)
+    return [*found, EDGE]
 
 
 def pointed(solution: Solution) -> bool:
