@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise, product
-from math import inf
+from math import frexp, inf, ldexp
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -197,8 +197,10 @@ class Table(_Pieces):
         return self.overclosures
 
     def _at(self, name: str, w: Array) -> Array:
-        cubics = getattr(_cubics(self.overclosures, self.pressures), name)
-        return np.where(w < self.start, 0.0, cubics(np.clip(w, self.start, self.limit)))
+        cubics = _cubics(self.overclosures, self.pressures)
+        x = np.clip(w, self.start, self.limit) / cubics.unit
+        factor = {"pressure": 1.0, "slope": 1.0 / cubics.unit, "energy": cubics.unit}[name]
+        return np.where(w < self.start, 0.0, factor * getattr(cubics, name)(x))
 
     def _errors(self, w: float) -> LawErrors:
         # A cubic of the length h between two points, through which the line has the slope s_k, has
@@ -217,8 +219,14 @@ class Table(_Pieces):
 
 
 class _Cubics(NamedTuple):
-    """The cubics of a table, their derivatives and their integrals: SciPy's `PPoly`."""
+    """The cubics of a table, their derivatives and their integrals: SciPy's `PPoly`.
 
+    Their variable is the overclosure over a unit of the size of the table, as the third power of a
+    very small or large overclosure is not a double. The unit is a power of two, so that nothing is
+    rounded.
+    """
+
+    unit: float
     pressure: Any
     slope: Any
     energy: Any
@@ -228,8 +236,9 @@ class _Cubics(NamedTuple):
 def _cubics(w: tuple[float, ...], p: tuple[float, ...]) -> _Cubics:
     from scipy.interpolate import PchipInterpolator
 
-    pressure = PchipInterpolator(np.array(w), np.array(p))
-    return _Cubics(pressure, pressure.derivative(), pressure.antiderivative())
+    unit = ldexp(1.0, frexp(w[-1] - w[0])[1] - 1)
+    pressure = PchipInterpolator(np.array(w) / unit, np.array(p))
+    return _Cubics(unit, pressure, pressure.derivative(), pressure.antiderivative())
 
 
 @cache
@@ -237,7 +246,7 @@ def _bends(w: tuple[float, ...], p: tuple[float, ...]) -> tuple[float, ...]:
     """Return the inner points of a table at which the cubics on both sides differ."""
     law = _cubics(w, p).pressure
     derivatives = [law.derivative(order) for order in (1, 2, 3)]
-    lengths = np.diff(w)
+    lengths = np.diff(law.x)
     bends = []
     for k in range(1, len(w) - 1):
         shorter_half = min(lengths[k - 1], lengths[k]) / 2.0

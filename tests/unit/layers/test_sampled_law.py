@@ -43,10 +43,11 @@ def exact_values(law, w):
     return pressure, sum(n * one * u ** (n - 1) for n, one in enumerate(terms) if n), energy
 
 
+@pytest.mark.parametrize("size", [1e-95, 1.0, 1e95])
 @pytest.mark.parametrize("seed", range(5))
-def test_the_rounding_of_a_table_is_below_its_bounds(seed):
+def test_the_rounding_of_a_table_is_below_its_bounds(seed, size):
     rng = np.random.default_rng(seed)
-    overclosures = np.cumsum(10.0 ** rng.uniform(-3.0, 0.0, 8)) - 5.0 * (seed % 2)
+    overclosures = size * (np.cumsum(10.0 ** rng.uniform(-3.0, 0.0, 8)) - 5.0 * (seed % 2))
     pressures = np.append(0.0, np.cumsum(10.0 ** rng.uniform(-3.0, 1.0, 7)))
     law = layers.Table(tuple(overclosures), tuple(pressures))
     for depth in 10.0 ** rng.uniform(-6.0, 0.0, 20):
