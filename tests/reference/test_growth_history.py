@@ -69,7 +69,7 @@ def test_what_it_was_is_what_a_smaller_contact_is(profile, friction, coupling):
 
 @functools.cache
 def layered():
-    return solve(Scene(0.2, 0.1, 0.1), 1e-4, NAMES)
+    return solve(Scene(0.2, 0.1, 0.1), 1e-6, NAMES)
 
 
 def test_it_begins_where_the_layer_alone_gives_way():
