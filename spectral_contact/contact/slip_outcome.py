@@ -366,7 +366,8 @@ def _checked_outcome(
         pressure=pressure,
         traction=ZonalField(tuple(traction_pieces)),
         slip=ZonalField(tuple(slip_pieces)),
-        slip_error=slip_error * min(largest / max(displacement.largest, TINY), 1.0),
+        # no true slip has the wrong sense, so that what is found of it is an error
+        slip_error=max(slip_error, wrong) * min(largest / max(displacement.largest, TINY), 1.0),
         violation=max(excess, wrong) if slip_error < inf else excess,
         wrong_slip=wrong,
         consistent=obeys(excess, traction_error, wrong, excused),

@@ -338,7 +338,8 @@ def heights(mp: Any, profile: Profile) -> Heights:
     Raises
     ------
     NotComputedError
-        For a sum whose tip is no power of the radius times a smooth function of its square.
+        For a sum whose tip is no power of the radius times a smooth function of its square, and
+        for a profile that has no form to many digits here.
     """
     if isinstance(profile, shapes.Parabola):
         return _PowerHeights(mp, profile, 1 / (2 * mp.mpf(profile.radius)), 2)
@@ -349,7 +350,8 @@ def heights(mp: Any, profile: Profile) -> Heights:
     for kind, made in _KINDS.items():
         if isinstance(profile, kind):
             return made(mp, profile)
-    raise AssertionError(profile)
+    told = f"{type(profile).__name__} has no form to so many digits"
+    raise NotComputedError("the reference", told)
 
 
 _KINDS: dict[type[Profile], Callable[[Any, Any], Heights]] = {

@@ -179,7 +179,7 @@ def law_of(mp: Any, layer: Layer) -> Law:
     Raises
     ------
     NotComputedError
-        If the law has bends, or is written by a user.
+        If the law has bends, is written by a user, or has no form to many digits here.
     """
     if is_user_law(layer):
         told = "laws that users write are not solved to so many digits"
@@ -194,6 +194,9 @@ def law_of(mp: Any, layer: Layer) -> Law:
         return _Calculix(mp, layer)
     if isinstance(layer, layers.GreenwoodWilliamson):
         return _Asperities(mp, layer)
-    if isinstance(layer, layers.Sampled) and len(layer.series) == 1:
+    if layer.knots:
+        raise NotComputedError("the reference", "laws with bends are not solved to so many digits")
+    if isinstance(layer, layers.Sampled):
         return _SeriesLaw(mp, layer)
-    raise NotComputedError("the reference", "laws with bends are not solved to so many digits")
+    told = f"{type(layer).__name__} has no form to so many digits"
+    raise NotComputedError("the reference", told)

@@ -3,16 +3,18 @@
 A stratum of honesty.py. Scenes have random shapes, radii, compliances and tolerances; each is
 solved for its radius, then for its load and its approach. The truth is the same method with eight
 degrees more on every panel and two panels more at every end: that the method converges to the truth
-is tested against closed forms and by quadrature. One scene of ten is on a smooth surface, where the
-truth is `reference`.
+is tested against closed forms and by quadrature. Two scenes of ten are on a smooth surface: of one
+the truth is `reference`, of the other, a cone with a rounded tip, a closed form.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
+import mpmath
 import numpy as np
 from strata import Outcome, decade, fields_over_estimates, largest, over_estimates
 
@@ -28,8 +30,11 @@ LEAST, MOST = -7.0, 4.0  # of the compliance in contact radii, decades
 FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0, 1.0, 60)])
 #: Of a radius that was given, and of a load or approach found from it.
 ROUNDING = 1e-15
-#: Each such scene is on a smooth surface.
+#: One scene of so many is on a smooth surface, and one more is a rounded cone on it.
 SMOOTH = 10
+#: The least radius of a rounded tip over that of the contact without breaks, in decades, and with
+#: them; the ratio of one break to the next.
+BLUNT, SHARP, GRADING = -1.3, -5.0, 4.0
 
 
 class Larger:
@@ -52,7 +57,7 @@ class Better(Larger, indented._IndentationProblem):
 
 def drawn(rng: np.random.Generator) -> tuple[shapes.Profile, float]:
     """Return a profile and a contact radius."""
-    kind, angle = rng.integers(7), float(rng.uniform(0.1, 1.5))
+    kind, angle = rng.integers(8), float(rng.uniform(0.1, 1.5))
     size, other = decade(rng, -1.0, 1.0), decade(rng, -1.0, 1.0)
     if kind == 0:
         return shapes.Parabola(size), decade(rng, -2.0, 2.0)
@@ -67,11 +72,65 @@ def drawn(rng: np.random.Generator) -> tuple[shapes.Profile, float]:
         return shapes.RoundedFlat(size, other), size * (1.0 + decade(rng, -4.0, 1.5))
     if kind == 5:
         return shapes.TruncatedCone(size, angle), size * (1.0 + decade(rng, -4.0, 1.5))
+    if kind == 6:
+        radius = decade(rng, -2.0, 2.0)
+        return rounded_cone(rng, radius)[0], radius
     c, d = rng.uniform(0.2, 2.0, 2)
     bowl = shapes.Sampled.from_functions(
         lambda r: c * (np.cosh(d * r) - 1.0), lambda r: c * d * np.sinh(d * r), reach=3.0
     )
     return replace(bowl, rounded=True), decade(rng, -1.0, 0.47)
+
+
+def rounded_cone(rng: np.random.Generator, radius: float) -> tuple[shapes.Sampled, float]:
+    """Return a hyperboloid of unit slope far out, and the radius of its tip; half have breaks."""
+    with_breaks = rng.random() < 0.5
+    tip = radius * decade(rng, SHARP if with_breaks else BLUNT, 0.0)
+    reach = 1.5 * radius
+    count = math.ceil(math.log(reach / tip, GRADING)) if with_breaks else 0
+    breaks = tip * GRADING ** np.arange(count)
+    profile = shapes.Sampled.from_functions(
+        lambda r: r**2 / (np.hypot(r, tip) + tip),
+        lambda r: r / np.hypot(r, tip),
+        reach=reach,
+        breaks=breaks[breaks < reach],
+        rounded=True,
+    )
+    return profile, tip
+
+
+def rounded_tip(rng: np.random.Generator) -> Outcome:
+    """Return what becomes of a rounded cone on a smooth surface, against its closed form."""
+    radius = decade(rng, -2.0, 2.0)
+    profile, tip = rounded_cone(rng, radius)
+    tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
+    found = solve(Scene(0.3, profile=profile, contact_radius=radius), tolerance, strict=False)
+    with mpmath.workdps(30):
+        truth = hyperboloid(mpmath.mpf(radius), mpmath.mpf(tip))
+    label = f"rounded cone, tip {tip:.3g}, a = {radius:.6g}, smooth, rtol = {tolerance:.1e}"
+    return Outcome(over_estimates(found, truth, SCALARS, 0.0), label, found.converged)
+
+
+def hyperboloid(radius: mpmath.mpf, tip: mpmath.mpf) -> SimpleNamespace:
+    """Return the contact of a hyperboloid with a smooth surface, by Abel's integrals of its slope.
+
+    The slope is r/sqrt(r^2 + t^2), the approach a arctan(a/t).
+    """
+
+    def load(a: mpmath.mpf) -> mpmath.mpf:
+        return 4 * ((a**2 - tip**2) * mpmath.atan(a / tip) + a * tip)
+
+    def work_over_radius(a: mpmath.mpf) -> mpmath.mpf:
+        return load(a) * (mpmath.atan(a / tip) + a * tip / (a**2 + tip**2))
+
+    places = [0, *(tip * 10**k for k in range(6) if tip * 10**k < radius), radius]
+    return SimpleNamespace(
+        approach=float(radius * mpmath.atan(radius / tip)),
+        load=float(load(radius)),
+        indentation_work=float(mpmath.quad(work_over_radius, places)),
+        stiffness=float(8 * radius),
+        error=SimpleNamespace(**dict.fromkeys(SCALARS, 0.0)),
+    )
 
 
 def rough(rng: np.random.Generator) -> Outcome:
@@ -140,4 +199,8 @@ def compared(found: Any, truth: Any, from_edge: np.ndarray = FROM_EDGE) -> dict[
 
 def profiles(rng: np.random.Generator, number: int) -> Outcome:
     """Return what becomes of a random scene."""
-    return (smooth if number % SMOOTH == 0 else rough)(rng)
+    if number % SMOOTH == 0:
+        return smooth(rng)
+    if number % SMOOTH == 1:
+        return rounded_tip(rng)
+    return rough(rng)

@@ -848,6 +848,17 @@ def test_friction_an_error_below_the_critical_leaves_no_violation_unexplained():
     assert ("slip: no digit is known" in solution.summary()) == unknown
 
 
+def test_slip_in_the_wrong_sense_is_not_known_better_than_that():
+    """The edge sticks in 2e-14 of the radius, where slip of 7e-11 was within 3e-11 of the truth."""
+    solution = solve(Scene(0.3, 0.2, 0.5, 0.08467684061579835), 1e-11)
+    at = 10.0 ** -np.linspace(1.0, 16.0, 200)
+    slip = solution.slip(from_edge=at)
+    wrong = slip.max() / np.abs(slip).max()
+    assert solution.error.zones >= 1.0
+    assert 1e-11 < wrong <= 1.01 * solution.error.slip
+    assert solution.error.violation <= solution.error.slip < 1e-9
+
+
 @pytest.mark.parametrize("ending", [Ending.CONVERGED, Ending.ROUNDING])
 def test_zones_that_only_a_looser_tolerance_finds_are_returned(monkeypatch, ending):
     """They were given up, unless the zones were found again, for what is left without zones."""
