@@ -135,12 +135,20 @@ def packages() -> frozenset[str]:
 
 
 @cache
-def modules() -> dict[str, Module]:
-    """Return all modules by their dotted names."""
+def files() -> dict[str, Path]:
+    """Return the files of all modules by their dotted names."""
     result = {}
     for path in sorted((REPOSITORY / NAME).rglob("*.py")):
         parts = path.relative_to(REPOSITORY).with_suffix("").parts
-        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        result[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return result
+
+
+@cache
+def modules() -> dict[str, Module]:
+    """Return all modules by their dotted names."""
+    result = {}
+    for name, path in files().items():
         text = path.read_text(encoding="utf-8")
         result[name] = Module(name, text, ast.parse(text))
     return result
@@ -160,7 +168,7 @@ def flat_core() -> list[Module]:
 def stale_exclusions() -> list[str]:
     """Return the names of `CAME_WITH` that no module has."""
     return [
-        name for names in CAME_WITH.values() for name in names if f"{NAME}.{name}" not in modules()
+        name for names in CAME_WITH.values() for name in names if f"{NAME}.{name}" not in files()
     ]
 
 

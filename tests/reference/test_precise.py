@@ -319,9 +319,9 @@ def test_fields_take_any_shape_and_exact_numbers():
 @pytest.mark.parametrize("bad", [-0.1, 1.5, math.nan, "0.5", 1j, True])
 def test_bad_radii_are_refused(bad):
     with pytest.raises(SceneError, match=r"in \[0, 1\]"):
-        solved("frictionless").pressure(bad)
+        solved("rough").pressure(bad)
     with pytest.raises(SceneError, match="from_edge"):
-        solved("frictionless").traction(from_edge=bad)
+        solved("rough").traction(from_edge=bad)
 
 
 @pytest.mark.parametrize("bad", [14, 61, 20.0, "30", None])

@@ -544,6 +544,9 @@ def test_python_dash_m():
     done = process("solve", *STUCK)
     assert (done.returncode, done.stderr) == (0, "")
     assert value_of(done.stdout, "approach").startswith("0.29295979")
+
+
+def test_python_dash_m_of_bad_input_has_the_status_of_one():
     failed = process("solve", "--poisson-ratio", "2")
     assert failed.returncode == 2
     assert failed.stderr == "spectral-contact: --poisson-ratio = 2.0: must be in (-1, 0.5]\n"

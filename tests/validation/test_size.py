@@ -124,6 +124,7 @@ def test_new_modules_of_contact_and_spectral_are_of_the_flat_core(monkeypatch):
     names = ["contact", "contact.new", "contact.layered", "spectral.deep.new", "solving.new"]
     made = {f"spectral_contact.{name}": module("", f"spectral_contact.{name}") for name in names}
     monkeypatch.setattr(size, "modules", lambda: made)
+    monkeypatch.setattr(size, "files", lambda: made)
     monkeypatch.setattr(size, "packages", lambda: {"spectral_contact.contact"})
     core = [one.short_name for one in size.flat_core()]
     assert core == ["contact", "contact.new", "spectral.deep.new"]

@@ -49,10 +49,12 @@ def stick_radii(**changes):
 def noise_free(share=0.01):
     """Return data that `Solution.physical` makes, which knows nothing of fits."""
     pressure = solved(1e-3, 500.0, "pressure").pressure(PLACES)
+    approach = approaches()
+    stick_radius = stick_radii()
     return (
-        ApproachData(approaches(), share * approaches(), radius=RADII, load=LOADS),
+        ApproachData(approach, share * approach, radius=RADII, load=LOADS),
         PressureData(PLACES, pressure, share * pressure),
-        StickRadiusData(stick_radii(), share * stick_radii(), radius=RADII),
+        StickRadiusData(stick_radius, share * stick_radius, radius=RADII),
     )
 
 

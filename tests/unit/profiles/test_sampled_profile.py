@@ -204,15 +204,23 @@ def test_with_coupling_the_error_of_a_sampled_profile_is_part_of_the_estimates()
     assert coupled.error.load >= by_profile
 
 
-def test_heights_next_to_the_centre_and_to_a_break_have_digits():
-    """A difference of integrals has none there, and contacts that grow were refused."""
-    smooth = profiles.Sampled.from_functions(
+def catenary():
+    return profiles.Sampled.from_functions(
         lambda r: np.cosh(r) - 1.0, np.sinh, reach=1.0, rounded=True
     )
+
+
+def test_heights_next_to_the_centre_and_to_a_break_have_digits():
+    """A difference of integrals has none there."""
+    smooth = catenary()
     for radius in (1e-8, 1e-4, 0.5):
         expected = 2.0 * np.sinh(radius / 2.0) ** 2
         assert smooth.height(radius) == pytest.approx(expected, rel=1e-15 / radius + 1e-15)
-    coupled = Scene(0.2, friction=0.3, coupling=True, profile=smooth, contact_radius=0.1)
+
+
+def test_a_contact_grows_from_the_centre_of_a_sampled_profile():
+    """Without digits of the heights there it was refused."""
+    coupled = Scene(0.2, friction=0.3, coupling=True, profile=catenary(), contact_radius=0.1)
     found = solve(coupled, 1e-5, ["load"])
     parabola = solve(coupled.replace(profile=profiles.Parabola(1.0)), 1e-5, ["load"])
     assert found.load == pytest.approx(parabola.load, rel=0.1**2)

@@ -76,7 +76,7 @@ def test_neighbours_find_the_disk_in_few_systems(monkeypatch):
         return original(self, *arguments, **more)
 
     monkeypatch.setattr(zone_problem.FreeBoundaryProblem, "system", counted)
-    scenes = [Scene(0.3, 0.5, 0.5, f) for f in np.linspace(0.02, 0.09, 12)]
+    scenes = [Scene(0.3, 0.5, 0.5, f) for f in np.linspace(0.02, 0.09, 8)]
     counts = []
     continuation = Continuation(1e-8, ("stick_radius",), 20_000)
     for walk in (continuation.solve, lambda scene: solve(scene, 1e-8, ["stick_radius"])):

@@ -68,7 +68,7 @@ def test_a_line_with_slip_inside_is_given_up_after_three_scenes():
     class Solver:
         def at_scene(self, i, more):
             asked.append(i)
-            return solve(Scene(0.3, 0.05, 1.0, 0.01 if i == 0 else 0.0295), 1e-6)
+            return solve(Scene(0.3, 0.05, 1.0, 0.01 if i == 0 else 0.0295), 1e-3)
 
     columns = listed([Scene(0.3, 0.05, 1.0, 0.01)] * 100).columns(np.arange(100))
     assert not between(columns, requested(NUMBERS, 1e-8, 100, None, None), Solver()).mask.any()

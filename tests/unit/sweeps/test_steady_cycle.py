@@ -101,6 +101,10 @@ def test_nothing_is_dissipated_from_the_shakedown_ratio_on():
         assert found.stick_radius == 1.0
         assert (found.slip_amplitude(np.linspace(0.0, 1.0, 5)) == 0.0).all()
         assert "shaken down" in found.summary()
+
+
+def test_next_to_the_shakedown_ratio_little_is_dissipated():
+    ratio = solve(SCENE, 1e-12).shakedown_ratio
     found = steady_cycle(SCENE, 0.9995 * ratio, rtol=1e-4)
     assert found.dissipation == pytest.approx(1.4547526e-10, rel=1e-4)
     assert found.unloading_dissipation > 0.0 < found.reloading_dissipation

@@ -391,7 +391,7 @@ def test_a_dataset_survives_netcdf(tmp_path):
     friction = [0.0, 0.05, np.inf]
     scenes = [Scene(0.3, alpha, 0.5, f) for alpha in (0.0, 0.5) for f in (None, *friction)]
     found = sweep(
-        scenes, quantities=["pressure", "zones", "edge_ratio"], from_edge=[0.0, 0.5], rtol=1e-6
+        scenes, quantities=["pressure", "zones", "edge_ratio"], from_edge=[0.0, 0.5], rtol=1e-3
     )
     assert np.isinf(found.pressure).any()
     assert np.isnan(found.edge_ratio).any()
