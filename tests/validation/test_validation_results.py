@@ -13,7 +13,7 @@ import pytest
 from oracles.whole_spaces import ordered, whole_space
 from scipy.stats import chi2
 
-from spectral_contact import Scene, solve
+from spectral_contact import Scene, gold, solve
 from spectral_contact.calibration import RoughnessFit
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.studies import OwnSolver, load, truth_of
@@ -127,10 +127,6 @@ def test_every_mutant_is_killed():
     assert record("mutants")["survivors"] == []
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="made by the core before 0.3; python validation/cost/costs.py makes it again",
-)
 def test_costs_are_those_of_today():
     found = record("costs")
     for row in found["points"][::7]:
@@ -149,9 +145,11 @@ def test_no_accuracy_of_the_cost_study_needs_more_unknowns_than_the_next_tighter
     for case, pairs in counts.items():
         unknowns = [unknowns for _, unknowns in sorted(pairs)]
         assert unknowns == sorted(unknowns), case
+    next_to_onset = [one.scene.to_dict() for one in gold.table("slip_begins").solutions]
     for one in found["monotony"]["findings"]:
-        # spaces of profiles and nonlinear layers are refined, by a few degrees too many or too few
-        kept = 0.95 if one["scene"].get("profile") or one["scene"].get("layer") else 1.0
+        # spaces are refined, by a few degrees too many or too few; where slip is about to begin, a
+        # loose tolerance is tightened until a digit of the slip is known
+        kept = 0.75 if one["scene"] in next_to_onset else 0.95
         falls = [fall for fall in one["falls"] if fall[0] == "largest"]
         assert [fall for fall in falls if fall[3] < kept * fall[2]] == [], one["scene"]
 
