@@ -101,7 +101,7 @@ def test_its_end_is_not_known_better_than_the_solution(given):
     Under this cone it is 5 and 16 times the error of the flat punches that the history adds up.
     """
     scene = FullScene(0.3, 0.2, 0.1, 0.1, profile=profiles.Cone(1.0), **{given: 1.0})
-    solution = solve(scene, 1e-4, NAMES)
+    solution = solve(scene, 1e-5, NAMES)
     history = solution.history
     end = history.radii[-1]
     [other] = {"load", "approach"} - {given}
