@@ -147,9 +147,10 @@ def test_no_accuracy_of_the_cost_study_needs_more_unknowns_than_the_next_tighter
         assert unknowns == sorted(unknowns), case
     next_to_onset = [one.scene.to_dict() for one in gold.table("slip_begins").solutions]
     for one in found["monotony"]["findings"]:
-        # spaces are refined, by a few degrees too many or too few; where slip is about to begin, a
-        # loose tolerance is tightened until a digit of the slip is known
-        kept = 0.75 if one["scene"] in next_to_onset else 0.95
+        # some spaces are refined, by a few degrees too many or too few; where slip is about to
+        # begin, a loose tolerance is tightened until a digit of the slip is known
+        refined = any(one["scene"].get(k) for k in ("profile", "layer", "coupling", "unloaded_to"))
+        kept = 0.75 if one["scene"] in next_to_onset else 0.95 if refined else 1.0
         falls = [fall for fall in one["falls"] if fall[0] == "largest"]
         assert [fall for fall in falls if fall[3] < kept * fall[2]] == [], one["scene"]
 

@@ -17,6 +17,7 @@ from spectral_contact.equations.interior.mesh import (
 from spectral_contact.fields import Array
 from spectral_contact.fields.series import CENTRE, EDGE, Radius, ZonalField
 from spectral_contact.profiles import Flat
+from spectral_contact.profiles.hull import LEAST_STEP
 
 if TYPE_CHECKING:
     from spectral_contact.scene import Scene
@@ -40,14 +41,13 @@ _AT_OTHERS = 0.1
 #: And this times the error of the boundary, over the same root (largest factor measured: 0.4).
 _BY_BOUNDARY = 1.0
 _ROUNDING = float(np.finfo(float).eps)
-#: Radii that are closer, in units of rounding, are the same: up to one unit was met.
-_SAME = 4.0
 
 
 def boundaries(solution: Solution) -> list[Radius]:
     """Return the ends of all zones of the loads, with the centre and the edge.
 
-    Pressure and traction have the breaks of the profile in common, which may differ by rounding.
+    Pressure and traction have the breaks of the profile in common, which may differ by rounding, as
+    those of a contact that grows follow from logarithms. Such radii are one.
     """
     inner = {
         piece.outer.value: piece.outer
@@ -61,7 +61,7 @@ def boundaries(solution: Solution) -> list[Radius]:
         place = inner[value]
         # `between` takes the difference of the distances from the edge in the outer half
         scale = place.from_edge if value > 0.5 else value
-        if between(found[-1], place) > _SAME * _ROUNDING * scale:
+        if between(found[-1], place) > LEAST_STEP * scale:
             found.append(place)
     return [*found, EDGE]
 
