@@ -1,10 +1,11 @@
 """True errors of contact under random profiles against their estimates.
 
-A stratum of honesty.py. Scenes have random shapes, radii, compliances and tolerances; each is
-solved for its radius, then for its load and its approach. The truth is the same method with eight
-degrees more on every panel and two panels more at every end: that the method converges to the truth
-is tested against closed forms and by quadrature. Two scenes of ten are on a smooth surface: of one
-the truth is `reference`, of the other, a cone with a rounded tip, a closed form.
+A stratum of honesty.py. Scenes have random shapes, radii, compliances and tolerances; those with a
+layer are solved for their radius, then for their load and their approach. The truth is the same
+method with eight degrees more on every panel and two panels more at every end: that the method
+converges to the truth is tested against closed forms and by quadrature. Two scenes of ten are on a
+smooth surface: of one the truth is `reference`, of the other, a cone with a rounded tip, a closed
+form.
 """
 
 from __future__ import annotations
@@ -32,9 +33,11 @@ FROM_EDGE = np.concatenate([10.0 ** -np.linspace(0.3, 14.0, 40), np.linspace(0.0
 ROUNDING = 1e-15
 #: One scene of so many is on a smooth surface, and one more is a rounded cone on it.
 SMOOTH = 10
-#: The least radius of a rounded tip over that of the contact without breaks, in decades, and with
-#: them; the ratio of one break to the next.
-BLUNT, SHARP, GRADING = -1.3, -5.0, 4.0
+#: Least radii of a rounded tip over that of the contact, in decades: of a `Sampled` without breaks,
+#: and of one with breaks that are graded to the tip.
+BLUNT, SHARP = -1.3, -5.0
+#: The ratio of one such break to the next.
+GRADING = 4.0
 
 
 class Larger:

@@ -54,7 +54,10 @@ Record = dict[str, Any]
 
 @functools.cache
 def second_threshold(base: tuple[float, float, float], coupled: bool) -> float:
-    """Return the friction below which the edge slips, by bisection on the zones found."""
+    """Return the friction below which the edge slips, by bisection on the zones found.
+
+    Above it the edge sticks, around slip around stick: three zones.
+    """
     stick = Scene(*base, math.inf, coupling=coupled)
     found = solve(stick, 1e-10, ("critical_friction", "edge_ratio"))
     low, high = found.edge_ratio, 0.5 * (found.critical_friction + found.edge_ratio)
