@@ -28,15 +28,15 @@ Rows = tuple[tuple[float, ...], ...]
 _DEGREES, _EXACT = (15, 31, 63, 127), 2e-14
 #: Estimated ratio of the sum of all terms that a series omits to the largest of its last
 #: coefficients.
-_DROPPED = 8.0
+_OMITTED = 8.0
 #: Largest pressure at the start, and largest jump at a knot, in units of _EXACT times the largest
 #: pressure.
 _ZERO, _JUMP = 10.0, 1e3
 #: Tolerance on a given derivative, relative to the largest derivative of the fit.
 _ALIKE = 1e-9
-#: Number of points at which every piece is checked; and at which the derivative is, on the law as a
-#: whole.
-_LOOKS = 257
+#: Number of points of every piece at which a law is checked, and of the whole law at which the
+#: derivative is.
+_SAMPLES = 257
 #: Relative difference below which the cubics on both sides of a point count as the same.
 _SAME_CUBIC = 1e-12
 #: Least points of a table.
@@ -330,7 +330,7 @@ class Sampled(_Pieces):
             for low, high in pairwise(edges)
         )
         law = cls(edges, rows)
-        w = np.linspace(edges[0], edges[-1], _LOOKS)[1:-1]
+        w = np.linspace(edges[0], edges[-1], _SAMPLES)[1:-1]
         w = w[~np.isin(w, edges)]
         given, own = values_at("derivative", derivative, w), law._slope(w)
         off = ~(np.abs(given - own) <= _ALIKE * float(np.abs(own).max()))
@@ -360,17 +360,17 @@ class Sampled(_Pieces):
     def _errors(self, w: float) -> LawErrors:
         met = max(int(np.searchsorted(self.edges, w)), 1)
         series = _integrated(self.edges, self.series)
-        dropped = [_dropped(row) for row in series.pressure[:met]]
+        omitted = [_omitted(row) for row in series.pressure[:met]]
         # a fit is accepted if its last coefficients are _EXACT of its largest value, of which the
         # sum of the moduli of its coefficients is a bound
         pressure = max(
             _EXACT * float(np.abs(row).sum()) + more
-            for row, more in zip(series.pressure, dropped, strict=False)
+            for row, more in zip(series.pressure, omitted, strict=False)
         )
         slope = max(
             _EXACT * float(np.abs(row).sum()) + more * len(row) ** 2 * 2.0 / (high - low)
             for row, more, (low, high) in zip(
-                series.slope, dropped, pairwise(self.edges), strict=False
+                series.slope, omitted, pairwise(self.edges), strict=False
             )
         )
         # to the integral of the pressure's error comes the rounding of the energy's series
@@ -380,8 +380,8 @@ class Sampled(_Pieces):
         return errors._replace(energy=errors.energy + rounding)
 
     def _check(self) -> None:
-        w = np.concatenate([np.linspace(*ends, _LOOKS) for ends in pairwise(self.edges)])
-        local = np.linspace(-1.0, 1.0, _LOOKS)
+        w = np.concatenate([np.linspace(*ends, _SAMPLES) for ends in pairwise(self.edges)])
+        local = np.linspace(-1.0, 1.0, _SAMPLES)
         p = np.concatenate([chebyshev.chebval(local, row) for row in self.series])
         slack = _EXACT * float(np.abs(p).max())
         if not abs(p[0]) <= _ZERO * slack:
@@ -393,13 +393,13 @@ class Sampled(_Pieces):
             worst = int(np.flatnonzero(falls)[0])
             told = f"increasing with the overclosure, which it is not at {w[worst]:.6g}"
             raise SceneError("pressure", float(p[worst + 1]), told)
-        jumps = np.abs(p[_LOOKS::_LOOKS] - p[_LOOKS - 1 : -1 : _LOOKS]) > _JUMP * slack
+        jumps = np.abs(p[_SAMPLES::_SAMPLES] - p[_SAMPLES - 1 : -1 : _SAMPLES]) > _JUMP * slack
         if jumps.any():
             where = self.edges[1 + int(np.flatnonzero(jumps)[0])]
             raise SceneError("pressure", "a jump", f"continuous, also at {where:.6g}")
 
 
-def _dropped(row: Sequence[float]) -> float:
+def _omitted(row: Sequence[float]) -> float:
     """Return an estimate of the terms that a series of `Sampled.from_functions` omits.
 
     A polynomial of degree n that is bounded by 1 on [-1, 1] has derivatives of up to n^2.
@@ -412,7 +412,7 @@ def _dropped(row: Sequence[float]) -> float:
         last = min(last, accepted)
     if last > accepted:  # it is not resolved
         return 2.0 * float(sizes[len(sizes) // 2 :].sum())
-    return _DROPPED * last
+    return _OMITTED * last
 
 
 class _Series(NamedTuple):
@@ -459,7 +459,7 @@ def _fitted(
     """
     # first the omitted terms, too, are to be within _EXACT; where rounding prevents that, the last
     # coefficients alone
-    for part, degree in product((_EXACT / _DROPPED, _EXACT), _DEGREES):
+    for part, degree in product((_EXACT / _OMITTED, _EXACT), _DEGREES):
         nodes = chebyshev.chebpts1(degree + 1)
         values = values_at("pressure", pressure, low + (high - low) * (1.0 + nodes) / 2.0)
         if not np.isfinite(values).all():

@@ -11,7 +11,7 @@ scene of ten is a power law on a smooth surface, whose pull-off is a closed form
 from __future__ import annotations
 
 import numpy as np
-from profiles import LEAST, MOST, ROUNDING, Better, as_solution, compared, drawn
+from profiles import LEAST, MOST, ROUNDING, BetterProblem, as_solution, compared, drawn
 from strata import Outcome, decade, largest
 
 from spectral_contact import Scene, closed_forms, pull_off
@@ -39,7 +39,7 @@ class Truth(AdhesiveCurve):
     def at(self, radius: float, *, pointwise: bool = False) -> Contact:
         """Return the state of a radius."""
         given = self.profile, radius, self.compliance, CLOSE
-        problem = Better(*given, pointwise=pointwise, adhesion=self.adhesion)
+        problem = BetterProblem(*given, pointwise=pointwise, adhesion=self.adhesion)
         return refine(problem, 1e-11, 20_000)
 
     def values_only(self, radius: float) -> Indentation:

@@ -31,9 +31,6 @@ from strata import in_order
 
 from spectral_contact.view.progress import ProgressLine
 
-#: How many truths have many digits.
-REFERENCES = 200
-
 
 def violations_of(row: dict) -> list[dict]:
     """Return the violations of a scene, as they are listed in the record."""
@@ -54,10 +51,15 @@ def undecided(row: dict) -> bool:
     return not violations_of(row) and any(violates(error, bound, 0.0) for error, bound, _ in found)
 
 
-def study(count: int, seed: int, workers: int, store: Path, *, coupled: bool) -> list[dict]:
-    """Run what the store does not hold yet, and return the rows of all scenes."""
+def study(
+    count: int, seed: int, workers: int, store: Path, *, coupled: bool, references: int
+) -> list[dict]:
+    """Run what the store does not hold yet, and return the rows of all scenes.
+
+    The truths of the first `references` scenes that may have them have many digits.
+    """
     current = sources()
-    exact = frozenset([n for n in range(count) if by_reference(seed, n)][:REFERENCES])
+    exact = frozenset([n for n in range(count) if by_reference(seed, n)][:references])
     work = partial(outcome, seed=seed, coupled=coupled, exact=exact)
     rows = {
         row["number"]: row
@@ -181,10 +183,16 @@ def main(stratum: str, arguments: Sequence[str]) -> bool:
     """Run, or go on, write the results, and return whether an estimate failed."""
     name = "honesty_coupled" if stratum == "coupled" else "honesty"
     store = Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
-    given = {"scenes": 10_000, "seed": 1, "workers": 1, "store": str(store), "name": name}
-    asked = options(__doc__, arguments, **given)
-    counts = asked.scenes, asked.seed, asked.workers
-    rows = study(*counts, Path(asked.store), coupled=stratum == "coupled")
+    counts = {"scenes": 10_000, "seed": 1, "workers": 1, "references": 200}
+    asked = options(__doc__, arguments, **counts, store=str(store), name=name)
+    rows = study(
+        asked.scenes,
+        asked.seed,
+        asked.workers,
+        Path(asked.store),
+        coupled=stratum == "coupled",
+        references=asked.references,
+    )
     record = record_of(rows, asked.seed)
     write(asked.name, page(record), record, version=2)
     draw(rows, RESULTS / f"{asked.name}.png")

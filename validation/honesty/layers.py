@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from profiles import Larger, as_solution, compared
+from profiles import InLargerSpace, as_solution, compared
 from strata import Outcome, decade
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
@@ -30,7 +30,7 @@ from spectral_contact.contact.layered_setting import (
 from spectral_contact.contact.refine import refine
 
 
-class BetterPanels(Larger, LayeredProblem):
+class BetterPanels(InLargerSpace, LayeredProblem):
     """The problem with eight degrees and two panels more."""
 
 

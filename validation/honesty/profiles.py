@@ -40,7 +40,7 @@ BLUNT, SHARP = -1.3, -5.0
 GRADING = 4.0
 
 
-class Larger:
+class InLargerSpace:
     """A problem with eight degrees more, and two panels more at every end."""
 
     def _first_space(self, part: int, depth: float) -> DiscreteSpace:
@@ -54,7 +54,7 @@ class Larger:
         return DiscreteSpace(replace(found.panels, degree=40), degrees)
 
 
-class Better(Larger, indented._IndentationProblem):
+class BetterProblem(InLargerSpace, indented._IndentationProblem):
     """The problem itself, in a larger space."""
 
 
@@ -141,7 +141,7 @@ def rough(rng: np.random.Generator) -> Outcome:
     profile, radius = drawn(rng)
     compliance = 10.0 ** rng.uniform(LEAST, MOST) * radius
     tolerance = 10.0 ** rng.uniform(-12.0, -4.0)
-    better = Better(profile, radius, compliance, 1e-13, pointwise=True)
+    better = BetterProblem(profile, radius, compliance, 1e-13, pointwise=True)
     truth = as_solution(refine(better, 1e-11, 20_000).best.value)
     found = [
         solve(Scene(0.3, compliance, profile=profile, **given), tolerance, strict=False)

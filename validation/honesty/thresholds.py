@@ -41,13 +41,15 @@ COUNT, SEED = 150, 18
 VERDICTS = "right", "room", "refused", "wrong"
 KINDS = "edge", "inside", "second"
 LEAST, MOST = 2, 14
-#: Where the second threshold is looked for, and to how many digits.
+#: Poisson ratio and compliances of the scenes at second thresholds; how often the interval of
+#: friction is halved that holds the threshold, with and without coupling.
 BASES = (0.3, 0.2, 0.5), (0.3, 0.05, 1.0)
 HALVINGS = {False: 40, True: 22}
-#: What the quadrature leaves of the law, and what a solve may take, in U.
+#: By how much the quadrature may break the friction law, and how long a solve may take, in U.
 FLOOR, SLOW = 1e-11, 250.0
-#: Of precise scenes: how many, the digits of their truths, and the least decade.
-SCENES, DIGITS, NEAR = 100, 20, 8
+#: Number of precise scenes, the digits of their truths, and the largest distance from the onset:
+#: the friction is below it by less than 10^-(FARTHEST_DECADE + 1).
+SCENES, DIGITS, FARTHEST_DECADE = 100, 20, 8
 
 Record = dict[str, Any]
 
@@ -245,9 +247,9 @@ def precise_table(rows: list[Record], unknown: int) -> str:
         cells.append((kind, *counted(own), f"{max(ratios):.2g}" if ratios else ""))
     heading = f"slip begins | scenes | {' | '.join(VERDICTS)} | largest error over estimate"
     return (
-        f"{len(rows)} scenes below the onset of slip by 10^-{NEAR + 1} ... 10^-14, against "
-        f"`reference` to {DIGITS} digits, by validation/honesty/honesty.py thresholds_precise; "
-        f"of {unknown} more it knows no zones.\n\n{table(heading, cells)}"
+        f"{len(rows)} scenes below the onset of slip by 10^-{FARTHEST_DECADE + 1} ... 10^-14, "
+        f"against `reference` to {DIGITS} digits, by "
+        f"validation/honesty/honesty.py thresholds_precise; of {unknown} more it knows no zones.\n\n{table(heading, cells)}"
     )
 
 
@@ -265,7 +267,7 @@ def precise_rows(scenes: int) -> list[Record]:
         number = next(numbers)
         try:
             drawn = draw(number, SEED)
-            if drawn["decade"] > NEAR and drawn["below"]:
+            if drawn["decade"] > FARTHEST_DECADE and drawn["below"]:
                 rows.append(judged_precisely(with_truth(drawn)))
                 print(json.dumps(rows[-1]), flush=True)
         except (NotComputedError, ConvergenceError) as missing:

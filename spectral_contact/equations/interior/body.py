@@ -291,7 +291,7 @@ class Inside:
         four = stresses(sums.values, self._nu)
         four[3] = np.where(points.r > AXIS, four[3], 0.0)  # no shear on the axis
         error = stress_error(sums.values, self._errors(sums), self._nu)
-        error = error + places.lost(points, self._solution)
+        error = error + places.error_near_boundaries(points, self._solution)
         if self._units.names.si_length and from_edge is None:
             error = error + self._lost_by_radius(points)
         return Stress(*_shaped(shape, *(four * self._units.stress), error))

@@ -32,8 +32,9 @@ _CLOSEST = 1e-16
 #: A point next to a corner may have the radius of the corner only by rounding. There the load is
 #: evaluated at a radius that is less by this, relative.
 _NUDGE = 4e-16
-#: Relative error of a stress at the distance x from an infinite pressure, over the scale in `lost`:
-#: this times the rounding of doubles, over x. The largest factor that was measured is 0.6.
+#: Relative error of a stress at the distance x from an infinite pressure, over the scale in
+#: `error_near_boundaries`: this times the rounding of doubles, over x. The largest factor that was
+#: measured is 0.6.
 _AT_INFINITE = 3.0
 #: At the distance x from any other boundary: this times the rounding, over the root of x (largest
 #: factor measured: 0.02).
@@ -139,7 +140,7 @@ def within(points: BodyPoints, places: list[Radius]) -> NDArray[np.bool_]:
     return found
 
 
-def lost(points: BodyPoints, solution: Solution) -> Array:
+def error_near_boundaries(points: BodyPoints, solution: Solution) -> Array:
     """Return the relative error of stress that the places of zone boundaries cause.
 
     Next to a boundary loads are evaluated at rounded radii, and the boundary itself is only known
