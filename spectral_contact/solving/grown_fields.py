@@ -11,9 +11,10 @@ punches over the increments of the load (docs/theory, G.4):
 
 The fields are sampled, and given as series in ``s = r/a``.
 
-Radii are given by logarithms: ``log_r = ln r`` of points, ``u = ln b`` of contacts, and `u_stick`,
-which is ``ln b_r``. The coordinate ``v``, the place ``t`` and the depth, which is the distance in
-``v`` from the lower end of a panel, are those of its `RadiusStretch`.
+Radii are over today's contact radius, and given by logarithms: ``log_r = ln(r/a)`` of points, ``u =
+ln(b/a)`` of contacts, and `u_stick`, which is ``ln(b_r/a)``. The coordinate ``v``, the place ``t``
+and the depth, which is the distance in ``v`` from the lower end of a panel, are those of its
+`RadiusStretch`.
 """
 
 from __future__ import annotations
@@ -128,6 +129,11 @@ class GrownFields:
     names : collection of str
         The fields that are wanted, of "pressure", "traction" and "slip". They are sampled at the
         same radii, and computed together there.
+
+    Attributes
+    ----------
+    history : _History
+        The same history, with radii over today's contact radius.
     """
 
     def __init__(
@@ -147,8 +153,9 @@ class GrownFields:
         # If a field is like ln(z)/sqrt(z) at the distance z from the edge, nodes from
         # z = exp(-2 half_depth) on leave out -2 sqrt(z) ln(z). Within the layer it is bounded.
         half_depth = exact + math.log(4.0 * exact)
+        self.growth = growth
         self.history = _History(
-            growth,
+            growth.in_contact_radii(),
             rule=tanh_rule(exact, depth=half_depth + min(edge, half_depth)),
             degree=math.ceil((digits + _WIDTH) / math.log(_GAIN)),
         )
@@ -176,8 +183,8 @@ class GrownFields:
         candidates = log_events + [u + stick for u in log_events for stick in growth.log_stick(u)]
         kinks = [log_low]
         for candidate in sorted(candidates):
-            if kinks[-1] + _APART < candidate - growth.log_radius < log_high - _APART:
-                kinks.append(candidate - growth.log_radius)
+            if kinks[-1] + _APART < candidate < log_high - _APART:
+                kinks.append(candidate)
         return [Radius(math.exp(log_s), -math.expm1(log_s)) for log_s in kinks[1:]]
 
     def traction(self, friction: float, pressure: PressureField | ZonalField) -> GrownField:
@@ -236,10 +243,15 @@ class GrownFields:
         if key not in self._integrals:
             u_stick = self.history.when_stuck(log_r)
             self._integrals[key] = (
-                self.history.while_stuck(self._names_stuck, log_r, u_stick),
-                self.history.while_slipping(self._names_slipping, log_r, u_stick),
+                self._in_units(self.history.while_stuck(self._names_stuck, log_r, u_stick)),
+                self._in_units(self.history.while_slipping(self._names_slipping, log_r, u_stick)),
             )
         return self._integrals[key]
+
+    def _in_units(self, fields: Fields) -> Fields:
+        """Return fields that are given with the contact radius as the unit of length."""
+        radius = math.exp(self.growth.log_radius)
+        return {name: found / radius ** _RADIUS_POWERS[name] for name, found in fields.items()}
 
     def _outer_ends(self) -> list[Radius]:
         """Return the ends of the annuli outside the stick disk; the edge alone if all sticks."""
@@ -255,7 +267,7 @@ class GrownFields:
         Parameters
         ----------
         values : callable
-            The field at logarithms of radii ``r``, in the units of the history.
+            The field at logarithms of radii.
         ends : list of Radius
             The ends of the annuli, from the centre on, in contact radii.
         power : int
@@ -290,7 +302,7 @@ class GrownFields:
         rest = np.where(near_edge, radii.y, 0.0)
         square = np.where(near_edge, 1.0, radii.z)
         log_s = (np.log1p(-rest) + np.log(square)) / 2.0
-        samples = values(self.history.growth.log_radius + log_s) / np.exp(power * log_s)
+        samples = values(log_s) / np.exp(power * log_s)
         return sampled_series(mesh.panels, samples)
 
 
@@ -368,7 +380,7 @@ class _History:
             Half the width of the annulus in ``s**2``, which the panels cover.
         count : int
         """
-        depth = 2.0 * (self.growth.log_radius - self.growth.all_panels[0].low) + math.log(reach)
+        depth = math.log(reach) - 2.0 * self.growth.all_panels[0].low
         # If there is a panel before the first one, the history is so long that the two innermost
         # panels are not needed.
         left_out = 0 if len(self.growth.all_panels) == len(self.growth.panels) else 2

@@ -122,6 +122,21 @@ class Growth:
         """Logarithm of today's contact radius."""
         return self.panels[-1].high
 
+    def in_contact_radii(self) -> Growth:
+        """Return the history with radii over today's contact radius; the loads are the same.
+
+        The logarithm of today's radius is 0 then, so that those of radii next to the edge keep
+        their digits.
+        """
+        today = self.log_radius
+        radius = math.exp(today)
+        panels = tuple(
+            replace(one, stretch=replace(one.stretch, low=one.low - today, high=one.high - today))
+            for one in self.panels
+        )
+        onset = self.onset and self.onset / radius
+        return Growth(panels, onset, tuple(b / radius for b in self.breaks))
+
     @cached_property
     def load(self) -> float:
         """Load today."""

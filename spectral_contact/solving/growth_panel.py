@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -117,6 +117,9 @@ class Panel:
         Names of the fields whose interpolation counts in `error`.
     powers : tuple of float
         The exponents of load and approach next to the first touch, as of `PowerCurve`.
+    tables : dict
+        The tables made so far, by the name of the field and by `low` of `_table`. They do not
+        depend on the unit of radii.
     """
 
     stretch: RadiusStretch
@@ -124,6 +127,7 @@ class Panel:
     flats: tuple[Solution, ...]
     fields: tuple[str, ...]
     powers: tuple[float, float]
+    tables: dict[tuple[str, float], FieldTable] = field(default_factory=dict)
 
     @property
     def low(self) -> float:
@@ -263,17 +267,12 @@ class Panel:
     ) -> FieldTable:
         """Return the table of a field, with panels from ``x = low`` on; it is made once."""
         key = name, low
-        if key not in self._tables:
+        if key not in self.tables:
             flats = self.flats[:1] if self.alike else self.flats
-            self._tables[key] = FieldTable(
+            self.tables[key] = FieldTable(
                 lambda x: np.array([values(flat, x) for flat in flats]), low, panels
             )
-        return self._tables[key]
-
-    @cached_property
-    def _tables(self) -> dict[tuple[str, float], FieldTable]:
-        """The tables made so far, by the name of the field and by `low` of `_table`."""
-        return {}
+        return self.tables[key]
 
     @cached_property
     def shear_error(self) -> float:
@@ -300,7 +299,7 @@ class Panel:
 
         Shorter panels do not reduce it, as each flat punch has this error.
         """
-        tables = [table for (name, _), table in self._tables.items() if name != "slip"]
+        tables = [table for (name, _), table in self.tables.items() if name != "slip"]
         return max((table.series_error for table in tables), default=0.0)
 
     @cached_property

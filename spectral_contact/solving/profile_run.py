@@ -430,7 +430,7 @@ class ProfileRun(Run):
 
     def _take_fields(self, fields: GrownFields, today: Solution, error: float) -> None:
         """Add up pressure and traction."""
-        growth = fields.history.growth
+        growth = fields.growth
         friction = self.scene.friction
         assert friction is not None
         from spectral_contact.solving.grown_fields import opening
@@ -452,7 +452,7 @@ class ProfileRun(Run):
 
     def _take_slip(self, fields: GrownFields, load_error: float) -> None:
         """Add up the slip, if it is asked for and there was any."""
-        growth = fields.history.growth
+        growth = fields.growth
         if "slip" not in self.plan.quantities:
             return
         self.errors["slip"] = 0.0

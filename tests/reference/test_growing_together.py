@@ -262,6 +262,28 @@ def test_the_problem_of_spence_is_solved_to_ten_digits(profile, power):
     assert found.stick_radius == pytest.approx(0.5, abs=1e-11)
 
 
+@pytest.mark.parametrize("unit", [3.0, 1e-40])
+def test_the_digits_of_spence_do_not_depend_on_the_unit_of_length(unit):
+    """Next to the edge those of the logarithm of a radius that is not 1 were rounded away."""
+    friction = 0.298714615962
+    one = solved(PARABOLA, 0.0, 0.0, friction, 1e-10)
+    found = solve(
+        Scene(
+            0.0,
+            friction=friction,
+            coupling=True,
+            profile=profiles.Parabola(unit * PARABOLA.radius),
+            contact_radius=unit * one.contact_radius,
+        ),
+        1e-10,
+    )
+    assert found.converged
+    places = {"from_edge": np.array([0.99, 0.5, 1e-2, 1e-9, 1e-20])}
+    for name in ("pressure", "traction"):
+        ratio = getattr(found, name)(**places) / getattr(one, name)(**places)
+        assert np.abs(ratio - 1.0).max() < 1e-10, name
+
+
 @SPENCE
 def test_load_and_approach_of_spence_are_within_their_estimates(profile, power):
     """All radii are alike: the approach grows like ``b**n``, so one linear equation gives it.

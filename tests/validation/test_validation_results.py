@@ -39,7 +39,7 @@ def record(study):
         ("coupled_uniqueness", "scenes", 600),
         ("hard_cases", "count", 19),
         ("honesty_thresholds", "scenes", 2_000),
-        ("honesty", "scenes", 10_000),
+        ("honesty", "scenes", 7_400),
         ("honesty_coupled", "scenes", 1_000),
         ("interior", "scenes", 300),
         ("mutants", "mutants", 50),
@@ -99,8 +99,18 @@ def test_no_coupled_scene_had_two_stick_radii_that_may_be_contacts():
         assert sum(radius["possible"] for radius in row["radii"]) <= 1
 
 
-def test_some_truths_of_the_honesty_study_have_twenty_digits():
-    assert record("honesty")["by_reference"] >= 190
+def test_flat_punches_were_compared_in_ten_thousand_scenes_some_to_twenty_digits():
+    compared = by_reference = 0
+    for name in ("honesty", "honesty_more_references"):
+        text = (RESULTS / f"{name}.md").read_text(encoding="utf-8")
+        compared += int(re.search(r"^(\d+) scenes", text)[1])
+        by_reference += int(re.search(r"(\d+) of them against solutions to 20 digits", text)[1])
+        assert set(re.findall(r"^\| \w+ \| \d+ \| (\d+) \|", text, re.MULTILINE)) == {"0"}
+    assert compared >= 10_000
+    assert by_reference >= 60
+
+
+def test_some_truths_of_coupled_full_stick_have_twenty_digits():
     assert record("honesty_coupled")["by_reference"] >= 20
 
 

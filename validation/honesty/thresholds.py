@@ -249,7 +249,8 @@ def precise_table(rows: list[Record], unknown: int) -> str:
     return (
         f"{len(rows)} scenes below the onset of slip by 10^-{FARTHEST_DECADE + 1} ... 10^-14, "
         f"against `reference` to {DIGITS} digits, by "
-        f"validation/honesty/honesty.py thresholds_precise; of {unknown} more it knows no zones.\n\n{table(heading, cells)}"
+        f"validation/honesty/honesty.py thresholds_precise; of {unknown} more "
+        f"it knows no zones.\n\n{table(heading, cells)}"
     )
 
 
