@@ -75,7 +75,8 @@ _NEAR = 0.3
 #: Error estimate of a series over its last coefficients. The error of a traction with square roots
 #: was 1.3 times these.
 _SAFETY = 3.0
-#: Radii at which a field is not smooth are merged if their logarithms are closer than this.
+#: Of radii at which a field is not smooth, one is left out if its logarithm is closer than this to
+#: the one before it or to the end of the zone.
 _APART = 1e-6
 #: Range of minus the logarithm of the distance from the edge in which the pressure is sampled for a
 #: change of sign.
@@ -132,8 +133,10 @@ class GrownFields:
 
     Attributes
     ----------
+    growth : Growth
+        The history as it was given.
     history : _History
-        The same history, with radii over today's contact radius.
+        Integrals over the same history, with today's contact radius as the unit of length.
     """
 
     def __init__(
@@ -243,13 +246,13 @@ class GrownFields:
         if key not in self._integrals:
             u_stick = self.history.when_stuck(log_r)
             self._integrals[key] = (
-                self._in_units(self.history.while_stuck(self._names_stuck, log_r, u_stick)),
-                self._in_units(self.history.while_slipping(self._names_slipping, log_r, u_stick)),
+                self._from_contact_radii(self.history.while_stuck(self._names_stuck, log_r, u_stick)),
+                self._from_contact_radii(self.history.while_slipping(self._names_slipping, log_r, u_stick)),
             )
         return self._integrals[key]
 
-    def _in_units(self, fields: Fields) -> Fields:
-        """Return fields that are given with the contact radius as the unit of length."""
+    def _from_contact_radii(self, fields: Fields) -> Fields:
+        """Convert fields from the unit of `history`, the contact radius, to that of `growth`."""
         radius = math.exp(self.growth.log_radius)
         return {name: found / radius ** _RADIUS_POWERS[name] for name, found in fields.items()}
 
@@ -307,10 +310,10 @@ class GrownFields:
 
 
 def opening(pressure: ZonalField) -> float | None:
-    """Return the distance from the edge at which the pressure becomes negative.
+    """Return the distance from the edge at which the pressure becomes negative, in contact radii.
 
     It is that of the first change of sign from the centre on. It is None if no sample is negative,
-    or if the one next to the centre is.
+    or if the one next to the centre is: then there is no radius inside which the contact is closed.
     """
 
     def pressure_at(log_distance: float | Array) -> Array:

@@ -118,8 +118,9 @@ class Panel:
     powers : tuple of float
         The exponents of load and approach next to the first touch, as of `PowerCurve`.
     tables : dict
-        The tables made so far, by the name of the field and by `low` of `_table`. They do not
-        depend on the unit of radii.
+        The tables of fields made so far, by the name of the field and by the first ``x`` of the
+        table. They depend on places alone, so that the same panel in another unit of length shares
+        them.
     """
 
     stretch: RadiusStretch

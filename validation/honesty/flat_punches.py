@@ -122,7 +122,7 @@ def record_of(rows: list[dict], seed: int) -> dict:
 def page(record: dict) -> str:
     """Return the record as Markdown."""
     about = (
-        f"{record['scenes']} scenes, seeds {', '.join(map(str, record['seeds']))}, "
+        f"{record['scenes']} scenes, seed {', '.join(map(str, record['seeds']))}, "
         f"{record['by_reference']} of them "
         f"against solutions to 20 digits; {record['unconverged']} did not "
         f"converge and said so; in {record['differing_zones']}, at the onset of a zone, the two "
@@ -135,7 +135,7 @@ def page(record: dict) -> str:
         low, middle, high = s["ratio_percentiles_5_50_95"]
         counts = s["scenes"], s["violations"], s["no_digit_known"]
         share = f"{100 * s['share_within_100']:.0f} %"
-        cells.append((name, *counts, f"{low:.1f}, {middle:.0f}, {high:.3g}", share))
+        cells.append((name, *counts, f"{low:.2g}, {middle:.2g}, {high:.2g}", share))
     heading = "quantity | scenes | violations | no digit known | ratio at 5, 50, 95 % | within 100"
     return f"{about}\n\n{table(heading, cells)}"
 
