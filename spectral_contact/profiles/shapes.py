@@ -188,8 +188,9 @@ class PowerLaw(Profile):
 
     @property
     def _factor(self) -> float:
-        n = self.exponent  # n B(n/2, 1/2)
-        return self.coefficient * n * gamma(n / 2.0) * sqrt(pi) / gamma((n + 1.0) / 2.0)
+        n = self.exponent
+        beta = gamma(n / 2.0) * sqrt(pi) / gamma((n + 1.0) / 2.0)  # B(n/2, 1/2)
+        return self.coefficient * n * beta
 
 
 @dataclass(frozen=True, slots=True)

@@ -119,7 +119,9 @@ class GrownFields:
     Parameters
     ----------
     growth : Growth
-        The history, up to today's contact radius ``a``.
+        The history, up to today.
+    radius : float
+        Today's contact radius ``a``.
     stick : Radius
         Today's stick radius over the contact radius.
     layer : float
@@ -133,8 +135,8 @@ class GrownFields:
 
     Attributes
     ----------
-    growth : Growth
-        The history as it was given.
+    growth, radius
+        As given.
     history : _History
         Integrals over the same history, with today's contact radius as the unit of length.
     """
@@ -142,6 +144,7 @@ class GrownFields:
     def __init__(
         self,
         growth: Growth,
+        radius: float,
         stick: Radius,
         layer: float,
         tolerance: float,
@@ -157,6 +160,7 @@ class GrownFields:
         # z = exp(-2 half_depth) on leave out -2 sqrt(z) ln(z). Within the layer it is bounded.
         half_depth = exact + math.log(4.0 * exact)
         self.growth = growth
+        self.radius = radius
         self.history = _History(
             growth.in_contact_radii(),
             rule=tanh_rule(exact, depth=half_depth + min(edge, half_depth)),
@@ -180,15 +184,21 @@ class GrownFields:
         The history is not smooth at the breaks of the profile and at the onset of slip. Fields are
         not smooth at these contact radii, nor at the stick radii that the contact had then.
         """
-        growth = self.history.growth
-        events = [*growth.breaks, *([growth.onset] if growth.onset else [])]
-        log_events = [math.log(b) for b in events]
-        candidates = log_events + [u + stick for u in log_events for stick in growth.log_stick(u)]
-        kinks = [log_low]
-        for candidate in sorted(candidates):
-            if kinks[-1] + _APART < candidate < log_high - _APART:
+        a, onset = self.radius, self.growth.onset
+        radii = [*self.growth.breaks, *([onset] if onset else [])]
+        events = [Radius(b / a, (a - b) / a) for b in radii if b < a]
+        stuck = [
+            event.log + log_stick
+            for event in events
+            for log_stick in self.history.growth.log_stick(event.log)
+        ]
+        candidates = events + [Radius(math.exp(log_s), -math.expm1(log_s)) for log_s in stuck]
+        kinks: list[Radius] = []
+        for candidate in sorted(candidates, key=lambda one: one.log):
+            if log_low + _APART < candidate.log < log_high - _APART:
                 kinks.append(candidate)
-        return [Radius(math.exp(log_s), -math.expm1(log_s)) for log_s in kinks[1:]]
+                log_low = candidate.log
+        return kinks
 
     def traction(self, friction: float, pressure: PressureField | ZonalField) -> GrownField:
         """Return the traction.
@@ -245,16 +255,17 @@ class GrownFields:
         key = log_r.tobytes()
         if key not in self._integrals:
             u_stick = self.history.when_stuck(log_r)
+            stuck = self.history.while_stuck(self._names_stuck, log_r, u_stick)
+            slipping = self.history.while_slipping(self._names_slipping, log_r, u_stick)
             self._integrals[key] = (
-                self._from_contact_radii(self.history.while_stuck(self._names_stuck, log_r, u_stick)),
-                self._from_contact_radii(self.history.while_slipping(self._names_slipping, log_r, u_stick)),
+                self._from_contact_radii(stuck),
+                self._from_contact_radii(slipping),
             )
         return self._integrals[key]
 
     def _from_contact_radii(self, fields: Fields) -> Fields:
         """Convert fields from the unit of `history`, the contact radius, to that of `growth`."""
-        radius = math.exp(self.growth.log_radius)
-        return {name: found / radius ** _RADIUS_POWERS[name] for name, found in fields.items()}
+        return {name: found / self.radius ** _RADIUS_POWERS[name] for name, found in fields.items()}
 
     def _outer_ends(self) -> list[Radius]:
         """Return the ends of the annuli outside the stick disk; the edge alone if all sticks."""

@@ -64,7 +64,9 @@ class PowerCurve:
     """A positive function of the contact radius, such as the load, interpolated on a stretch.
 
     What is interpolated is ``ln(values/b**power)``, because next to the first touch load and
-    approach are powers of the radius (docs/theory, G.8 and G.9).
+    approach are powers of the radius (docs/theory, G.8 and G.9). Values and radii are taken over
+    those at the last node and at the upper end, so that powers do not overflow, and logarithms of
+    large numbers lose no digits.
 
     Attributes
     ----------
@@ -82,8 +84,9 @@ class PowerCurve:
 
     @cached_property
     def _reduced_log(self) -> Array:
-        """``ln(values/b**power)`` at the nodes."""
-        return np.log(self.values / np.exp(self.stretch.u_nodes) ** self.power)
+        """``ln(values/b**power)`` at the nodes, over that at the end."""
+        falls = self.power * (self.stretch.u_nodes - self.stretch.high)
+        return np.asarray(np.log(self.values / self.values[-1]) - falls)
 
     @property
     def interpolation_error(self) -> float:
@@ -92,8 +95,8 @@ class PowerCurve:
 
     def at(self, t: Array) -> Array:
         """Return the logarithm of the function at places."""
-        u = self.stretch.u_at(t)
-        return chebyshev_value(self._reduced_log, t) + self.power * u
+        rises = self.power * (self.stretch.u_at(t) - self.stretch.high)
+        return chebyshev_value(self._reduced_log, t) + rises + math.log(self.values[-1])
 
     def rate(self, t: Array) -> Array:
         """Return the derivative of that logarithm by ``v``, at places."""

@@ -476,8 +476,9 @@ class ProfileRun(Run):
         from spectral_contact.solving.growth_panel import stick_radius
 
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
-        layer = min(compliances) / math.exp(growth.log_radius)
-        return GrownFields(growth, stick_radius(today), layer, self.rtol, names)
+        radius = self.values["contact_radius"]
+        layer = min(compliances) / radius
+        return GrownFields(growth, radius, stick_radius(today), layer, self.rtol, names)
 
     def _uncoupled_bound(self) -> tuple[float, float]:
         """Return radius and load of normal contact without coupling.

@@ -292,3 +292,28 @@ def test_a_radius_that_has_too_few_digits_is_refused(profile, radius, rtol, coup
     scene = Scene(0.2, 0.1, 0.1, 0.1, coupling=coupling, profile=profile, contact_radius=radius)
     with pytest.raises(NotComputedError, match=r"contact radius is within .* too close for rtol"):
         solve(scene, rtol)
+
+
+def test_a_high_power_in_a_small_unit_of_length_has_its_shear():
+    """The radius to the power 33 is not a double, and the shear was none."""
+    shears = []
+    for unit in (1.0, 1e-9):
+        profile = profiles.PowerLaw(0.1 * unit**-32, 33.0)
+        found = solved(profile, 1e-3 * unit, 1e-3 * unit, 0.3, 1e-5, unit)
+        assert found.converged
+        shears.append(found.total_shear / unit**2)
+    assert shears[1] == pytest.approx(shears[0], rel=1e-12)
+
+
+def test_pressure_and_traction_have_the_same_breaks_in_any_unit_of_length():
+    """Those of the traction came from logarithms of radii, and differed by their rounding."""
+    for unit in (1.0, 1e-6):
+        found = solved(
+            profiles.RoundedFlat(unit, unit), 0.01 * unit, 0.01 * unit, math.inf, 1e-3, 1.05 * unit
+        )
+        breaks = [
+            {piece.outer for piece in field.pieces}
+            for field in (found.pressure_field, found.traction_field)
+        ]
+        assert len(breaks[0]) == 2
+        assert breaks[0] == breaks[1]

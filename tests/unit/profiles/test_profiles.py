@@ -328,3 +328,13 @@ def test_the_closed_form_of_a_sphere_has_its_digits(radius):
     found = closed_forms.sphere_contact(radius, 1.0)
     assert found.load == pytest.approx(float(load), rel=2e-15)
     assert found.approach == pytest.approx(float(approach), rel=2e-15)
+
+
+def test_a_high_power_in_a_small_unit_of_length_has_a_load():
+    """The product of its coefficient and gamma functions is not a double."""
+    loads = [
+        solve(Scene(0.3, profile=profiles.PowerLaw(unit**-49, 50.0), contact_radius=unit)).load
+        / unit**2
+        for unit in (1.0, 1e-6)
+    ]
+    assert loads[1] == pytest.approx(loads[0], rel=1e-12)
