@@ -134,7 +134,7 @@ class Growth:
             replace(one, stretch=replace(one.stretch, low=one.low - today, high=one.high - today))
             for one in self.panels
         )
-        onset = self.onset and self.onset / radius
+        onset = self.onset and self.onset / radius  # 0 and None stay what they are
         return Growth(panels, onset, tuple(b / radius for b in self.breaks))
 
     @cached_property

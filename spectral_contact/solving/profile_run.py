@@ -442,7 +442,7 @@ class ProfileRun(Run):
             if opened is not None:
                 told = f"one history; the contact would open within {opened:.3g} of the edge"
                 self.ran(told, COUPLING)
-        mean = growth.load / (math.pi * math.exp(2.0 * growth.log_radius))
+        mean = growth.load / (math.pi * fields.radius**2)
         left = growth.error + error + growth.load_rate * self.errors["contact_radius"]
         # `left` is relative to the pressure itself, which is taken to be twice the mean at most
         self.errors["pressure"] = pressed.error / mean + 2.0 * left

@@ -267,16 +267,7 @@ def test_the_digits_of_spence_do_not_depend_on_the_unit_of_length(unit):
     """Next to the edge those of the logarithm of a radius that is not 1 were rounded away."""
     friction = 0.298714615962
     one = solved(PARABOLA, 0.0, 0.0, friction, 1e-10)
-    found = solve(
-        Scene(
-            0.0,
-            friction=friction,
-            coupling=True,
-            profile=profiles.Parabola(unit * PARABOLA.radius),
-            contact_radius=unit * one.contact_radius,
-        ),
-        1e-10,
-    )
+    found = solved(profiles.Parabola(unit), 0.0, 0.0, friction, 1e-10, contact_radius=unit)
     assert found.converged
     places = {"from_edge": np.array([0.99, 0.5, 1e-2, 1e-9, 1e-20])}
     for name in ("pressure", "traction"):

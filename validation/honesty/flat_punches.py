@@ -135,7 +135,7 @@ def page(record: dict) -> str:
         low, middle, high = s["ratio_percentiles_5_50_95"]
         counts = s["scenes"], s["violations"], s["no_digit_known"]
         share = f"{100 * s['share_within_100']:.0f} %"
-        cells.append((name, *counts, f"{low:.2g}, {middle:.2g}, {high:.2g}", share))
+        cells.append((name, *counts, f"{low:.3g}, {middle:.3g}, {high:.3g}", share))
     heading = "quantity | scenes | violations | no digit known | ratio at 5, 50, 95 % | within 100"
     return f"{about}\n\n{table(heading, cells)}"
 
