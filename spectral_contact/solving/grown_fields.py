@@ -76,15 +76,15 @@ _NEAR = 0.3
 #: was 1.3 times these.
 _SAFETY = 3.0
 #: Of radii at which a field is not smooth, one is left out if its logarithm is closer than this to
-#: the one before it or to the end of the zone.
+#: the one before it or to an end of the zone.
 _APART = 1e-6
 #: Range of minus the logarithm of the distance from the edge in which the pressure is sampled for a
 #: change of sign.
 _OPENING_RANGE = (0.1, 45.0)
 #: Number of these samples.
 _OPENING_SAMPLES = 300
-#: Powers of the contact radius by which fields of a flat punch are divided, when its load is given
-#: and its radius is not 1.
+#: Under the same load a flat punch of radius b has the fields of that of radius 1, divided by these
+#: powers of b.
 _RADIUS_POWERS = {"pressure": 2, "traction": 2, "slip": 1}
 #: Number of bisections for the contact radius at which a point begins to stick.
 _BISECTIONS = 60

@@ -134,7 +134,8 @@ class Growth:
             replace(one, stretch=replace(one.stretch, low=one.low - today, high=one.high - today))
             for one in self.panels
         )
-        onset = self.onset and self.onset / radius  # 0 and None stay what they are
+        # from the first touch on (0), and no slip (None), stay what they are
+        onset = self.onset and self.onset / radius
         return Growth(panels, onset, tuple(b / radius for b in self.breaks))
 
     @cached_property
