@@ -168,7 +168,6 @@ class FreeBoundaryProblem:
             spaces,
             parameters or self.parameters,
             pressures,
-            truncated=with_contributions and self._known is not None,
             displacement=self._displacement,
         )
 
@@ -232,13 +231,8 @@ class FreeBoundaryProblem:
         spaces: Sequence[DiscreteSpace],
         logits: Array,
         tolerance: float = JACOBIAN_FIELD_TOL,
-        *,
-        fraction: float = 1.0,
     ) -> Array:
-        """Return the Jacobian of the boundary residual by differences of fields to a tolerance.
-
-        The `fraction` is that of the usual step.
-        """
+        """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
         factors = factored(self.system(spaces, logits))
         centre = correct_to(FieldSolution.first(factors), tolerance).fields
 
@@ -246,7 +240,7 @@ class FreeBoundaryProblem:
             moved = replace(centre, system=self.system(spaces, moved_logits))
             return correct_to(moved, tolerance).fields.boundary_residual
 
-        return fd_jacobian(residual, logits, fraction)
+        return fd_jacobian(residual, logits)
 
     def _layout_of(self, logits: Array, jacobian: Array) -> Layout:
         """Return these boundaries with the states of this problem."""

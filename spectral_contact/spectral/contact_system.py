@@ -112,10 +112,10 @@ class ContactSystem(ContactFields):
     - `unknowns`, the length of a vector, and `pressure_terms`, how many of its first coefficients
       belong to the pressure;
     - `shear_loads`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
-    - `known_pressure` and `known_slip`: coefficients of known pressures, and of u in slip under
-      them, a column for each known pressure; `known_variation` is `known_pressure` less the value
-      of the pressure at the centre. A constant has a constant R, so that increments of R are the
-      same.
+    - `pressure_maps` and `shear_maps`: the maps from vectors to the coefficients of p and of u on
+      the parts;
+    - `known_variation`: coefficients of known pressures less the value of the pressure at the
+      centre, a column for each. A constant has a constant R, so that increments of R are the same.
     """
 
     @cached_property
@@ -134,12 +134,11 @@ class ContactSystem(ContactFields):
             j = slice(part.boundary_number, part.boundary_number + 1)
             factor = 2.0 * self.parameters.kappa / part.mesh.boundary.value
             for k, inner in self.operators.inner_pressure[i].blocks.items():
-                self.add_pressure(
-                    stick_target[j], factor * inner.scale * inner.boundary_value[None], k
-                )
+                at_boundary = factor * inner.scale * inner.boundary_value[None]
+                self.pressure_maps[k].add(stick_target[j], at_boundary)
             residual[j] = stick_target[j]
             for k, outer in self.operators.outer_shear[i].blocks.items():
-                self.add_shear(residual[j], -outer.scale * outer.boundary_value[None], k)
+                self.shear_maps[k].add(residual[j], -outer.scale * outer.boundary_value[None])
         return BoundaryRows(stick_target, residual)
 
     # residuals
@@ -168,8 +167,8 @@ class ContactSystem(ContactFields):
         """Return W at the nodes of every part."""
         kappa = self.parameters.kappa
         parts = range(len(self.parts))
-        p = [self.pressure_on(k, values) for k in parts]
-        u = [self.shear_on(k, values) for k in parts]
+        p = [self.pressure_maps[k].apply(values) for k in parts]
+        u = [self.shear_maps[k].apply(values) for k in parts]
         shear_load = sum(self.shear_loads[k] @ u[k] for k in parts)
         residual: list[Array] = []
         at_boundaries: dict[int, Array] = {}
@@ -204,32 +203,33 @@ class ContactSystem(ContactFields):
     def _shear_increment(self, i: int, values: Array) -> Array:
         """Return ``E(t) - E(b)`` at the nodes of a part, or E(t) where there is no b."""
         if not self.pressure_known:
-            traction = {k: self.shear_on(k, values) for k in self.operators.outer_shear[i].blocks}
-            pressure = {
-                k: self.pressure_on(k, values) for k in self.operators.inner_pressure[i].blocks
-            }
-            target_increment = self._target_increment(i, pressure)
-            return np.asarray(target_increment - self.operators.outer_shear[i].increments(traction))
+            outer = self.operators.outer_shear[i]
+            traction = {k: self.shear_maps[k].apply(values) for k in outer.blocks}
+            inner = self.operators.inner_pressure[i]
+            pressure = {k: self.pressure_maps[k].apply(values) for k in inner.blocks}
+            return self._target_increment(i, pressure) - outer.increments(traction)
         known = self._known_increments[i] @ values[: self.pressure_terms]
         # with zeros in stick the rest is the response to the known pressure alone
         if not values[self.pressure_terms :].any():
             return np.asarray(known)
-        traction = {k: self.shear_on(k, values) for k in self.operators.outer_stick[i].blocks}
-        return np.asarray(known - self.operators.outer_stick[i].increments(traction))
+        stick = self.operators.outer_stick[i]
+        traction = {k: self.shear_maps[k].apply(values) for k in stick.blocks}
+        return np.asarray(known - stick.increments(traction))
 
     @cached_property
     def _known_increments(self) -> list[Array]:
         """``E(t) - E(b)`` at the nodes of the parts by each known pressure, with q = 0 in stick."""
+        units = np.eye(self.unknowns, self.pressure_terms)
+        known_pressure = [on_part.apply(units) for on_part in self.pressure_maps]
         increments = []
         for i, outer in enumerate(self.operators.outer_shear):
             graded_to_boundary = self.parts[i].boundary_number >= 0
-            pressure = self.known_variation if graded_to_boundary else self.known_pressure
+            pressure = self.known_variation if graded_to_boundary else known_pressure
             increment = self._target_increment(i, pressure)
             slips = {k: b for k, b in outer.blocks.items() if not self.parts[k].sticks}
             if slips:
-                increment = increment - NodeOperators(outer.nodes, slips).increments(
-                    self.known_slip
-                )
+                traction = {k: self.shear_maps[k].apply(units) for k in slips}
+                increment = increment - NodeOperators(outer.nodes, slips).increments(traction)
             increments.append(increment)
         return increments
 
@@ -260,7 +260,7 @@ class ContactSystem(ContactFields):
         factors = values[: self.pressure_terms]
         for k, displacement in self.displacement_coefficients.items():
             part = self.parts[k]
-            projected[self.shear_places[k]] += part.shear_mesh.mass(
+            projected[self.shear_maps[k].place] += part.shear_mesh.mass(
                 part.degrees, displacement @ factors, shear=True
             )
         return projected
@@ -275,11 +275,11 @@ class ContactSystem(ContactFields):
         for i, values in enumerate(residual.tangential):
             weighted = self.operators.shear_tests[i][:, None] * values
             for k, sums in self.operators.outer_stick[i].project(weighted):
-                projected[self.shear_places[k]] += sums
+                projected[self.shear_maps[k].place] += sums
         for i, values in enumerate(residual.normal):
             weighted = self.operators.normal_tests[i][:, None] * values
             for k, sums in self.operators.outer_pressure[i].project(weighted):
-                projected[self.pressure_places[k]] += sums
+                projected[self.pressure_maps[k].place] += sums
         return projected
 
     def masses(self, values: Array | None = None) -> Iterator[tuple[slice, Array]]:
@@ -336,9 +336,9 @@ class ContactSystem(ContactFields):
             place = (target, target.panels)
             inside = block(part.mesh, part.pressure_degrees, *place, -1, differences=False)
             if inside is not None:
-                inner += inside.apply(self.pressure_on(k, values))
+                inner += inside.apply(self.pressure_maps[k].apply(values))
             outside = block(part.shear_mesh, part.shear_degrees, *place, 1, differences=False)
             if outside is not None:
-                outer += outside.apply(self.shear_on(k, values))
+                outer += outside.apply(self.shear_maps[k].apply(values))
         t = np.sqrt(target.sampling().z)[:, None]
         return np.asarray(2.0 * self.parameters.kappa / t * inner - outer)

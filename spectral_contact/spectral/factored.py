@@ -33,10 +33,6 @@ def factored(system: ContactSystem) -> FactoredSystem:
 class FactoredSystem:
     """A system with the LU factors of its matrix.
 
-    The factors are in double precision. In single precision entries next to a boundary would be
-    subnormal numbers, which slow processors down: coupled partial slip takes 1.3 times as long on
-    one of two, and 0.92 times on the other (``python validation/cost/bench.py coupled``).
-
     Parameters
     ----------
     system : ContactSystem
