@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from spectral_contact.spectral.blocks import cached_disk_gram
 from spectral_contact.spectral.cache import bounded_cache
@@ -32,8 +33,8 @@ def system_matrix(system: ContactSystem) -> Array:
     A step that removes a residual is the solution with this matrix; it is added to the vector.
     """
     matrix = _without_masses(system)
-    for place, mass in system.masses():
-        matrix[place, place] += mass
+    for place, mass in system.masses:
+        matrix[place, place] += block_diag(*mass.blocks())
     return matrix
 
 

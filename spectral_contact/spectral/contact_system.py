@@ -47,7 +47,6 @@ E(b) of the fields (`boundary_rows`) is zero, too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil, log
 from typing import NamedTuple
@@ -57,6 +56,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import block
+from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
 from spectral_contact.spectral.node_operators import NodeOperators
@@ -255,14 +255,13 @@ class ContactSystem(ContactFields):
     def residual(self, values: Array, approach: Array, defects: Array) -> Array:
         """Return the residual of the equations; parameters are those of `pointwise_residual`."""
         projected = self.project(self.pointwise_residual(values, approach, defects))
-        for place, product in self.masses(values):
-            projected[place] -= product
+        for place, mass in self.masses:
+            projected[place] -= mass.times(values[place])
         factors = values[: self.pressure_terms]
         for k, displacement in self.displacement_coefficients.items():
             part = self.parts[k]
-            projected[self.shear_maps[k].place] += part.shear_mesh.mass(
-                part.degrees, displacement @ factors, shear=True
-            )
+            mass = part.shear_mesh.mass(part.degrees, shear=True)
+            projected[self.shear_maps[k].place] += mass.times(displacement @ factors)
         return projected
 
     def project(self, residual: PointwiseResidual) -> Array:
@@ -282,21 +281,22 @@ class ContactSystem(ContactFields):
                 projected[self.pressure_maps[k].place] += sums
         return projected
 
-    def masses(self, values: Array | None = None) -> Iterator[tuple[slice, Array]]:
-        """Yield, field by field, its place in a vector and its mass times its compliance.
+    @cached_property
+    def masses(self) -> list[tuple[slice, Blockwise]]:
+        """For every unknown field its place in a vector, and its mass times its compliance.
 
-        With `values`, vectors as columns, the products of these matrices with them take their
-        place. The residual takes them always, the matrix unless `CholeskyFactoredSystem` has it
-        from the unit disk: that matrix has to have the same compliances.
+        The residual takes them always, the matrix unless `CholeskyFactoredSystem` has it from the
+        unit disk: that matrix has to have the same compliances.
         """
+        masses = []
         for field in self.fields:
             part = self.parts[field.part]
             mesh = part.shear_mesh if field.is_shear else part.mesh
             compliance = self.parameters.beta if field.is_shear else self.parameters.alpha
             if compliance > 0.0:
-                coefficients = None if values is None else values[field.place]
-                mass = mesh.mass(field.degrees, coefficients, shear=field.is_shear)
-                yield field.place, compliance * mass
+                mass = mesh.mass(field.degrees, compliance, shear=field.is_shear)
+                masses.append((field.place, mass))
+        return masses
 
     # displacement in slip
 

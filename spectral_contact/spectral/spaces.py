@@ -141,11 +141,10 @@ class Space(NodalSpace):
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, in the order of `index`."""
-        masses = [
-            mesh.mass(degrees, shear=self.shear)
-            for mesh, (_, degrees) in zip(self._meshes, self._spaces, strict=True)
-        ]
-        return self._order.permute(block_diag(*masses) if len(masses) > 1 else masses[0])
+        blocks = list[Array]()
+        for mesh, (_, degrees) in zip(self._meshes, self._spaces, strict=True):
+            blocks += mesh.mass(degrees, shear=self.shear).blocks()
+        return self._order.permute(block_diag(*blocks))
 
     def project(self, weighted: Array) -> Array:
         """Return the sums of the half-integrals times weighted values, in the order of `index`."""
