@@ -11,7 +11,6 @@ Sources lie at the distance d', points at the distance d before the boundary or 
 `abel_right`        ``1/2 int_{d' < d} psi dd' / sqrt(d - d')``   (sources at larger ``x``)
 `abel_left`         ``1/2 int_{d' > d} psi dd' / sqrt(d' - d)``   (sources at smaller ``x``)
 `abel_exterior`     ``1/2 int psi dd' / sqrt(d' + e)``            (points past the boundary)
-`abel_regular`      ``1/2 int psi dd' / sqrt(abs(d' + e))``       (points clear of all sources)
 ==================  =================================================================
 
 Next to the boundary the differences to the value there matter, which these give without
@@ -339,11 +338,8 @@ def abel_right(d: Array, panels: int, width: float, degree: int, power: float = 
     x = -np.log(d)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels)
     matrix = np.zeros((len(d), panels, degree + 1))
-    clear = np.flatnonzero(panel_of_point < -1)
-    if len(clear):
-        matrix[clear] = abel_regular(-d[clear], panels, width, degree, power)
     computed: list[tuple[Array, Array]] = []
-    for i in np.unique(panel_of_point[(panel_of_point < panels) & (panel_of_point >= -1)]):
+    for i in np.unique(panel_of_point[panel_of_point < panels]):
         rows = np.flatnonzero(panel_of_point == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
         blocks = _computed_blocks(computed, to_end, panels * width)
@@ -381,10 +377,12 @@ def abel_left(
     scale = np.exp(-(0.5 + power) * width * panel)
     matrix = np.zeros((len(d), len(on_panels) + TAIL_TERMS))
     matrix[:, len(on_panels) :] = _abel_left_tail(d, end, power)
-    # for points deep in the tail the regular rule keeps the digits of the distance to the panels
-    clear = panel_of_point > panels
-    regular = abel_regular(-d[clear], panels, width, degree, power)
-    matrix[clear, : len(on_panels)] = regular.reshape(-1, panels * terms)[:, on_panels]
+    # next to points deep in the tail the kernel is smooth on all panels, and `point_sources` keep
+    # the digits of the distances to them
+    deep = panel_of_point > panels
+    sources = point_sources(width, (degree,) * panels)
+    kernels = sources.d ** (1.0 + power) / np.sqrt(sources.d - d[deep, None])
+    matrix[deep, : len(on_panels)] = sources.left_times(kernels)[:, on_panels]
     computed: list[tuple[Array, Array]] = []
     points_in_panel = np.bincount(panel_of_point, minlength=1)[: panels + 1]
     for occupied in np.flatnonzero(points_in_panel).tolist():
@@ -402,20 +400,6 @@ def abel_left(
         columns = i * terms + reversed_columns[:last]
         matrix[rows, :last] = blocks[:, columns] * scale[:last]
     return matrix
-
-
-def abel_regular(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` for points clear of the panels.
-
-    Negative e are distances before the boundary; a point is clear of a panel if it is a panel width
-    away in x, or as far away in d as the panel is long. The shape is (n, panels, degree + 1),
-    without the tail; other parameters are those of `abel_right_blocks`.
-    """
-    source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
-    values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
-    if power != 0.0:
-        values *= source**power
-    return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
 
 
 def abel_exterior(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
@@ -535,20 +519,16 @@ def left_increment(
     than their difference, which loses no digits.
     """
     increment = value - boundary_value
-    source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels + 1)
-    for i in np.unique(panel_of_point[panel_of_point >= 2]):
+    for i in np.unique(panel_of_point[panel_of_point >= 2]).tolist():
         rows = np.flatnonzero(panel_of_point == i)
-        far_sources = source[: min(i - 1, panels)]
-        shift = d[rows, None, None]
-        root = np.sqrt(far_sources - shift)
-        root_at_boundary = np.sqrt(far_sources)
+        far = point_sources(width, (degree,) * min(i - 1, panels))
+        shift = d[rows, None]
+        root = np.sqrt(far.d - shift)
+        root_at_boundary = np.sqrt(far.d)
         kernels = shift / (root * root_at_boundary * (root + root_at_boundary))
-        values = (width / 4) * far_sources * kernels
-        if power:
-            values *= far_sources**power
-        blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
-        last = np.searchsorted(functions, len(far_sources) * (degree + 1))
-        increment[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
+        last = np.searchsorted(functions, far.shape[1])
+        blocks = far.left_times(far.d ** (1.0 + power) * kernels)
+        increment[rows, :last] = blocks[:, functions[:last]]
     return np.asarray(increment)

@@ -34,7 +34,6 @@ from spectral_contact.spectral.abel import (
     abel_exterior,
     abel_left,
     abel_left_at_boundary,
-    abel_regular,
     abel_right,
     abel_right_far_blocks,
     abel_right_near_blocks,
@@ -399,11 +398,7 @@ def _opposite_half_block(
     root_at_boundary = np.sqrt(from_boundary)
     root = np.sqrt(from_boundary - d[:, None])
 
-    # the nodes of the first panel of the target lie next to the first panel of the source
-    next_to = d > reach
-    on_first = np.empty((len(d), first_count))
-    on_first[next_to] = abel_right(2.0 - d[next_to], *first_panel)[:, :first_count]
-    on_first[~next_to] = abel_regular(d[~next_to] - 2.0, *first_panel)[:, 0, :first_count]
+    on_first = abel_right(2.0 - d, *first_panel)[:, :first_count]
     value = np.hstack([on_first, 1.0 / root])
     if values_only:
         nothing = np.zeros(reduction.shape[1])
