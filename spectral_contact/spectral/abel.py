@@ -312,7 +312,8 @@ def _computed_blocks(
     """Return blocks that were computed for points at the same places in another panel, if any.
 
     `computed` has the places in their panel of points, and the blocks for them. Places are
-    differences of depths, which round as the largest `depth` does.
+    differences of depths, which round as the largest `depth` does. Next to an end of its panel a
+    place that was rounded so costs digits: the blocks of one panel serve all that are alike.
     """
     for known_places, blocks in computed:
         same_count = len(known_places) == len(local)
@@ -346,9 +347,8 @@ def abel_right(d: Array, panels: int, width: float, degree: int, power: float = 
         if blocks is None:
             blocks = abel_right_blocks(to_end, panels - i, width, degree, power)
             computed.append((to_end, blocks))
-        on_panels = blocks[:, : panels - i]
-        root = np.sqrt(d[rows]) * (d[rows] ** power if power else 1.0)
-        matrix[rows, max(i, 0) :] = on_panels[:, max(-i, 0) :] * root[:, None, None]
+        root = d[rows, None, None] ** (0.5 + power)
+        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) : panels - i] * root
     tail = abel_right_tail(d, np.exp(-panels * width), power=power)
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
@@ -491,8 +491,6 @@ def abel_left_at_boundary(panels: int, width: float, degree: int, power: float =
 
     Of all functions, with ``power > -1/2``.
     """
-    if power == 0.0:
-        return np.asarray(abel_exterior(np.zeros(1), panels, width, degree)[0])
     sources = point_sources(width, (degree,) * panels)
     end = float(np.exp(-panels * width))
     nodes, weights = power_rule(TAIL_TERMS, power - 0.5)
