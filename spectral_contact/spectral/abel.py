@@ -91,9 +91,8 @@ point_sources = bounded_cache("point sources")(PointSources)
 class Moments(Blockwise):
     """Moments ``1/2 int_0^1 psi density dd`` of functions on panels and tail, for any densities.
 
-    The 1/2 is that of the Abel integrals.
-
-    The functions psi include the endpoint weight. The densities are given at the points `d`.
+    The 1/2 is that of the Abel integrals. The functions psi include the endpoint weight. The
+    densities are given at the points `d`.
     """
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
