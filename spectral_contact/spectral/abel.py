@@ -7,21 +7,17 @@ psi are Legendre polynomials in ``x``, times ``d**power`` where there is an endp
 `abel_right_tail` also takes them in ``sqrt(d)``.
 Sources lie at the distance d', points at the distance d before the boundary or e past it:
 
-==================  =================================================================
-`abel_right`        ``1/2 int_{d' < d} psi dd' / sqrt(d - d')``   (sources at larger ``x``)
-`abel_left`         ``1/2 int_{d' > d} psi dd' / sqrt(d' - d)``   (sources at smaller ``x``)
-`abel_exterior`     ``1/2 int psi dd' / sqrt(d' + e)``            (points past the boundary)
-==================  =================================================================
+=========================  =====================================================================
+`abel_right`               ``1/2 int_{d' < d} psi dd' / sqrt(d - d')`` (sources at larger ``x``)
+`abel_left`                ``1/2 int_{d' > d} psi dd' / sqrt(d' - d)`` (at smaller ``x``)
+`exterior_with_decrement`  ``1/2 int psi dd' / sqrt(d' + e)``
+=========================  =====================================================================
 
-Next to the boundary the differences to the value there matter, which these give without
-cancellation:
-
-=========================  =========================================================================
-`left_increment`           ``abel_left(d) - abel_left(0)``
-`exterior_with_decrement`  ``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)``
-`opposite_end_decrement`   the same with the kernel ``1 / sqrt(2 + e - d')``: the points lie next to
-                           the other end of an annulus, whose two halves have unit extent
-=========================  =========================================================================
+Next to the boundary the differences to the value there matter. Without cancellation
+`left_increment` gives ``abel_left(d) - abel_left(0)``, and the second result of
+`exterior_with_decrement` is the integral at the boundary less that at e. `opposite_end_decrement`
+is the same with the kernel ``1 / sqrt(2 + e - d')``: the points lie next to the other end of an
+annulus, whose two halves have unit extent.
 
 In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
 alone. ``u = theta**2`` removes the square-root singularity, where u is the distance in ``x``
@@ -401,20 +397,8 @@ def abel_left(
     return matrix
 
 
-def abel_exterior(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
-    """Return the matrix of the `abel_exterior` integral at distances `e` >= 0 past the boundary.
-
-    The degree is the same on all panels, or there is one for each panel; other parameters are those
-    of `abel_right_blocks`.
-    """
-    sources = point_sources(width, (degree,) * panels if isinstance(degree, int) else degree)
-    kernels = sources.d + e[:, None]
-    np.divide(sources.d, np.sqrt(kernels, out=kernels), out=kernels)
-    return np.hstack([sources.left_times(kernels), abel_exterior_tail(e, np.exp(-panels * width))])
-
-
-def abel_exterior_tail(e: Array, end: float) -> Array:
-    """Return the `abel_exterior` integral of the tail polynomials, (n, TAIL_TERMS)."""
+def exterior_tail(e: Array, end: float) -> Array:
+    """Return ``1/2 int psi dd' / sqrt(d' + e)`` of the tail polynomials, (n, TAIL_TERMS)."""
     g, w = gauss_rule(TAIL_TERMS + 1)
     low_root = np.sqrt(e)[:, None]
     high_root = np.sqrt(e + end)[:, None]
@@ -428,7 +412,7 @@ def abel_exterior_tail(e: Array, end: float) -> Array:
 def exterior_with_decrement(
     e: Array, width: float, degrees: tuple[int, ...]
 ) -> tuple[Array, Array]:
-    """Return the matrix `abel_exterior` at e, and ``abel_exterior(0) - abel_exterior(e)``.
+    """Return ``1/2 int psi dd' / sqrt(d' + e)`` at ``e >= 0``, and its decrement from ``e = 0``.
 
     In the decrement nothing cancels: its kernel is
     ``1/sqrt(d') - 1/sqrt(d' + e) = e / (sqrt(d') sqrt(d' + e) (sqrt(d') + sqrt(d' + e)))``.
@@ -441,7 +425,7 @@ def exterior_with_decrement(
     kernels = sources.d + e[:, None]
     np.sqrt(kernels, out=kernels)
     work = sources.d / kernels
-    exterior = np.hstack([sources.left_times(work), abel_exterior_tail(e, end)])
+    exterior = np.hstack([sources.left_times(work), exterior_tail(e, end)])
     kernels *= np.add(root_at_boundary, kernels, out=work)
     np.divide(e[:, None], kernels, out=kernels)
     kernels *= root_at_boundary
@@ -450,8 +434,8 @@ def exterior_with_decrement(
 
 
 def exterior_decrement_tail(e: Array, end: float) -> Array:
-    """Return ``abel_exterior_tail(0, end) - abel_exterior_tail(e, end)``, (n, TAIL_TERMS)."""
-    tail = abel_exterior_tail(np.zeros(1), end) - abel_exterior_tail(e, end)
+    """Return ``exterior_tail(0, end) - exterior_tail(e, end)``, (n, TAIL_TERMS)."""
+    tail = exterior_tail(np.zeros(1), end) - exterior_tail(e, end)
     # closed forms of the three polynomials, with d' = e sinh(phi)**2: for e < end/2 these are right
     # to rounding, where the difference above is right to 5e-15 at e = 1e-3 end
     small = (e > 0.0) & (e < 0.5 * end)
@@ -462,8 +446,10 @@ def exterior_decrement_tail(e: Array, end: float) -> Array:
     # decrements of the powers 0, 1 and 2 of d'/end
     zeroth = -minus_1
     first = ratio * (plus_1 / 4 + minus_1 / 2 - minus_3 / 12)
-    highest = (grown**3 - 1.0) / 48 - plus_1 / 4
-    second = ratio**2 * (highest - 3 * minus_1 / 8 + minus_3 / 12 - minus_5 / 80)
+    # ratio**2 times grown**3, which may overflow
+    highest = np.sqrt(ratio) * (np.sqrt(ratio) * grown) ** 3
+    lower = plus_1 / 4 + 3 * minus_1 / 8 - minus_3 / 12 + minus_5 / 80
+    second = (highest - ratio**2) / 48 - ratio**2 * lower
     legendre = [zeroth, 2 * first - zeroth, 6 * (second - first) + zeroth]
     tail[small] = np.sqrt(e[small])[:, None] * np.column_stack(legendre)
     return np.asarray(tail)
@@ -518,14 +504,16 @@ def left_increment(
     increment = value - boundary_value
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels + 1)
+    sources = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
+    projection = legendre_projection_matrix(degree + EXTRA, degree)
     for i in np.unique(panel_of_point[panel_of_point >= 2]).tolist():
         rows = np.flatnonzero(panel_of_point == i)
-        far = point_sources(width, (degree,) * min(i - 1, panels))
-        shift = d[rows, None]
-        root = np.sqrt(far.d - shift)
-        root_at_boundary = np.sqrt(far.d)
+        far = sources[: min(i - 1, panels)]
+        shift = d[rows, None, None]
+        root = np.sqrt(far - shift)
+        root_at_boundary = np.sqrt(far)
         kernels = shift / (root * root_at_boundary * (root + root_at_boundary))
-        last = np.searchsorted(functions, far.shape[1])
-        blocks = far.left_times(far.d ** (1.0 + power) * kernels)
-        increment[rows, :last] = blocks[:, functions[:last]]
+        blocks = (width / 4 * far ** (1.0 + power) * kernels) @ projection
+        last = np.searchsorted(functions, len(far) * (degree + 1))
+        increment[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
     return np.asarray(increment)

@@ -333,11 +333,10 @@ class ContactSystem(ContactFields):
         inner = np.zeros((len(target.panels.sampling_distances), values.shape[1]))
         outer = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
-            place = (target, target.panels)
-            inside = block(part.mesh, part.pressure_degrees, *place, -1, differences=False)
+            inside = block(part.mesh, part.pressure_degrees, target, target.panels, -1)
             if inside is not None:
                 inner += inside.apply(self.pressure_maps[k].apply(values))
-            outside = block(part.shear_mesh, part.shear_degrees, *place, 1, differences=False)
+            outside = block(part.shear_mesh, part.shear_degrees, target, target.panels, 1)
             if outside is not None:
                 outer += outside.apply(self.shear_maps[k].apply(values))
         t = np.sqrt(target.sampling().z)[:, None]

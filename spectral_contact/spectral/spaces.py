@@ -119,7 +119,7 @@ class Space(NodalSpace):
         for (target, (_, node_degrees)), nodes in zip(sources, self._nodes, strict=True):
             blocks: dict[int, Block] = {}
             for k, (source, (_, degrees)) in enumerate(sources):
-                integrals = block(source, degrees, target, node_degrees, side=1, differences=False)
+                integrals = block(source, degrees, target, node_degrees, side=1)
                 if integrals is not None:
                     blocks[k] = integrals
             operators.append(NodeOperators(nodes, blocks))
