@@ -250,14 +250,16 @@ class ContactFields:
                 power = -0.5 if singular else 0.0
             # only the traction at the rim of a disk has a tail of roots
             mesh = GradedMesh(*end, replace(panels, root_tail=False))
-            shear_mesh = mesh
-            if power != panels.power or panels.root_tail:
-                shear_mesh = mesh._replace(panels=replace(panels, power=power))
+            shear_mesh = mesh._replace(panels=replace(panels, power=power))
             pressure_degrees = degrees
             if self.pressure_known:
                 # it costs nothing to hold a known pressure in all functions of the panels
                 pressure_degrees = (panels.degree,) * panels.count
-            shear_degrees = degrees if state == 0 else _quotient_degrees(pressure_degrees, panels)
+            shear_degrees = degrees
+            if state != 0:
+                shear_degrees = tuple(
+                    min(n + _EXTRA_DEGREES, panels.degree) for n in pressure_degrees
+                )
             parts.append(
                 MeshPart(
                     zone,
@@ -292,7 +294,7 @@ class ContactFields:
                 self.pressure_maps.append(self._add_unknown(k, part.mesh.panels, is_shear=False))
                 if not part.sticks:
                     ratio = part.state * self.parameters.friction
-                    slip = _over_radius(part.mesh, part.pressure_degrees, ratio)
+                    slip = _over_radius(part, ratio)
                     self.shear_maps[k] = FieldMap(self.pressure_maps[k].place, slip)
         self.pressure_terms = self.unknowns
         for k in self.stick_parts:
@@ -488,22 +490,18 @@ def _values_at_boundary(panels: LogPanels, count: int) -> Array:
     return row
 
 
-def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
-    """Return the degrees of ``p/s``, for those of p."""
-    return tuple(min(n + _EXTRA_DEGREES, panels.degree) for n in degrees)
-
-
-def _over_radius(mesh: GradedMesh, degrees: Degrees, factor: float) -> Blockwise:
+def _over_radius(part: MeshPart, factor: float) -> Blockwise:
     """Return the map from the coefficients of p on a part to those of ``factor p/s``."""
+    mesh = part.mesh
     panels = mesh.panels
     points = panels.degree + EXTRA
     expand = legendre_expansion_matrix(points, panels.degree)
     values = legendre_values(gauss_rule(points)[0], panels.degree)
     ratios = factor / np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
     blocks = [
-        expand[: quotient_degree + 1] @ (values[:, : n + 1] * ratio[:, None])
-        for ratio, n, quotient_degree in zip(
-            ratios, degrees, _quotient_degrees(degrees, panels), strict=True
+        expand[: shear_degree + 1] @ (values[:, : n + 1] * ratio[:, None])
+        for ratio, n, shear_degree in zip(
+            ratios, part.pressure_degrees, part.shear_degrees, strict=True
         )
     ]
     # on the tail s is constant to rounding

@@ -151,7 +151,7 @@ class ContactOperators:
         self, part: MeshPart, target: tuple[GradedMesh, Degrees, int], shear_block: Block | None
     ) -> Block:
         """Return the integrals of p at the nodes of a target, taken from those of u if possible."""
-        if shear_block is not None and part.shear_mesh is part.mesh:
+        if shear_block is not None and part.shear_mesh == part.mesh:
             if part.shear_degrees == part.pressure_degrees:
                 return shear_block
             if shear_block.sampled:
