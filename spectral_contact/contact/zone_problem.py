@@ -268,13 +268,13 @@ class FreeBoundaryProblem:
         self._panel_counts = [space.panels.count for space in spaces]
         return concatenate_spaces(spaces)
 
-    def split(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:
+    def split(self, space: DiscreteSpace) -> list[DiscreteSpace]:
         """Return the spaces of all parts, from one that concatenates them as `start` does."""
-        return split_spaces(resolution, self._panel_counts, self._edge_power)
+        return split_spaces(space, self._panel_counts, self._edge_power)
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space, from the boundaries of the last one."""
-        spaces = self.split(resolution)
+        spaces = self.split(space)
         layout = self.current_layout()
         newton = self._newton(spaces, with_contributions=True)
         negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
@@ -319,14 +319,14 @@ def min_zone_width(logits: Array) -> float:
 class _GivenRadius(FreeBoundaryProblem):
     """Contact with a stick disk of a given radius, whose friction is unknown, for `refine`."""
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space.
 
         The boundary residual ``r(f) = r(0) - f (r(0) - r(1))`` is linear in the friction, so that
         its root follows from two solutions. Its derivative by ``ln f`` at the root is ``-r(0)``;
         ``r(0)`` takes the place of the Jacobian in the estimate, where only moduli count.
         """
-        spaces = self.split(resolution)
+        spaces = self.split(space)
         logits = np.array(self._layout.logits)
 
         def system_at(friction: float) -> ContactSystem:

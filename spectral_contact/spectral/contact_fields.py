@@ -150,9 +150,9 @@ class FieldMap(NamedTuple):
     Attributes
     ----------
     place : slice
-        Where the numbers are in a vector on which the coefficients depend.
+        The entries of a vector on which the coefficients depend.
     matrix : Blockwise, optional
-        The matrix from these numbers to the coefficients. Without one they are the coefficients.
+        The matrix from these entries to the coefficients. Without one they are the coefficients.
     """
 
     place: slice
@@ -160,8 +160,8 @@ class FieldMap(NamedTuple):
 
     def apply(self, vectors: Array) -> Array:
         """Return the coefficients for vectors as columns."""
-        numbers = vectors[self.place]
-        return numbers if self.matrix is None else self.matrix.times(numbers)
+        entries = vectors[self.place]
+        return entries if self.matrix is None else self.matrix.times(entries)
 
     def add(self, rows: Array, functionals: Array) -> None:
         """Add functionals of the coefficients, as rows, to rows that act on vectors."""
