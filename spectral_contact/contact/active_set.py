@@ -74,11 +74,12 @@ class RingSystem:
         self._normal = rings.normal / scale + parameters.alpha * identity
         self._tangential = rings.tangential / scale + parameters.beta * identity
         self._coupling = parameters.kappa * rings.coupling / scale
-        #: from q to the equation of p
+        #: from the traction to the normal displacement
         self._reaction = self._coupling.T * coupled
-        #: from p to the displacement, without that by q, less the frozen one: it is for unit load
+        # the load of a pressure, as a row: the frozen displacement is that for unit load
         load = 2.0 * pi * self._root_area
-        self._drive = self._coupling + np.outer(self._root_area * self.frozen, load)
+        #: from the pressure to what the traction of a ring that sticks is to balance
+        self._loading = self._coupling + np.outer(self._root_area * self.frozen, load)
         self.self_compliance: Array = self._tangential.diagonal()
 
     def solve(self, states: Integers) -> RingState:
@@ -95,7 +96,7 @@ class RingSystem:
         matrix = np.empty((n + len(sticking), n + len(sticking)))
         matrix[:n, :n] = self._normal - self._reaction * ratio
         matrix[:n, n:] = -self._reaction[:, sticking]
-        matrix[n:, :n] = (self._tangential * ratio - self._drive)[sticking]
+        matrix[n:, :n] = (self._tangential * ratio - self._loading)[sticking]
         matrix[n:, n:] = self._tangential[np.ix_(sticking, sticking)]
         # On smooth surfaces the diagonal of a small ring is small. It is scaled to 1.
         diagonal = np.concatenate([self._normal.diagonal(), self.self_compliance[sticking]])

@@ -508,12 +508,12 @@ def left_increment(
     projection = legendre_projection_matrix(degree + EXTRA, degree)
     for i in np.unique(panel_of_point[panel_of_point >= 2]).tolist():
         rows = np.flatnonzero(panel_of_point == i)
-        far = sources[: min(i - 1, panels)]
+        far_sources = sources[: min(i - 1, panels)]
         shift = d[rows, None, None]
-        root = np.sqrt(far - shift)
-        root_at_boundary = np.sqrt(far)
+        root = np.sqrt(far_sources - shift)
+        root_at_boundary = np.sqrt(far_sources)
         kernels = shift / (root * root_at_boundary * (root + root_at_boundary))
-        blocks = (width / 4 * far ** (1.0 + power) * kernels) @ projection
-        last = np.searchsorted(functions, len(far) * (degree + 1))
+        blocks = (width / 4 * far_sources ** (1.0 + power) * kernels) @ projection
+        last = np.searchsorted(functions, len(far_sources) * (degree + 1))
         increment[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
     return np.asarray(increment)

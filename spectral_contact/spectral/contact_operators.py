@@ -34,9 +34,9 @@ class ContactOperators:
     Attributes
     ----------
     nodes : list of GradedNodes
-    t, offsets, from_boundary : list of ndarray
-        The radius t of the nodes of each part, ``t**2 - b**2`` and ``t - b``, with the boundary b
-        that its mesh is graded to.
+    t, from_boundary : list of ndarray
+        The radius t of the nodes of each part, and ``t - b`` with the boundary b that its mesh is
+        graded to.
     shear_weights : list of ndarray
         Weights of ``t**2 dt / pi``.
     normal_tests, shear_tests : list of ndarray
@@ -70,7 +70,6 @@ class ContactOperators:
     def _place_nodes(self, parts: list[MeshPart]) -> None:
         """Find the Galerkin nodes of parts, and the weights with which W and E are tested."""
         self.nodes: list[GradedNodes] = []
-        self.offsets: list[Array] = []
         self.t: list[Array] = []
         self.from_boundary: list[Array] = []
         self.shear_weights: list[Array] = []
@@ -88,7 +87,6 @@ class ContactOperators:
             weights = nodes.weights * mesh.extent / (2.0 * np.pi) * t
             factors = self._boundary_weights(part, offset)
             self.nodes.append(nodes)
-            self.offsets.append(offset)
             self.t.append(t)
             self.from_boundary.append(offset / (t + b.value))
             self.shear_weights.append(weights)

@@ -104,8 +104,9 @@ class GradedNodes:
     @cached_property
     def _from_samples(self) -> Blockwise:
         """The matrix from values at the samples to values at the nodes."""
-        first, *others = map(len, self.from_start)
-        return Blockwise([np.eye(first), *map(from_samples, others), np.eye(len(self.tail))])
+        counts = [len(from_start) for from_start in self.from_start]
+        on_panels = [np.eye(counts[0]), *map(from_samples, counts[1:])]
+        return Blockwise([*on_panels, np.eye(len(self.tail))])
 
     def interpolate(self, values: Array) -> Array:
         """Return values at the nodes of functions with values at the samples, as columns."""

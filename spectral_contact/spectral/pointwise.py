@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class _Piece:
+class _PanelGroup:
     """The panels of a part, which have as many terms and samples each, its tail, or a cell.
 
     Attributes
@@ -70,7 +70,7 @@ class Sampling:
     def __init__(
         self, spaces: tuple[DiscreteSpace, ...] = (), cell_degrees: tuple[int, ...] = ()
     ) -> None:
-        self._pieces: list[_Piece] = []
+        self._groups: list[_PanelGroup] = []
         self.size = 0
         self.samples = 0
         for panels, degrees in spaces:
@@ -87,30 +87,32 @@ class Sampling:
         samples = slice(self.samples, self.samples + count * points)
         evaluation = legendre_values(gauss_rule(points)[0], terms - 1)
         expansion = legendre_expansion_matrix(points, terms - 1)
-        self._pieces.append(_Piece(coefficients, samples, evaluation, expansion, used, is_tail))
+        self._groups.append(
+            _PanelGroup(coefficients, samples, evaluation, expansion, used, is_tail)
+        )
         self.size = coefficients.stop
         self.samples = samples.stop
 
     def places_on_cells(self) -> list[Array]:
         """Return the places of the sampling points of every cell, from 0 to 1 on the cell."""
-        return [(1.0 + gauss_rule(len(piece.evaluation))[0]) / 2.0 for piece in self._pieces]
+        return [(1.0 + gauss_rule(len(group.evaluation))[0]) / 2.0 for group in self._groups]
 
     def values(self, coefficients: Array) -> Array:
         """Return a function at the sampling points, (samples,)."""
-        parts = [piece.terms(coefficients) @ piece.evaluation.T for piece in self._pieces]
+        parts = [group.terms(coefficients) @ group.evaluation.T for group in self._groups]
         return np.concatenate([part.ravel() for part in parts])
 
     def coefficients(self, values: Array) -> Array:
         """Return the coefficients of the function through values, (size,)."""
-        parts = [piece.used * (piece.values(values) @ piece.expansion.T) for piece in self._pieces]
+        parts = [group.used * (group.values(values) @ group.expansion.T) for group in self._groups]
         return np.concatenate([part.ravel() for part in parts])
 
     def bounds(self, coefficients: Array) -> Array:
         """Return at every sampling point a bound of a function on its panel, (samples,)."""
         parts = []
-        for piece in self._pieces:
-            sums = np.abs(piece.terms(coefficients)).sum(axis=1)
-            parts.append(np.repeat(sums, len(piece.evaluation)))
+        for group in self._groups:
+            sums = np.abs(group.terms(coefficients)).sum(axis=1)
+            parts.append(np.repeat(sums, len(group.evaluation)))
         return np.concatenate(parts)
 
     def times(self, rows: Array, values: Array) -> Array:
@@ -124,16 +126,16 @@ class Sampling:
             The function that others are multiplied with, at the sampling points.
         """
         parts = []
-        for piece in self._pieces:
-            matrices = piece.expansion @ (piece.values(values)[:, :, None] * piece.evaluation)
-            product = piece.terms(rows).transpose(1, 0, 2) @ matrices
+        for group in self._groups:
+            matrices = group.expansion @ (group.values(values)[:, :, None] * group.evaluation)
+            product = group.terms(rows).transpose(1, 0, 2) @ matrices
             parts.append(product.transpose(1, 0, 2).reshape(len(rows), -1))
         return np.hstack(parts)
 
     def low(self, degree: int) -> NDArray[np.bool_]:
         """Return which coefficients are those of this degree or a lower one, or of a tail."""
         parts = []
-        for piece in self._pieces:
-            count, terms = piece.used.shape
-            parts.append(np.tile(piece.is_tail | (np.arange(terms) <= degree), count))
+        for group in self._groups:
+            count, terms = group.used.shape
+            parts.append(np.tile(group.is_tail | (np.arange(terms) <= degree), count))
         return np.concatenate(parts)
