@@ -108,18 +108,6 @@ class Block(NamedTuple):
     scale: float = 1.0
     reduction: Array | None = None
 
-    def restricted_to(self, columns: NDArray[np.int_]) -> Block:
-        """Return the block of some of its functions, given by their places among them."""
-        boundary_value = self.boundary_value[columns]
-        if self.reduction is not None:
-            reduction = self.reduction[:, columns]
-            return self._replace(boundary_value=boundary_value, reduction=reduction)
-        return self._replace(
-            boundary_value=boundary_value,
-            increment=self.increment[:, columns],
-            value=self.value[:, columns],
-        )
-
     def reduce(self, coefficients: Array) -> Array:
         """Return what `increment` and `value` are applied to: scaled and reduced coefficients."""
         scaled = self.scale * coefficients

@@ -44,9 +44,6 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
-#: How many degrees ``p/s`` has on a panel beyond those of p.
-_EXTRA_DEGREES = 4
-
 
 class MeshPart(NamedTuple):
     """The central disk, or one half of a zone around it, with its mesh.
@@ -64,9 +61,9 @@ class MeshPart(NamedTuple):
         the endpoint weight.
     degrees : tuple of int
         Highest degree of an unknown on every panel.
-    pressure_degrees, shear_degrees : tuple of int
-        Highest degrees of the expansions of p and of u, whether they are known or not. In slip
-        under a known pressure both are those of all functions of the panels.
+    pressure_degrees : tuple of int
+        Highest degree of the expansion of p on every panel. A known pressure has that of the
+        panels.
     """
 
     zone: int
@@ -76,12 +73,16 @@ class MeshPart(NamedTuple):
     shear_mesh: GradedMesh
     degrees: Degrees
     pressure_degrees: Degrees
-    shear_degrees: Degrees
 
     @property
     def sticks(self) -> bool:
         """Whether the zone sticks."""
         return self.state == 0
+
+    @property
+    def shear_degrees(self) -> Degrees:
+        """Highest degree of the expansion of u on every panel: in slip that of p."""
+        return self.degrees if self.sticks else self.pressure_degrees
 
 
 class KnownDisplacement(NamedTuple):
@@ -255,11 +256,6 @@ class ContactFields:
             if self.pressure_known:
                 # it costs nothing to hold a known pressure in all functions of the panels
                 pressure_degrees = (panels.degree,) * panels.count
-            shear_degrees = degrees
-            if state != 0:
-                shear_degrees = tuple(
-                    min(n + _EXTRA_DEGREES, panels.degree) for n in pressure_degrees
-                )
             parts.append(
                 MeshPart(
                     zone,
@@ -269,7 +265,6 @@ class ContactFields:
                     shear_mesh,
                     degrees,
                     pressure_degrees,
-                    shear_degrees,
                 )
             )
         return parts
@@ -499,10 +494,8 @@ def _over_radius(part: MeshPart, factor: float) -> Blockwise:
     values = legendre_values(gauss_rule(points)[0], panels.degree)
     ratios = factor / np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
     blocks = [
-        expand[: shear_degree + 1] @ (values[:, : n + 1] * ratio[:, None])
-        for ratio, n, shear_degree in zip(
-            ratios, part.pressure_degrees, part.shear_degrees, strict=True
-        )
+        expand[: n + 1] @ (values[:, : n + 1] * ratio[:, None])
+        for ratio, n in zip(ratios, part.pressure_degrees, strict=True)
     ]
     # on the tail s is constant to rounding
     at_tail = float(np.sqrt(mesh.points(np.array([panels.end / 2.0])).z[0]))

@@ -133,30 +133,20 @@ class ContactOperators:
     ) -> None:
         """Add the integrals of the fields of part k at the nodes of part i."""
         part = self._parts[k]
-        target_part = self._parts[i]
-        target = (target_part.mesh, target_part.degrees, side)
+        target = self._parts[i]
+
+        def integrals(mesh: GradedMesh, degrees: Degrees) -> Block:
+            of_mesh = block(mesh, degrees, target.mesh, target.degrees, side)
+            assert of_mesh is not None
+            return of_mesh
+
         wants_shear = side > 0 or not self._pressure_known
         wants_pressure = side < 0 or not self._pressure_known
-        shear_block: Block | None = None
         if wants_shear:
-            shear_block = block(part.shear_mesh, part.shear_degrees, *target)
-            assert shear_block is not None
-            of_shear.blocks[k] = shear_block
+            of_shear.blocks[k] = integrals(part.shear_mesh, part.shear_degrees)
         if wants_pressure:
-            of_pressure.blocks[k] = self._pressure_block(part, target, shear_block)
-
-    def _pressure_block(
-        self, part: MeshPart, target: tuple[GradedMesh, Degrees, int], shear_block: Block | None
-    ) -> Block:
-        """Return the integrals of p at the nodes of a target, taken from those of u if possible."""
-        if shear_block is not None and part.shear_mesh == part.mesh:
-            if part.shear_degrees == part.pressure_degrees:
-                return shear_block
-            if shear_block.sampled:
-                panels = part.mesh.panels
-                columns = panels.functions(part.shear_degrees)
-                functions = panels.functions(part.pressure_degrees)
-                return shear_block.restricted_to(np.searchsorted(columns, functions))
-        pressure_block = block(part.mesh, part.pressure_degrees, *target)
-        assert pressure_block is not None
-        return pressure_block
+            same = (part.mesh, part.pressure_degrees) == (part.shear_mesh, part.shear_degrees)
+            if wants_shear and same:
+                of_pressure.blocks[k] = of_shear.blocks[k]
+            else:
+                of_pressure.blocks[k] = integrals(part.mesh, part.pressure_degrees)

@@ -269,11 +269,10 @@ def test_loads_and_shears_are_those_of_the_fields(states):
     shear = 0.0
     for part, (p, u) in zip(system.parts, both_fields(system, values), strict=True):
         points, matrix = sources(part.mesh)
-        # quadrature of a disk has a root at the centre
+        # the quadrature of a disk has a root at the centre, which costs the shear its digits
         load += float((matrix @ p).sum())
         shear += 2.0 * np.pi * float(np.sqrt(points.z) @ (matrix @ u))
     assert system.load_row @ values[: system.pressure_terms] == pytest.approx(load, rel=1e-10)
-    # p/s has some degrees more than p, which is not all of a rough one
     assert system.total_shear(values) == pytest.approx(shear, abs=5e-3)
 
 
