@@ -55,7 +55,7 @@ FROM_EDGE = 1.0 - np.array([1e-3, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 0.999])
 def drawn(rng: np.random.Generator, number: int) -> tuple[Scene, float, float]:
     """Return a scene of contact radius 1, a tolerance, and the power of the profile."""
     kappa = float(rng.uniform(0.02, 0.37)) * (1.0 if rng.random() < 0.5 else -1.0)
-    power = float(rng.choice([1.0, 1.5, 2.0, 3.0]))
+    power = float(rng.choice([1.0, 1.2, 1.5, 2.0, 2.5, 3.0]))
     profile = {1.0: profiles.Cone(1.2), 2.0: profiles.Parabola(1.0)}.get(
         power, profiles.PowerLaw(1.0, power)
     )
