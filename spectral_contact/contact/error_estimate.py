@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 import numpy as np
 
-from spectral_contact.contact.free_boundary import Iterate, Perturbation
+from spectral_contact.contact.free_boundary import Iterate
 from spectral_contact.contact.layout import NoBoundariesError
 from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.relative_changes import relative_changes
@@ -153,15 +153,6 @@ class ZoneEstimate:
         self.noise = rounding + NEGLIGIBLE_FRACTION * self.remaining
 
     @cached_property
-    def end_perturbation(self) -> Perturbation:
-        """Twice the change of the fields by misplaced boundaries, to first order; 2 is for safety.
-
-        Zero without tangential compliance, where no field depends on the defects.
-        """
-        factor = 2.0 if self.system.parameters.beta > 0.0 else 0.0
-        return self.solution.boundary_perturbation(factor)
-
-    @cached_property
     def inverse(self) -> Array:
         """Moduli of the inverse Jacobian, ``|d logit / d residual|``."""
         return np.asarray(np.abs(np.linalg.inv(self.iterate.jacobian)))
@@ -171,12 +162,13 @@ class ZoneEstimate:
         """The relative error of the fields by the errors of the boundaries.
 
         It is twice the Newton step of the logits. With the step above rounding and beta > 0 it is
-        the size of `end_perturbation` if that is smaller.
+        the size of `FieldSolution.boundary_perturbation` if that is smaller.
         """
         residual = np.abs(self.solution.boundary_residual)
         bound = 2.0 * float((self.inverse @ residual).max(initial=0.0))
         if bound > 2.0 * ROUNDING and self.system.parameters.beta > 0.0:
-            return min(self.solution.relative_size(self.end_perturbation.change), bound)
+            perturbation = self.solution.boundary_perturbation
+            return min(self.solution.relative_size(perturbation.change), bound)
         return bound
 
     @cached_property
@@ -349,8 +341,9 @@ class ZoneEstimate:
         residual = system.pointwise_residual(columns, np.array([scale, 0.0]), defects).tangential
         stick_zones = stick_zone_sources(system, [values[:, 0] for values in residual])
         changes = stick_zone_sources(system, [values[:, 1] for values in residual])
-        jump_sizes = np.abs(system.jump_rows @ self.end_perturbation.change)
-        steps = np.abs(self.end_perturbation.defects) + system.parameters.beta * jump_sizes
+        perturbation = solution.boundary_perturbation
+        jump_sizes = np.abs(system.jump_rows @ perturbation.change)
+        steps = np.abs(perturbation.defects) + system.parameters.beta * jump_sizes
         largest = max(
             largest_displacement(changes, *ends)
             for state, ends in zip(system.states[1:], pairwise(system.bounds[1:]), strict=True)

@@ -47,8 +47,6 @@ if TYPE_CHECKING:
 #: COARSE_TOL of the width of a zone (`fd_jacobian`).
 JACOBIAN_FIELD_TOL = COARSE_TOL**3
 
-SystemAt = Callable[[Array], "ContactSystem"]
-
 
 class Perturbation(NamedTuple):
     """A first-order change of a solution at unit load, by another space or other defects.
@@ -160,13 +158,15 @@ class FieldSolution:
         changes = relative_changes(self.system, self.values, change)
         return max(float(relative.max()) for relative in changes)
 
-    def boundary_perturbation(self, factor: float) -> Perturbation:
-        """Return what removing the defects changes at given boundaries, times a factor.
+    @cached_property
+    def boundary_perturbation(self) -> Perturbation:
+        """Twice what removing the defects changes at given boundaries; 2 is for safety.
 
         The traction jumps then. To first order the fields change by as much as if the boundaries
-        moved to where they should be, so that this is the error of the fields; the factor is the
-        safety that an estimate takes.
+        moved to where they should be, so that this is a bound of their error by misplaced
+        boundaries. It is zero without tangential compliance, where no field depends on the defects.
         """
+        factor = 2.0 if self.system.parameters.beta > 0.0 else 0.0
         defects = -factor * self.defects
         return self._at_unit_load(defects, self.factors.defect_responses @ defects)
 
@@ -266,120 +266,109 @@ class Iterate:
     remaining: float = inf
     converged: bool = False
 
+    @classmethod
+    def first(cls, logits: Array, jacobian: Array, system: ContactSystem) -> Iterate:
+        """Return the iterate to begin with: boundaries, and the direct solution with them."""
+        return cls(logits, jacobian, FieldSolution.first(factored(system)))
+
     @property
     def newton_step(self) -> Array:
         """The Newton step of the logits, minus the inverse Jacobian times the residual."""
         return np.asarray(-np.linalg.solve(self.jacobian, self.fields.boundary_residual))
 
+    def corrected_to(self, tolerance: float, *, converged: bool = False) -> Iterate:
+        """Return the iterate with its fields corrected to a tolerance."""
+        if self.remaining <= tolerance:
+            return replace(self, converged=converged)
+        fields, remaining = correct_to(self.fields, tolerance)
+        return replace(self, fields=fields, remaining=remaining, converged=converged)
 
-class FreeBoundary:
-    """Newton's method in one space.
+    def corrected_for_step(self, boundary_tol: float) -> Iterate:
+        """Return the iterate with the error of its fields below a fraction of the Newton step.
 
-    Parameters
-    ----------
-    system_at : callable
-        Returns the system with boundaries at some logits.
-    """
-
-    def __init__(self, system_at: SystemAt) -> None:
-        self._system_at = system_at
-
-    def start(self, logits: Array, jacobian: Array) -> Iterate:
-        """Return the first iterate at these boundaries."""
-        fields = FieldSolution.first(factored(self._system_at(logits)))
-        return Iterate(logits, jacobian, fields)
-
-    def solve(
-        self, start: Iterate, boundary_tol: float, field_tol: float, *, warm_start: bool = False
-    ) -> Iterate:
-        """Move the boundaries until the next step is shorter than a tolerance.
-
-        Parameters
-        ----------
-        start : Iterate
-        boundary_tol : float
-            A step of the logits that is shorter than this is not taken.
-        field_tol : float
-            Relative error of the fields.
-        warm_start : bool
-            Whether the start is the solution of nearly the same problem, so that boundaries must be
-            close to it.
-
-        Returns
-        -------
-        Iterate
-            Converged, or the one with the least boundary residual if that does not fall any more: a
-            cold start that fails raises nothing.
-
-        Raises
-        ------
-        NoBoundariesError
-            If the residual does not vanish near a warm start.
+        The fraction is NEGLIGIBLE_FRACTION. A loose tolerance comes first, as the length of the
+        step is not known before. No step is taken for shorter than `boundary_tol`.
         """
-        iterate = self._corrected_to(start, max(field_tol, COARSE_TOL))
-        if not len(start.logits):
-            return self._corrected_to(iterate, field_tol, converged=True)
-        best = iterate
-        least_residual = inf
-        size_before = inf
-        stalled = 0
-        secants: list[tuple[Array, Array]] = []  # the last steps, with the changes of the residual
-        for _ in range(MAX_STEPS):
-            iterate = self._corrected_for_step(iterate, boundary_tol)
-            residual = iterate.fields.boundary_residual
-            step = iterate.newton_step
-            length = float(np.abs(step).max())
-            if not np.isfinite(length):
-                break
-            size = float(np.abs(residual).max())
-            stalled = stalled + 1 if size > 0.5 * size_before else 0
-            size_before = size
-            if size < least_residual:
-                best = iterate
-                least_residual = size
-            if length < boundary_tol:
-                return self._corrected_to(iterate, field_tol, converged=True)
-            if stalled > 1 and least_residual < RESIDUAL_NOISE:
-                break
-            step *= _feasible_fraction(iterate.logits, step)
-            moved = self._moved(iterate, step)
-            moved = self._corrected_for_step(moved, boundary_tol)
-            secants.append((step, moved.fields.boundary_residual - residual))
-            secants = secants[-len(step) :]
-            iterate = replace(moved, jacobian=_broyden(iterate.jacobian, secants))
-        if warm_start and least_residual > RESIDUAL_NOISE:
-            raise NoBoundariesError("no boundaries near by")
-        return self._corrected_to(best, field_tol)
-
-    def _moved(self, iterate: Iterate, step: Array) -> Iterate:
-        """Return the iterate with other boundaries, its fields not corrected yet."""
-        logits = iterate.logits + step
-        fields = replace(iterate.fields, system=self._system_at(logits))
-        return replace(iterate, logits=logits, fields=fields, remaining=inf)
-
-    def _corrected_for_step(self, iterate: Iterate, boundary_tol: float) -> Iterate:
-        """Correct the fields until their error is below NEGLIGIBLE_FRACTION of the Newton step.
-
-        A loose tolerance comes first, as the length of the step is not known before.
-        """
+        iterate = self.corrected_to(COARSE_TOL)
         tolerance = COARSE_TOL
         while True:
-            if iterate.remaining > tolerance:
-                iterate = self._corrected_to(iterate, tolerance)
             length = float(np.abs(iterate.newton_step).max())
             needed = max(NEGLIGIBLE_FRACTION * max(length, boundary_tol), ROUNDING)
             if not iterate.remaining > needed or tolerance <= needed:
                 return iterate
             tolerance = needed
+            iterate = iterate.corrected_to(tolerance)
 
-    def _corrected_to(
-        self, iterate: Iterate, tolerance: float, *, converged: bool = False
-    ) -> Iterate:
-        """Return the iterate with its fields corrected to a tolerance."""
-        if iterate.remaining > tolerance:
-            fields, remaining = correct_to(iterate.fields, tolerance)
-            iterate = replace(iterate, fields=fields, remaining=remaining)
-        return replace(iterate, converged=converged)
+
+def find_boundaries(
+    system_at: Callable[[Array], ContactSystem],
+    start: Iterate,
+    boundary_tol: float,
+    field_tol: float,
+    *,
+    warm_start: bool = False,
+) -> Iterate:
+    """Move the boundaries by Newton's method until the next step is shorter than a tolerance.
+
+    Parameters
+    ----------
+    system_at : callable
+        Returns the system with boundaries at some logits, in one space.
+    start : Iterate
+    boundary_tol : float
+        A step of the logits that is shorter than this is not taken.
+    field_tol : float
+        Relative error of the fields.
+    warm_start : bool
+        Whether the start is the solution of nearly the same problem, so that boundaries must be
+        close to it.
+
+    Returns
+    -------
+    Iterate
+        Converged, or the one with the least boundary residual if that does not fall any more: a
+        cold start that fails raises nothing.
+
+    Raises
+    ------
+    NoBoundariesError
+        If the residual does not vanish near a warm start.
+    """
+    iterate = start.corrected_to(max(field_tol, COARSE_TOL))
+    if not len(start.logits):
+        return iterate.corrected_to(field_tol, converged=True)
+    best = iterate
+    least_residual = inf
+    size_before = inf
+    stalled = 0
+    secants: list[tuple[Array, Array]] = []  # the last steps, with the changes of the residual
+    for _ in range(MAX_STEPS):
+        iterate = iterate.corrected_for_step(boundary_tol)
+        residual = iterate.fields.boundary_residual
+        step = iterate.newton_step
+        length = float(np.abs(step).max())
+        if not np.isfinite(length):
+            break
+        size = float(np.abs(residual).max())
+        stalled = stalled + 1 if size > 0.5 * size_before else 0
+        size_before = size
+        if size < least_residual:
+            best = iterate
+            least_residual = size
+        if length < boundary_tol:
+            return iterate.corrected_to(field_tol, converged=True)
+        if stalled > 1 and least_residual < RESIDUAL_NOISE:
+            break
+        step *= _feasible_fraction(iterate.logits, step)
+        logits = iterate.logits + step
+        fields = replace(iterate.fields, system=system_at(logits))
+        moved = Iterate(logits, iterate.jacobian, fields).corrected_for_step(boundary_tol)
+        secants.append((step, moved.fields.boundary_residual - residual))
+        secants = secants[-len(step) :]
+        iterate = replace(moved, jacobian=_broyden(iterate.jacobian, secants))
+    if warm_start and least_residual > RESIDUAL_NOISE:
+        raise NoBoundariesError("no boundaries near by")
+    return best.corrected_to(field_tol)
 
 
 def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:

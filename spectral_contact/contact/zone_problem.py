@@ -5,7 +5,7 @@ and everything tangential is for kappa = 1. Full stick has no boundary, one stic
 Parameters are alpha and beta, the normal and tangential compliance, the elastic coupling kappa and
 the friction f.
 
-`refine` chooses the spaces. In each, `FreeBoundary` moves the boundaries by Newton's method and
+`refine` chooses the spaces. In each, `find_boundaries` moves the boundaries by Newton's method and
 corrects the fields, and `ZoneEstimate` estimates the errors.
 """
 
@@ -21,10 +21,10 @@ from spectral_contact.contact.free_boundary import (
     JACOBIAN_FIELD_TOL,
     Corrected,
     FieldSolution,
-    FreeBoundary,
     Iterate,
     correct_to,
     fd_jacobian,
+    find_boundaries,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import NormalContact
@@ -105,7 +105,7 @@ class FreeBoundaryProblem:
         self._layout = layout
         self._known = known
         self._displacement = displacement
-        self._panel_counts: list[int] = []
+        self._first_spaces: list[DiscreteSpace] = []
 
     # systems
 
@@ -117,14 +117,8 @@ class FreeBoundaryProblem:
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         if self._known:
             return known_pressure_spaces(self.parameters, radii, self.states, tolerance)
-        return first_spaces(self.parameters, radii, self.states, tolerance, self._edge_power)
-
-    @property
-    def _edge_power(self) -> float:
-        """The power of y in the endpoint weight of the pressure, or of a known pressure."""
-        if self._known:
-            return -0.5 if self.parameters.alpha == 0.0 else 0.0
-        return edge_power(self.parameters, self.states)
+        power = edge_power(self.parameters, self.states)
+        return first_spaces(self.parameters, radii, self.states, tolerance, power)
 
     def system(
         self,
@@ -171,12 +165,25 @@ class FreeBoundaryProblem:
             displacement=self._displacement,
         )
 
-    def _newton(
-        self, spaces: Sequence[DiscreteSpace], *, with_contributions: bool = False
-    ) -> FreeBoundary:
-        """Return Newton's method in these spaces."""
-        return FreeBoundary(
-            lambda logits: self.system(spaces, logits, with_contributions=with_contributions)
+    def _found_near(
+        self,
+        layout: Layout,
+        spaces: Sequence[DiscreteSpace],
+        boundary_tol: float,
+        field_tol: float,
+        *,
+        with_contributions: bool = False,
+    ) -> Iterate:
+        """Return boundaries and fields in these spaces, from the boundaries of a layout."""
+
+        def system_at(logits: Array) -> ContactSystem:
+            return self.system(spaces, logits, with_contributions=with_contributions)
+
+        assert layout.jacobian is not None
+        logits = np.array(layout.logits)
+        start = Iterate.first(logits, layout.jacobian, system_at(logits))
+        return find_boundaries(
+            system_at, start, boundary_tol, field_tol, warm_start=self.warm_start
         )
 
     # the first boundaries, in small spaces
@@ -207,10 +214,9 @@ class FreeBoundaryProblem:
             return self._initial_disk(layout.logits[0])
         logits = np.array(layout.logits)
         spaces = self.spaces(COARSE_TOL, logits)
-        newton = self._newton(spaces)
-        jacobian = self.jacobian(spaces, logits)
+        guess = layout._replace(jacobian=self.jacobian(spaces, logits))
         boundary_tol = min(COARSE_TOL, 0.5 * JACOBIAN_RANGE * min_zone_width(logits))
-        iterate = newton.solve(newton.start(logits, jacobian), boundary_tol, COARSE_TOL)
+        iterate = self._found_near(guess, spaces, boundary_tol, COARSE_TOL)
         next_step = float(np.abs(iterate.newton_step).max())
         if not next_step < JACOBIAN_RANGE * min_zone_width(iterate.logits):
             raise NoBoundariesError("no such boundaries are found")
@@ -255,41 +261,33 @@ class FreeBoundaryProblem:
         # boundaries superconverge: a space for half the digits has nearly all of theirs
         halfway_tol = float(np.sqrt(self.field_tolerance))
         if len(logits) and halfway_tol < COARSE_TOL and not (self._known and self.warm_start):
-            newton = self._newton(self.spaces(halfway_tol, logits))
-            assert self._layout.jacobian is not None
-            start = newton.start(logits, self._layout.jacobian)
             boundary_tol = max(self.field_tolerance, RESIDUAL_NOISE)
-            iterate = newton.solve(start, boundary_tol, halfway_tol, warm_start=self.warm_start)
+            iterate = self._found_near(
+                self._layout, self.spaces(halfway_tol, logits), boundary_tol, halfway_tol
+            )
             logits = iterate.logits
             if iterate.converged:
                 logits = logits + iterate.newton_step
             self._layout = self._layout_of(logits, iterate.jacobian)
-        spaces = self.spaces(self.field_tolerance, logits)
-        self._panel_counts = [space.panels.count for space in spaces]
-        return concatenate_spaces(spaces)
+        self._first_spaces = self.spaces(self.field_tolerance, logits)
+        return concatenate_spaces(self._first_spaces)
 
     def split(self, space: DiscreteSpace) -> list[DiscreteSpace]:
         """Return the spaces of all parts, from one that concatenates them as `start` does."""
-        return split_spaces(space, self._panel_counts, self._edge_power)
+        return split_spaces(space, self._first_spaces)
 
     def attempt(self, space: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space, from the boundaries of the last one."""
         spaces = self.split(space)
-        layout = self.current_layout()
-        newton = self._newton(spaces, with_contributions=True)
         negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
         boundary_tol = max(negligible, RESIDUAL_NOISE)
         if self.parameters.beta == 0.0:
             # a misplaced boundary leaves a traction that is singular there, of which no estimate
             # of the fields knows: the boundary is found to rounding
             boundary_tol = RESIDUAL_NOISE
-        assert layout.jacobian is not None
-        start = newton.start(np.array(layout.logits), layout.jacobian)
-        iterate = newton.solve(
-            start,
-            boundary_tol,
-            max(negligible, 2.0 * ROUNDING),
-            warm_start=self.warm_start,
+        field_tol = max(negligible, 2.0 * ROUNDING)
+        iterate = self._found_near(
+            self.current_layout(), spaces, boundary_tol, field_tol, with_contributions=True
         )
         if not iterate.converged:
             # next to the onset of a zone no step is below the tolerance, and Broyden's Jacobian is

@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import accumulate, pairwise
+from itertools import islice, pairwise
 from math import atan, atanh, ceil, log, pi
 
 import numpy as np
@@ -125,29 +125,23 @@ def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     return atan(2.0 * parameters.kappa * parameters.friction) / pi - 0.5
 
 
-def split_spaces(space: DiscreteSpace, counts: Sequence[int], power: float) -> list[DiscreteSpace]:
-    """Return the spaces of all parts from what `concatenate_spaces` made of them.
+def split_spaces(space: DiscreteSpace, parts: Sequence[DiscreteSpace]) -> list[DiscreteSpace]:
+    """Return the spaces of all parts, with the degrees of one that concatenates them.
 
     Parameters
     ----------
     space : DiscreteSpace
-    counts : sequence of int
-        Numbers of panels of the parts.
-    power : float
-        Endpoint weight of the pressure on the last part, see `edge_power`. A tail of roots is that
-        of the disk.
+        What `concatenate_spaces` made of the parts, with other degrees.
+    parts : sequence of DiscreteSpace
     """
-    spaces = []
-    bounds = list(accumulate(counts, initial=0))
-    for first, end in pairwise(bounds):
-        panels = replace(
-            space.panels,
-            count=end - first,
-            power=power if end == bounds[-1] else 0.0,
-            root_tail=space.panels.root_tail and first == 0,
+    degrees = iter(space.degrees)
+    return [
+        DiscreteSpace(
+            replace(part.panels, degree=space.panels.degree),
+            tuple(islice(degrees, len(part.degrees))),
         )
-        spaces.append(DiscreteSpace(panels, space.degrees[first:end]))
-    return spaces
+        for part in parts
+    ]
 
 
 # the first spaces of all parts

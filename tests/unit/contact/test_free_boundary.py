@@ -7,10 +7,11 @@ import pytest
 
 from spectral_contact.contact.free_boundary import (
     FieldSolution,
-    FreeBoundary,
+    Iterate,
     _broyden,
     correct_to,
     fd_jacobian,
+    find_boundaries,
 )
 from spectral_contact.contact.layout import Layout, NoBoundariesError
 from spectral_contact.contact.normal import solve_normal
@@ -48,10 +49,10 @@ CASES = [
 ]
 
 
-def newton_of(problem, logits):
-    """Return Newton's method in the first space of a problem."""
+def system_near(problem, logits):
+    """Return the system as a function of the boundaries, in the first space of a problem."""
     spaces = problem.spaces(TOLERANCE, logits)
-    return FreeBoundary(lambda at: problem.system(spaces, at))
+    return lambda at: problem.system(spaces, at)
 
 
 def residual_at(problem, logits):
@@ -70,11 +71,12 @@ def test_boundaries_are_found_from_a_guess_that_is_off_by_a_third(make, known):
     problem = make(known=known)
     located = problem.current_layout()
     logits = np.array(located.logits)
-    newton = newton_of(problem, logits)
+    system_at = system_near(problem, logits)
     found = []
     for way in (0.3, -0.3):
         guess = logits + way * np.array([1.0, -0.5])[: len(logits)]
-        iterate = newton.solve(newton.start(guess, located.jacobian), 1e-9, 1e-11)
+        start = Iterate.first(guess, located.jacobian, system_at(guess))
+        iterate = find_boundaries(system_at, start, 1e-9, 1e-11)
         assert iterate.converged
         assert iterate.remaining <= 1e-11
         assert np.abs(iterate.newton_step).max() < 1e-9
@@ -91,11 +93,11 @@ def test_what_it_begins_with_stays_as_it_is(make, known):
     located = problem.current_layout()
     logits = np.array(located.logits) + 0.1
     jacobian = np.array(located.jacobian)
-    newton = newton_of(problem, logits)
-    start = newton.start(logits.copy(), jacobian.copy())
+    system_at = system_near(problem, logits)
+    start = Iterate.first(logits.copy(), jacobian.copy(), system_at(logits))
     values = start.fields.values.copy()
     defects = start.fields.defects.copy()
-    end = newton.solve(start, 1e-8, 1e-10)
+    end = find_boundaries(system_at, start, 1e-8, 1e-10)
     assert end is not start
     assert not np.array_equal(end.logits, start.logits)
     assert np.array_equal(start.logits, logits)
@@ -104,7 +106,7 @@ def test_what_it_begins_with_stays_as_it_is(make, known):
     assert np.array_equal(start.fields.defects, defects)
     assert not start.converged
     # and the same start has the same end
-    again = newton.solve(start, 1e-8, 1e-10)
+    again = find_boundaries(system_at, start, 1e-8, 1e-10)
     assert np.array_equal(again.logits, end.logits)
     assert np.array_equal(again.fields.values, end.fields.values)
 
@@ -114,9 +116,10 @@ def test_a_jacobian_is_learnt_from_the_steps():
     located = problem.current_layout()
     logits = np.array(located.logits)
     spread = np.array([[1.0, 0.3], [-0.2, 1.0]])
-    newton = newton_of(problem, logits)
-    start = newton.start(logits + np.array([0.1, -0.1]), 1.3 * located.jacobian @ spread)
-    iterate = newton.solve(start, 1e-9, 1e-11)
+    system_at = system_near(problem, logits)
+    guess = logits + np.array([0.1, -0.1])
+    start = Iterate.first(guess, 1.3 * located.jacobian @ spread, system_at(guess))
+    iterate = find_boundaries(system_at, start, 1e-9, 1e-11)
     assert iterate.converged
     true = fd_jacobian(residual_at(problem, logits), iterate.logits)
     off_first = np.abs(np.linalg.solve(true, start.jacobian) - np.eye(2)).max()
@@ -145,9 +148,8 @@ def test_boundaries_stay_in_order():
         seen.append(at)
         return problem.system(spaces, at)
 
-    newton = FreeBoundary(system_at)
-    start = newton.start(logits, np.diag([1e-3, -1e-3]))  # steps of a hundred, to each other
-    newton.solve(start, 1e-8, 1e-8)
+    jacobian = np.diag([1e-3, -1e-3])  # steps of a hundred, to each other
+    find_boundaries(system_at, Iterate.first(logits, jacobian, system_at(logits)), 1e-8, 1e-8)
     assert len(seen) > 2
     assert min(np.diff(at)[0] for at in seen) > 0.0
     assert max(np.abs(np.diff(seen, axis=0)).max(axis=1)) <= 2.0 + 1e-12
@@ -161,10 +163,10 @@ def test_boundaries_that_are_not_near_by_are_given_up(known):
     more = problem.parameters._replace(friction=100.0 * problem.parameters.friction)
     problem.parameters = more
     logits = np.array(located.logits)
-    newton = newton_of(problem, logits)
-    start = newton.start(logits, located.jacobian)
+    system_at = system_near(problem, logits)
+    start = Iterate.first(logits, located.jacobian, system_at(logits))
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
-        newton.solve(start, 1e-8, 1e-8, warm_start=True)
+        find_boundaries(system_at, start, 1e-8, 1e-8, warm_start=True)
     with pytest.raises(NoBoundariesError), np.errstate(all="ignore"):
         problem.current_layout()
 
