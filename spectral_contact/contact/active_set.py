@@ -19,6 +19,7 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.contact.layout import Layout
 from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.tuning import (
     FIRST_RINGS,
@@ -28,7 +29,7 @@ from spectral_contact.contact.tuning import (
     RING_PATIENCE,
     RINGS_PER_SPLIT,
 )
-from spectral_contact.fields.series import Array, Radius
+from spectral_contact.fields.series import Array
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
@@ -223,18 +224,15 @@ class RingLayout:
 
     Attributes
     ----------
-    states : tuple of int
-        States of the zones, outward: 0 for stick, +1 or -1 for slip with ``q = +f p`` or ``q = -f
-        p``. After a split, a zone of fewer rings than
-        `RINGS_PER_SPLIT` between two others is left out.
-    boundaries : tuple of Radius
-        Boundaries between the zones, interpolated between rings; one fewer than zones.
+    zones : Layout
+        Their states, and the boundaries between them, interpolated between rings. The first state
+        is not 0 where the stick disk is inside the first ring. After a split, a zone of fewer rings
+        than `RINGS_PER_SPLIT` between two others is left out.
     ring_state : RingState
         The solution on the last grid.
     """
 
-    states: tuple[int, ...]
-    boundaries: tuple[Radius, ...]
+    zones: Layout
     ring_state: RingState
 
     @property
@@ -245,7 +243,7 @@ class RingLayout:
     @property
     def centre_unresolved(self) -> bool:
         """Whether the stick disk, which friction always leaves, is inside the first ring."""
-        return self.states[0] != 0
+        return self.zones.states[0] != 0
 
 
 def ring_layout(
@@ -296,11 +294,9 @@ def ring_layout(
         ring_state = solve_active_set(system, np.zeros_like(ring_state.states))
     zone_states = _without_spurious_zones(ring_state.states) if splits else ring_state.states
     last_rings, boundaries = _boundaries(replace(ring_state, states=zone_states))
-    return RingLayout(
-        tuple(zone_states[np.append(last_rings, -1)].tolist()),
-        tuple(map(Radius.from_logit, boundaries.tolist())),
-        ring_state,
-    )
+    states_outward = zone_states[np.append(last_rings, -1)]
+    zones = Layout(tuple(boundaries.tolist()), tuple(states_outward.tolist()))
+    return RingLayout(zones, ring_state)
 
 
 def _without_spurious_zones(states: Integers) -> Integers:

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spectral_contact.contact.friction_law import DISTANCES, stick_violation
+from spectral_contact.contact.friction_law import stick_violation
 from spectral_contact.contact.resolution import (
     CUBIC_TAIL_DEPTH,
     EPSILON_DEPTH,
 )
 from spectral_contact.contact.tuning import COARSE_TOL
-from spectral_contact.contact.zone_fields import all_positive
+from spectral_contact.contact.zone_fields import all_positive, fields_in_stick
 
 if TYPE_CHECKING:
     from spectral_contact.contact.free_boundary import FieldSolution
@@ -39,14 +39,12 @@ class CandidateRadius:
     Attributes
     ----------
     logit : float
-    positive : bool
-        Whether the pressure is positive everywhere.
     excess : float
-        The largest ``|q|/(f p) - 1`` in stick, or 0; infinite if the pressure is not positive.
+        The largest ``|q|/(f p) - 1`` in stick, or 0; infinite if the pressure is not positive
+        everywhere.
     """
 
     logit: float
-    positive: bool
     excess: float
 
     @property
@@ -55,7 +53,7 @@ class CandidateRadius:
 
         Whether slip opposes the traction is not verified.
         """
-        return self.positive and self.excess <= COARSE_TOL
+        return self.excess <= COARSE_TOL
 
 
 def stick_radii(
@@ -88,7 +86,7 @@ def stick_radii(
         right_residual = right_solution.boundary_residual[0]
         if (left_residual > 0.0) != (right_residual > 0.0):
             root = float(brentq(residual, left, right, xtol=COARSE_TOL))
-            yield _assessed(root, problem.coarse_solution(root))
+            yield CandidateRadius(root, _stick_excess(problem.coarse_solution(root)))
 
 
 def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> list[float]:
@@ -104,13 +102,11 @@ def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> list
     return list(np.arange(first, max(last, first + step) + step, step).tolist())
 
 
-def _assessed(logit: float, solution: FieldSolution) -> CandidateRadius:
-    """Return a stick radius, and how far its fields break the friction law in stick."""
+def _stick_excess(solution: FieldSolution) -> float:
+    """Return how far fields break the friction law in stick, see `CandidateRadius`."""
     system = solution.system
     pressures, shears = system.series(solution.values)
     if not all_positive(pressures):
-        return CandidateRadius(logit, False, inf)
-    radii = system.radii[0].value * np.sqrt(1.0 - DISTANCES)
-    q = radii * shears[0](DISTANCES)
-    excess = stick_violation(system.parameters.friction, [(q, pressures[0](DISTANCES))])
-    return CandidateRadius(logit, True, excess)
+        return inf
+    fields = fields_in_stick(system, pressures, shears)
+    return stick_violation(system.parameters.friction, fields)

@@ -56,16 +56,11 @@ def full_stick(
         Whether the ratios of traction to pressure are wanted, under a known pressure.
     """
     zones = solved.best.value
-    if contact is None:
-        approach = zones.approach
-        approach_error = zones.approach_error
-    else:
-        approach = contact.approach
-        approach_error = contact.approach_error
+    normal = zones if contact is None else contact
     result = FullStick(
-        approach=approach,
+        approach=normal.approach,
         total_shear=zones.total_shear,
-        approach_error=approach_error,
+        approach_error=normal.approach_error,
         shear_error=zones.shear_error,
     )
     if contact is not None:

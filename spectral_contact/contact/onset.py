@@ -21,6 +21,7 @@ from spectral_contact.contact.resolution import (
     sample_depths,
 )
 from spectral_contact.contact.tuning import MAX_RING_WIDTH, ONSET_SAMPLES, RINGS_PER_SPLIT, SAMPLES
+from spectral_contact.contact.zone_spaces import leading_depth
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
@@ -118,12 +119,10 @@ def is_narrow(zones: Layout) -> bool:
 
 def _edge_depth(parameters: Parameters) -> float:
     """Return the x beyond which the ratio ``|q|/p`` of full stick is that of the edge."""
-    alpha = parameters.alpha
     beta = parameters.beta
-    if alpha == 0.0 < beta:
+    if parameters.alpha == 0.0 < beta:
         # On a smooth surface p grows like 1/sqrt(y), while q is at most about kappa/beta. So f p
         # exceeds q for y below (f beta/kappa)**2, and the edge sticks.
         ratio = min(parameters.friction / parameters.kappa, 1.0)
         return max(-2.0 * log(ratio * min(beta, 1.0)), 0.0) + EPSILON_DEPTH
-    layers = [-log(compliance) for compliance in (alpha, beta) if compliance > 0.0]
-    return max([0.0, *layers]) + EPSILON_DEPTH
+    return leading_depth(parameters, 1.0)

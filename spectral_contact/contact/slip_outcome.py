@@ -23,6 +23,7 @@ from math import inf, pi
 
 import numpy as np
 
+from spectral_contact.contact import zone_fields
 from spectral_contact.contact.friction_law import (
     UNRESOLVED_SLIP,
     Interval,
@@ -36,6 +37,7 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, Trial
 from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.onset import unresolved_slip
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
@@ -161,8 +163,6 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     If f is below the critical friction f_crit, the traction of full stick exceeds f p by a relative
     ``f_crit/f - 1`` at most. This is added to the errors of traction and shear.
     """
-    from spectral_contact.contact.onset import unresolved_slip
-
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
     excess = 0.0
@@ -236,8 +236,6 @@ def zones_outcome(
         Whether the stick disk is so small that it counts as a point: it contributes neither to
         the displacement nor to its error, and the friction law is not checked in it.
     """
-    from spectral_contact.contact import zone_fields
-
     # E in slip, and a bound of the error of the displacement by its error
     slip_zones, slip_residual_error = solved.slip_samples
     if point_disk:  # neither the disk nor its boundary has an error
@@ -256,7 +254,8 @@ def zones_outcome(
     else:
         system = solved.system
         stick_tractions = zone_fields.stick_tractions(system.states, system.bounds, solved.shears)
-        excess = stick_violation(parameters.friction, zone_fields.fields_in_stick(solved))
+        in_stick = zone_fields.fields_in_stick(system, solved.pressures, solved.shears)
+        excess = stick_violation(parameters.friction, in_stick)
     pressure: PressureField | ZonalField
     if contact is None:
         pressure = zone_fields.pressure_field(solved, parameters)

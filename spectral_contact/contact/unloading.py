@@ -132,9 +132,8 @@ class UnloadedSearch(ZoneSearch):
         least = shakedown(self.stick.critical, 0.0, self.parameters.friction).ratio
         while True:
             rings = ring_layout(self.parameters, coupled=False, splits=3, unloaded_to=load_ratio)
-            zones = Layout(tuple(radius.logit for radius in rings.boundaries), rings.states)
-            if self._is_possible(zones) or load_ratio <= least:
-                return zones
+            if self._is_possible(rings.zones) or load_ratio <= least:
+                return rings.zones
             load_ratio = max(load_ratio / 2.0, least)
 
     def _candidates(self) -> Iterator[Candidate]:

@@ -28,6 +28,7 @@ from spectral_contact.fields.series import (
     ZonalField,
     ZonePiece,
 )
+from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.parameters import Parameters
 from spectral_contact.spectral.parts import gap
 
@@ -37,12 +38,14 @@ def all_positive(pressures: Sequence[LogSeries]) -> bool:
     return bool(np.min([pressure(DISTANCES) for pressure in pressures]) > 0.0)
 
 
-def fields_in_stick(solved: ZoneSolution) -> Iterator[tuple[Array, Array]]:
-    """Yield q and p at `DISTANCES` on every part of the stick zones."""
-    for k, shear in solved.shears.items():
-        points = solved.system.parts[k].mesh.points(DISTANCES)
+def fields_in_stick(
+    system: ContactSystem, pressures: Sequence[LogSeries], shears: Mapping[int, LogSeries]
+) -> Iterator[tuple[Array, Array]]:
+    """Yield q and p at `DISTANCES` on every part that sticks, from p and q/s on the parts."""
+    for k, shear in shears.items():
+        points = system.parts[k].mesh.points(DISTANCES)
         s = np.sqrt(np.maximum(points.z, 0.0))
-        yield s * shear(DISTANCES), solved.pressures[k](DISTANCES)
+        yield s * shear(DISTANCES), pressures[k](DISTANCES)
 
 
 def stick_tractions(

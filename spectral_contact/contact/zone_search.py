@@ -37,6 +37,7 @@ import numpy as np
 
 from spectral_contact.contact.layout import Layout, NoBoundariesError, Trial, fixed_disk
 from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.onset import is_narrow, slip_where_exceeded
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import EPSILON_DEPTH
@@ -169,44 +170,53 @@ class ZoneSearch(ABC):
 
         Its `trials` are all candidates that were tried, with or without a solution.
         """
-        outcomes: list[PartialSlip] = []
-        trial_states: set[tuple[int, ...]] = set()
         # Newton's method for boundaries that do not exist ends at the edge, in overflow
         with np.errstate(all="ignore"):
-            for candidate in self._candidates():
-                if candidate.predicted:
-                    outcomes += self._try(candidate)
-                elif candidate.zones.states not in trial_states:
-                    # Other boundaries of the same states are not tried, unless these were none
-                    # yet (a disk whose radius is to be found) or those of a like scene.
-                    if candidate.zones.logits and candidate.zones.jacobian is None:
-                        trial_states.add(candidate.zones.states)
-                    outcomes += self._try_with_missing_stick(candidate, trial_states)
-                if outcomes and outcomes[-1].verified:
-                    return self._with_trials(outcomes[-1])
-        return self._with_trials(self._least_wrong(outcomes))
+            outcome = self._best()
+        return replace(outcome, trials=tuple(self._trials))
 
-    def _try_with_missing_stick(
-        self, candidate: Candidate, trial_states: set[tuple[int, ...]]
-    ) -> list[PartialSlip]:
-        """Try a candidate, then its zones with the stick whose absence refuted it, and so on.
-
-        The states of the zones that are solved for are added to `trial_states`.
-        """
+    def _best(self) -> PartialSlip:
+        """Return the outcome of the search, which does not say yet what was tried."""
         outcomes: list[PartialSlip] = []
-        while self._is_possible(candidate.zones):
-            new = self._try(candidate)
-            if not new:
-                break
-            outcomes += new
-            trial_states.add(candidate.zones.states)
-            enlarged = None if new[0].verified else new[0].with_missing_stick
-            if enlarged is None:
-                break
-            candidate = Candidate(enlarged, "the zones before, with the stick missing there")
-        return outcomes
+        trial_states: set[tuple[int, ...]] = set()
+        for candidate in self._candidates():
+            if not candidate.predicted and candidate.zones.states in trial_states:
+                continue
+            for outcome in self._solutions(candidate, trial_states):
+                if outcome.verified:
+                    return outcome
+                outcomes.append(outcome)
+        return self._least_wrong(outcomes)
 
-    def _try(self, candidate: Candidate) -> list[PartialSlip]:
+    def _solutions(
+        self, candidate: Candidate, trial_states: set[tuple[int, ...]]
+    ) -> Iterator[PartialSlip]:
+        """Yield the solution on a candidate, if there is one, and those with stick added to it.
+
+        Stick is added where its absence refuted the solution before, until none is missing or
+        there is no solution; to predicted zones none is added. `trial_states` takes the states of
+        which no other boundaries are to be tried: those that are solved for, and those that began
+        with boundaries of this scene. A disk without a radius has none yet, and zones with a
+        Jacobian have those of a like scene.
+        """
+        boundaries_given = candidate.zones.logits and candidate.zones.jacobian is None
+        if boundaries_given and not candidate.predicted:
+            trial_states.add(candidate.zones.states)
+        while candidate.predicted or self._is_possible(candidate.zones):
+            outcome = self._try(candidate)
+            if outcome is None:
+                return
+            yield outcome
+            if candidate.predicted:
+                return
+            trial_states.add(candidate.zones.states)
+            if outcome.with_missing_stick is None:
+                return
+            candidate = Candidate(
+                outcome.with_missing_stick, "the zones before, with the stick missing there"
+            )
+
+    def _try(self, candidate: Candidate) -> PartialSlip | None:
         """Return the solution on a candidate, if there is one, and note the verdict on it."""
         outcome = None
         try:
@@ -216,17 +226,11 @@ class ZoneSearch(ABC):
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             verdict = str(error)
         self._trials.append(Trial(candidate.zones, candidate.reason, verdict))
-        return [] if outcome is None else [outcome]
-
-    def _with_trials(self, outcome: PartialSlip) -> PartialSlip:
-        """Return an outcome that tells which candidates were tried."""
-        return replace(outcome, trials=tuple(self._trials))
+        return outcome
 
     @property
     def _slip_where_full_stick_violates(self) -> Candidate:
         """Slip where full stick violates ``|q| <= f p``, stick elsewhere."""
-        from spectral_contact.contact.onset import slip_where_exceeded
-
         zones = slip_where_exceeded(self.stick, self.parameters)
         return Candidate(zones, "slip where full stick exceeds the friction")
 
@@ -245,15 +249,15 @@ class ZoneSearch(ABC):
         """Whether the stick zone at a smooth edge is wide enough to be represented."""
         return self._smooth_edge_sticks and self._edge_stick_width >= exp(-MAX_LOGIT)
 
-    def _with_edge_stick(self, logits: list[float], states: tuple[int, ...]) -> Layout:
+    def _with_edge_stick(self, zones: Layout) -> Layout:
         """Return zones on rings, with stick at a smooth edge that slips on rings.
 
         The stick is narrower than any ring, and is added if it can be represented.
         """
-        if self._edge_stick_is_resolvable and states[-1] != 0:
-            # next to the edge the logit is -ln y
-            return Layout((*logits, -log(self._edge_stick_width)), (*states, 0))
-        return Layout(tuple(logits), states)
+        if not self._edge_stick_is_resolvable or zones.states[-1] == 0:
+            return zones
+        # next to the edge the logit is -ln y
+        return Layout((*zones.logits, -log(self._edge_stick_width)), (*zones.states, 0))
 
     @abstractmethod
     def _candidates(self) -> Iterator[Candidate]:
@@ -294,23 +298,22 @@ class UncoupledSearch(ZoneSearch):
     contact: NormalContact
     pointwise: bool = True
 
-    def outcome(self) -> PartialSlip:
+    def _best(self) -> PartialSlip:
         """Return the best outcome, or full stick where slip cannot be told from it.
 
         That is where the outcome breaks the friction law, or misses the tolerance, and f exceeds
         the lower bound of the critical friction.
         """
-        best = super().outcome()
+        best = super()._best()
         failed = not best.consistent or self._error(best) > self.tolerance
         critical = self.stick.critical * (1.0 - self.stick.critical_error)
         if failed and self.parameters.friction > critical:
-            return self._with_trials(full_stick_outcome(self.stick, self.parameters))
+            return full_stick_outcome(self.stick, self.parameters)
         return best
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, one disk, what full stick and rings show."""
         beta = self.parameters.beta
-        friction = self.parameters.friction
         start = self.warm_start
         if start is not None and min(np.diff(start.logits), default=0.0) > COARSE_TOL:
             yield Candidate(start, "the zones of a like scene", predicted=True)
@@ -320,23 +323,18 @@ class UncoupledSearch(ZoneSearch):
             yield Candidate(_DISK, "one stick disk")
         if beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
-        from spectral_contact.contact.onset import is_narrow
-
         violated = self._slip_where_full_stick_violates
         if is_narrow(violated.zones):  # rings may miss it
             yield violated
         from spectral_contact.contact.active_set import ring_layout
 
         rings = ring_layout(self.parameters, coupled=False)
-        logits = [radius.logit for radius in rings.boundaries]
-        states = rings.states
+        zones = rings.zones
         if rings.centre_unresolved:
-            centre = 2.0 * beta * friction  # c -> 2 beta f / kappa as f -> 0
-            logits = [Radius(centre, 1.0 - centre).logit, *logits]
-            states = (0, *states)
-        yield Candidate(
-            self._with_edge_stick(logits, states), "the zones of an active set on rings"
-        )
+            centre = 2.0 * beta * self.parameters.friction  # c -> 2 beta f / kappa as f -> 0
+            logit = Radius(centre, 1.0 - centre).logit
+            zones = Layout((logit, *zones.logits), (0, *zones.states))
+        yield Candidate(self._with_edge_stick(zones), "the zones of an active set on rings")
         # the pressure on rings is not quite the pressure of the contact
         yield violated
 
@@ -407,7 +405,7 @@ class UncoupledSearch(ZoneSearch):
         return max(solved.traction_error if self.pointwise else 0.0, solved.shear_error)
 
     def _full_slip(self) -> PartialSlip:
-        """Return full slip: the stick disk is smaller than 1e-54."""
+        """Return full slip: the logit of the stick radius is below MIN_LOGIT."""
         # one space is enough: nothing depends on the fields in the disk
         point = FreeBoundaryProblem(
             self.parameters, fixed_disk(_POINT_LOGIT), self.tolerance, known=self.contact
@@ -450,7 +448,7 @@ class CoupledSearch(ZoneSearch):
     In each of 600 random scenes, half of them at thresholds, the law held on one of the candidates.
     """
 
-    def outcome(self) -> PartialSlip:
+    def _best(self) -> PartialSlip:
         """Return the first outcome that obeys the friction law, or the best that will do.
 
         Where stick at a smooth edge is so narrow that a closed form is more accurate than panels,
@@ -458,21 +456,20 @@ class CoupledSearch(ZoneSearch):
         """
         closed_form = self._disk_with_edge_stick()
         if closed_form is not None and _largest_error(closed_form) <= self.tolerance:
-            return self._with_trials(closed_form)
+            return closed_form
         try:
-            best = super().outcome()
+            best = super()._best()
         except NoZonesError:
             if closed_form is None:
                 raise
-            return self._with_trials(closed_form)
+            return closed_form
         if closed_form is not None and _largest_error(closed_form) < _largest_error(best):
-            return self._with_trials(closed_form)
+            return closed_form
         return best
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
         from spectral_contact.contact.active_set import ring_layout
-        from spectral_contact.contact.onset import is_narrow
 
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
@@ -482,9 +479,7 @@ class CoupledSearch(ZoneSearch):
         rings = ring_layout(self.parameters, coupled=True)
         decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
         if decided and rings.ring_state.pressure_is_positive:
-            zones = self._with_edge_stick(
-                [radius.logit for radius in rings.boundaries], rings.states
-            )
+            zones = self._with_edge_stick(rings.zones)
             yield Candidate(zones, "the zones of an active set on rings")
         # closer to the onset full stick may stand for slip (`solving.coupled_run`)
         if 1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND:
@@ -569,9 +564,8 @@ class CoupledSearch(ZoneSearch):
         ):
             return None
         reason = "one stick disk, with narrow stick at the edge in closed form"
-        with np.errstate(all="ignore"):
-            outcomes = self._try(Candidate(_WIDE_DISK, reason, closed_edge=True))
-        return next((outcome for outcome in outcomes if outcome.verified), None)
+        outcome = self._try(Candidate(_WIDE_DISK, reason, closed_edge=True))
+        return outcome if outcome is not None and outcome.verified else None
 
     def larger_radii(self, logit: float) -> list[float]:
         """Return stick radii, larger than that of a solution, that may be solutions as well.

@@ -66,7 +66,11 @@ def main(count: int) -> None:
     for number in range(count):
         scene = draw(number)
         found = [
-            {"logit": round(one.logit, 3), "positive": one.positive, "possible": one.admissible}
+            {
+                "logit": round(one.logit, 3),
+                "positive": one.excess < math.inf,
+                "possible": one.admissible,
+            }
             for one in radii(scene)
         ]
         rows.append({"number": number, "scene": asdict(scene), "radii": found})

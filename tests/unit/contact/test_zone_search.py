@@ -118,7 +118,7 @@ def test_states_are_tried_once_but_a_disk_without_radius(monkeypatch):
     infinite = parameters._replace(friction=math.inf)
     stick = full_stick(solve_stick(infinite, 1e-4, 5000), None).best.value
     rings = active_set.ring_layout(parameters, coupled=True)
-    assert rings.states == (0, 1)
+    assert rings.zones.states == (0, 1)
     search = CoupledSearch(parameters, stick, 1e-4, 5000, value)
     reasons = []
 
