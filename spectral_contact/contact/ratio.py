@@ -156,16 +156,12 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     series = traction.series
     assert series is not None
     edge_pressure = pressure.value(0.0)
-    same_panels = pressure.series is not None and pressure.series.on_panels_of(series)
 
     def ratio(x: Array) -> Array:
         """Return ``|q/p|``."""
         y = np.exp(-x)
         s = np.sqrt(-np.expm1(-x))
-        if not same_panels:
-            return np.abs(s * series(y) / pressure.evaluate(y))
-        q_over_s, p = PressureField.several([PressureField(None, series), pressure], y)
-        return np.asarray(np.abs(s * q_over_s / p))
+        return np.abs(s * series(y) / pressure.evaluate(y))
 
     edge = 0.0 if edge_pressure == inf else series.limit / edge_pressure
     if edge == inf:

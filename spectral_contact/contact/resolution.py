@@ -24,7 +24,6 @@ from spectral_contact.contact.tuning import (
     START_DEGREES_PER_EFOLD,
 )
 from spectral_contact.fields.series import Array, Radius
-from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.panels import DiscreteSpace, LogPanels
 
 #: The smallest normal double: added to, or put in place of, a divisor that may be zero.
@@ -77,35 +76,21 @@ def graded_space(
         Least depth beyond the settling depth at which the mesh ends.
     """
     # rounded up, so that scenes that are much alike have the same space
-    depth = ceil(2.0 * settling_depth) / 2.0
-    return _graded_space(
-        PANEL_WIDTH, depth, -log(tolerance), rate, power, starts_near_singularity, min_settling
-    )
-
-
-@bounded_cache("first spaces")
-def _graded_space(
-    width: float,
-    settling_depth: float,
-    efolds: float,
-    rate: float,
-    power: float,
-    starts_near_singularity: bool,
-    min_settling: float,
-) -> DiscreteSpace:
+    settling_depth = ceil(2.0 * settling_depth) / 2.0
+    efolds = -log(tolerance)
     # four more than are wanted: the top degrees of the last panel are hardly determined
     mesh_efolds = efolds + 4.0
     settling = max(mesh_efolds / rate, min_settling) if rate else CUBIC_TAIL_DEPTH
     depth = settling_depth + settling
-    panels = 2 * ceil(depth / width / 2.0)
-    x = width * np.arange(panels)
+    panels = 2 * ceil(depth / PANEL_WIDTH / 2.0)
+    x = PANEL_WIDTH * np.arange(panels)
     unsettled = np.clip(1.0 - rate * (x - settling_depth) / mesh_efolds, 0.0, 1.0)
     degrees = np.ceil(SPARE_DEGREES + DEGREES_PER_EFOLD * efolds * unsettled).astype(int)
     if starts_near_singularity:
         degrees[0] += ceil(START_DEGREES_PER_EFOLD * efolds)
     # a few degrees more than there are, for refinement
     capacity = 4 * ceil((int(degrees.max()) + 4) / 4)
-    mesh = LogPanels(panels, width, capacity, power, root_tail=rate == 0.0)
+    mesh = LogPanels(panels, PANEL_WIDTH, capacity, power, root_tail=rate == 0.0)
     return DiscreteSpace(mesh, tuple(degrees.tolist()))
 
 

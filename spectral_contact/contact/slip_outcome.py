@@ -37,7 +37,6 @@ from spectral_contact.contact.friction_law import (
 )
 from spectral_contact.contact.layout import Layout, Trial
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.contact.onset import unresolved_slip
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.resolution import TINY
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
@@ -163,6 +162,8 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
     If f is below the critical friction f_crit, the traction of full stick exceeds f p by a relative
     ``f_crit/f - 1`` at most. This is added to the errors of traction and shear.
     """
+    from spectral_contact.contact.onset import unresolved_slip
+
     assert stick.pressure is not None
     radius_error = unresolved_slip(stick, parameters)
     excess = 0.0

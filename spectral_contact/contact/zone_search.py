@@ -37,7 +37,6 @@ import numpy as np
 
 from spectral_contact.contact.layout import Layout, NoBoundariesError, Trial, fixed_disk
 from spectral_contact.contact.normal import NormalContact
-from spectral_contact.contact.onset import is_narrow, slip_where_exceeded
 from spectral_contact.contact.ratio import FullStick
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.resolution import EPSILON_DEPTH
@@ -210,11 +209,10 @@ class ZoneSearch(ABC):
             if candidate.predicted:
                 return
             trial_states.add(candidate.zones.states)
-            if outcome.with_missing_stick is None:
+            enlarged = outcome.with_missing_stick
+            if enlarged is None:
                 return
-            candidate = Candidate(
-                outcome.with_missing_stick, "the zones before, with the stick missing there"
-            )
+            candidate = Candidate(enlarged, "the zones before, with the stick missing there")
 
     def _try(self, candidate: Candidate) -> PartialSlip | None:
         """Return the solution on a candidate, if there is one, and note the verdict on it."""
@@ -231,6 +229,8 @@ class ZoneSearch(ABC):
     @property
     def _slip_where_full_stick_violates(self) -> Candidate:
         """Slip where full stick violates ``|q| <= f p``, stick elsewhere."""
+        from spectral_contact.contact.onset import slip_where_exceeded
+
         zones = slip_where_exceeded(self.stick, self.parameters)
         return Candidate(zones, "slip where full stick exceeds the friction")
 
@@ -323,6 +323,8 @@ class UncoupledSearch(ZoneSearch):
             yield Candidate(_DISK, "one stick disk")
         if beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
+        from spectral_contact.contact.onset import is_narrow
+
         violated = self._slip_where_full_stick_violates
         if is_narrow(violated.zones):  # rings may miss it
             yield violated
@@ -470,6 +472,7 @@ class CoupledSearch(ZoneSearch):
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
         from spectral_contact.contact.active_set import ring_layout
+        from spectral_contact.contact.onset import is_narrow
 
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)

@@ -82,18 +82,6 @@ class LogSeries:
             return np.full(shape, self.value(float(d[0])))
         return np.asarray(self.several([self], d)[0].reshape(shape))
 
-    def on_panels_of(self, other: LogSeries | None) -> bool:
-        """Return whether `several` can evaluate this and another series together.
-
-        They need the same panels, numbers of terms, power and kind of tail.
-        """
-        return other is not None and self._layout() == other._layout()
-
-    def _layout(self) -> tuple[object, ...]:
-        """Return what series that are evaluated together have in common."""
-        shapes = self.coefficients.shape, self.tail.shape
-        return *shapes, self.width, self.power, self.root_tail, self.oscillation
-
     @staticmethod
     def several(series: Sequence[LogSeries | None], d: Array) -> Array:
         """Return the values of several series at distances (n,), a row for each, in one pass.
@@ -101,7 +89,8 @@ class LogSeries:
         Parameters
         ----------
         series : sequence of LogSeries or None
-            All `on_panels_of` each other; or all None, which stands for the function 0.
+            All with the same panels, numbers of terms, power and kind of tail; or all None, which
+            stands for the function 0.
         d : ndarray, shape (n,)
         """
         present = [one for one in series if one is not None]
