@@ -44,8 +44,9 @@ from spectral_contact.contact.tuning import (
     ROUNDING,
     SLIP_ROUNDING,
 )
-from spectral_contact.contact.zone_fields import edge_exponent, estimated_edge_stick_width
+from spectral_contact.contact.zone_fields import estimated_edge_stick_width
 from spectral_contact.contact.zone_solution import ZoneSolution
+from spectral_contact.contact.zone_spaces import edge_exponent
 from spectral_contact.fields.legendre import legendre_sum
 from spectral_contact.fields.series import (
     EDGE,

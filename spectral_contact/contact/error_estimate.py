@@ -48,7 +48,6 @@ from spectral_contact.contact.tuning import (
 from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parts import OffsetRadii, gap
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
@@ -74,16 +73,14 @@ class FieldErrors(NamedTuple):
     indicators: Array
 
 
-def _field_errors(
-    spaces: list[DiscreteSpace], system: ContactSystem, values: Array, change: Array
-) -> FieldErrors:
+def _field_errors(system: ContactSystem, values: Array, change: Array) -> FieldErrors:
     """Return the errors of the fields, from the change of the top two degrees."""
     root_is_shear = system.parameters.beta > 0.0
     last = len(system.parts) - 1
     # with one compliance only its field has a square root at an edge that sticks
     has_root = system.parts[last].sticks and (system.parameters.alpha > 0.0) != root_is_shear
     largest = [0.0, 0.0]  # of p and of q/s
-    indicators = [np.zeros(len(space.degrees)) for space in spaces]
+    indicators = [np.zeros(len(part.degrees)) for part in system.parts]
     panel_changes = relative_changes(system, values, change)
     for field, relative in zip(system.fields, panel_changes, strict=True):
         panels = field.panels
@@ -106,8 +103,6 @@ class ZoneEstimate:
     ----------
     iterate : Iterate
         Boundaries, fields and Jacobian.
-    spaces : list of DiscreteSpace
-        Spaces of all parts.
     pointwise : bool
         Whether the tolerance bounds the fields; else, in full stick with an unknown pressure, it
         bounds approach and shear.
@@ -125,8 +120,8 @@ class ZoneEstimate:
     remaining : float
         Estimate of the relative error that corrections left of the fields.
     noise : float
-        Error of integral quantities by rounding, and by `remaining`, of which they take the factor
-        NEGLIGIBLE_FRACTION.
+        Error of integral quantities by rounding, and by corrections: NEGLIGIBLE_FRACTION of what
+        these left of the fields.
 
     Raises
     ------
@@ -134,7 +129,7 @@ class ZoneEstimate:
         If the solution is not finite.
     """
 
-    def __init__(self, iterate: Iterate, spaces: list[DiscreteSpace], *, pointwise: bool) -> None:
+    def __init__(self, iterate: Iterate, *, pointwise: bool) -> None:
         solution = iterate.fields
         if not np.isfinite(solution.values).all():
             raise NoBoundariesError("the system has no solution that is finite")
@@ -146,7 +141,7 @@ class ZoneEstimate:
         self.effects = solution.coarse_differences()
         self.values = solution.values * solution.approach
         self.changes = [solution.approach * effect.change for effect in self.effects]
-        self.field_errors = _field_errors(spaces, self.system, self.values, self.changes[0])
+        self.field_errors = _field_errors(self.system, self.values, self.changes[0])
         rounding = FIELD_ROUNDING if self.system.radii else ROUNDING
         if not (self.system.radii and self.system.pressure_known):
             rounding *= 2.0

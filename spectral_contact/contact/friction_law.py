@@ -30,9 +30,9 @@ Interval: TypeAlias = tuple[float, float]
 #: Distance from a boundary, over the width of the zone, at which slip is as small as its rounding,
 #: because it grows like the distance to the power 3/2.
 _BOUNDARY_DISTANCE = float(np.cbrt(SLIP_ROUNDING)) ** 2
-#: A violation of the friction law by less is none, and slip that is about to start is known to this
-#: part of the radius at best: an annulus opens like the root of ``1 - f/f_crit``, which has the
-#: rounding of the traction.
+#: A violation of the friction law that is smaller counts as none. The stick radius where slip is
+#: about to start has at least this relative error: an annulus opens like the root of
+#: ``1 - f/f_crit``, which has the rounding of the traction.
 UNRESOLVED_SLIP = sqrt(TRACTION_ROUNDING)
 #: Distances in y from the boundary of a part, over the extent of the part, at which stick is
 #: verified.

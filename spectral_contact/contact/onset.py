@@ -32,11 +32,11 @@ SLIP_WIDENING = 4.0
 
 
 def unresolved_slip(full_stick: FullStick, parameters: Parameters) -> float:
-    """Return the relative error of the stick radius 1, if there may be slip too narrow to be found.
+    """Return the relative error of the stick radius 1 of full stick that may hide narrow slip.
 
     It is called if the friction is critical to within the errors. The slip that there may be is no
-    wider than the set where full stick violates the law for a friction somewhat farther below the
-    critical one, by SLIP_WIDENING. The error is the distance of this set's inner boundary from the
+    wider than the set where full stick violates the law for a friction that is SLIP_WIDENING times
+    as far below the critical one. The error is the distance of this set's inner boundary from the
     edge.
     """
     if full_stick.critical == inf:

@@ -26,8 +26,8 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
         The vector of the system, and a change of it.
     """
     # In a part where one of the fields is singular at the edge, both fields are their leading terms
-    # beyond some depth ``x = -ln d``, with the distance d from the edge in units of the extent,
-    # both in s**2.
+    # beyond some depth ``x = -ln d``. d is the distance from the edge in units of the extent of the
+    # part; distance and extent are differences of s**2.
     singular_parts = {field.part for field in system.fields if field.panels.power}
     changes = []
     for field, size in zip(system.fields, _reference_sizes(system, values), strict=True):

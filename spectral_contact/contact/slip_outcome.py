@@ -135,10 +135,10 @@ class PartialSlip(ScalarResults):
 
     @property
     def _sense_is_known(self) -> bool:
-        """Whether the sense of the slip is known.
+        """Whether the sense of the slip is known, or at least not in doubt.
 
-        If no digit of the slip is known, it counts as known unless slip of the wrong sense is more
-        than DOUBTFUL_VIOLATION of the largest slip.
+        Where no digit of the slip is known, its sense is in doubt if the friction law is violated
+        by more than DOUBTFUL_VIOLATION, as far as can be seen (`apparent_violation`).
         """
         return self.slip_error < inf or self.apparent_violation <= DOUBTFUL_VIOLATION
 

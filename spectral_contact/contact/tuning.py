@@ -139,7 +139,7 @@ ONSET_SAMPLES = 4001
 #: measured C is 2. Not measured again.
 CENTRAL_ASYMPTOTE_ERROR = 5.0
 
-# .. friction law (contact/friction_law.py, slip_outcome.py, edge_stick.py)
+# .. friction law (contact/friction_law.py, slip_outcome.py, slip_displacement.py, edge_stick.py)
 
 #: Slip in the wrong sense that rounding makes, relative to the largest slip. Not measured again.
 SLIP_ROUNDING = 1e-10
@@ -153,7 +153,7 @@ UNCERTAIN_SLIP_ERROR = 0.1
 #: `python validation/honesty/honesty.py coupled_slip` checks the estimates.
 DISPLACEMENT_SMOOTHING = 16.0
 
-# .. onset of slip (contact/onset.py, solving/coupled_run.py)
+# .. onset of slip (solving/coupled_run.py)
 
 #: Just below the critical friction f_crit full stick stands for slip in a zone too narrow to be
 #: resolved. The relative error of the fields is then this factor times ``1 - f/f_crit``.

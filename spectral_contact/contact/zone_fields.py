@@ -9,7 +9,7 @@ docs/theory, in `Parameters`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import atan, exp, gamma, pi
+from math import exp, gamma
 
 import numpy as np
 
@@ -105,16 +105,11 @@ def estimated_edge_stick_width(parameters: Parameters, theta: float) -> float:
     parameters : Parameters
         With tangential compliance. Without elastic coupling those for kappa = 1.
     theta : float
-        `edge_exponent` with elastic coupling, else 0.
+        `zone_spaces.edge_exponent` with elastic coupling, else 0.
     """
     ratio = parameters.friction / parameters.kappa
     with np.errstate(all="ignore"):  # a width beyond the range of doubles is 0 or infinite
         return float(np.exp(ratio + np.log(parameters.beta * ratio) / (0.5 - theta)))
-
-
-def edge_exponent(parameters: Parameters) -> float:
-    """Return theta of ``p ~ y**(theta - 1/2)`` next to a smooth edge in slip with coupling."""
-    return atan(2.0 * parameters.kappa * parameters.friction) / pi
 
 
 def with_central_asymptote(

@@ -213,10 +213,9 @@ class FreeBoundaryProblem:
         if len(layout.logits) == 1:
             return self._initial_disk(layout.logits[0])
         logits = np.array(layout.logits)
-        spaces = self.spaces(COARSE_TOL, logits)
-        guess = layout._replace(jacobian=self.jacobian(spaces, logits))
+        guess = layout._replace(jacobian=self.jacobian(logits))
         boundary_tol = min(COARSE_TOL, 0.5 * JACOBIAN_RANGE * min_zone_width(logits))
-        iterate = self._found_near(guess, spaces, boundary_tol, COARSE_TOL)
+        iterate = self._found_near(guess, self.spaces(COARSE_TOL, logits), boundary_tol, COARSE_TOL)
         next_step = float(np.abs(iterate.newton_step).max())
         if not next_step < JACOBIAN_RANGE * min_zone_width(iterate.logits):
             raise NoBoundariesError("no such boundaries are found")
@@ -232,13 +231,12 @@ class FreeBoundaryProblem:
         logit, slope = enclosed_root(residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
-    def jacobian(
-        self,
-        spaces: Sequence[DiscreteSpace],
-        logits: Array,
-        tolerance: float = JACOBIAN_FIELD_TOL,
-    ) -> Array:
-        """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
+    def jacobian(self, logits: Array, tolerance: float = JACOBIAN_FIELD_TOL) -> Array:
+        """Return the Jacobian of the boundary residual by differences in the space of COARSE_TOL.
+
+        The fields that are subtracted have errors up to the tolerance.
+        """
+        spaces = self.spaces(COARSE_TOL, logits)
         factors = factored(self.system(spaces, logits))
         centre = correct_to(FieldSolution.first(factors), tolerance).fields
 
@@ -292,18 +290,13 @@ class FreeBoundaryProblem:
         if not iterate.converged:
             # next to the onset of a zone no step is below the tolerance, and Broyden's Jacobian is
             # not accurate enough for the estimates
-            jacobian = self.jacobian(
-                self.spaces(COARSE_TOL, iterate.logits), iterate.logits, ROUNDING
-            )
-            iterate = replace(iterate, jacobian=jacobian)
+            iterate = replace(iterate, jacobian=self.jacobian(iterate.logits, ROUNDING))
         self._layout = self._layout_of(iterate.logits, iterate.jacobian)
-        return self.estimate(iterate, spaces)
+        return self.estimate(iterate)
 
-    def estimate(
-        self, iterate: Iterate, spaces: list[DiscreteSpace]
-    ) -> SpaceSolution[ZoneSolution]:
+    def estimate(self, iterate: Iterate) -> SpaceSolution[ZoneSolution]:
         """Return a solution with the estimates of its errors."""
-        solution = ZoneEstimate(iterate, spaces, pointwise=self.pointwise).with_errors()
+        solution = ZoneEstimate(iterate, pointwise=self.pointwise).with_errors()
         if self._known and not self.pointwise:
             return replace(solution, error=solution.value.shear_error)
         return solution
@@ -346,7 +339,7 @@ class _GivenRadius(FreeBoundaryProblem):
         friction = without_friction / (without_friction - unit_friction)
         fields, remaining = solved(system_at(friction))
         iterate = Iterate(logits, np.array([[without_friction]]), fields, remaining)
-        return self.estimate(iterate, spaces)
+        return self.estimate(iterate)
 
 
 def solve_stick(

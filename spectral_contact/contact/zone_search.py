@@ -60,13 +60,13 @@ from spectral_contact.contact.tuning import (
     REFINEMENT_MARGIN,
 )
 from spectral_contact.contact.zone_fields import (
-    edge_exponent,
     estimated_edge_stick_width,
     estimated_stick_radius,
     with_central_asymptote,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_coupled_zones
 from spectral_contact.contact.zone_solution import ZoneSolution
+from spectral_contact.contact.zone_spaces import edge_exponent
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
@@ -100,10 +100,10 @@ class Candidate:
         Why they are tried.
     predicted : bool
         Whether boundaries and Jacobian are predicted from scenes that were solved before
-        (`solving.sharing`), and are given up if they do not lead to a verified solution that meets
-        the tolerance. No search for better boundaries comes before Newton's method. Without
-        coupling one stick disk of a like scene is not predicted in this sense: it may miss the
-        tolerance, as a fresh start finds no better disk.
+        (`solving.sharing`). Newton's method begins with them, and they are given up if it does not
+        lead to a verified solution that meets the tolerance. Without coupling one stick disk may
+        begin at that of a like scene and count as not predicted: it is kept if it misses the
+        tolerance, because a fresh start finds no better disk.
     closed_edge : bool
         Whether narrow stick at a smooth edge is added to them in closed form.
     """

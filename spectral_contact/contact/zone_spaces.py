@@ -110,19 +110,27 @@ def without_rounding(space: DiscreteSpace, end: Radius, extent: float) -> Discre
     return DiscreteSpace(replace(space.panels, count=len(degrees)), degrees)
 
 
+def edge_exponent(parameters: Parameters) -> float:
+    """Return theta of ``p ~ y**(theta - 1/2)`` next to a smooth edge in slip with coupling.
+
+    It is ``atan(2 kappa f)/pi`` (docs/coupling.md).
+    """
+    return atan(2.0 * parameters.kappa * parameters.friction) / pi
+
+
 def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     """Return the power of ``y`` that the pressure is next to the edge, for the endpoint weight.
 
-    Under a smooth edge that slips it is ``theta - 1/2`` with ``tan(pi theta) = 2 kappa f``
-    (docs/coupling.md). With the weight ``y**(-1/2)`` instead the series fall like ``y**theta``,
-    while their rounding does not: at kappa f = 0.66 the pressure had six digits less at
-    ``y = exp(-30)`` than at the boundary of slip.
+    Under a smooth edge that slips it is ``theta - 1/2`` with theta of `edge_exponent`. With the
+    weight ``y**(-1/2)`` instead the series fall like ``y**theta``, while their rounding does not:
+    at kappa f = 0.66 the pressure had six digits less at ``y = exp(-30)`` than at the boundary of
+    slip.
     """
     if parameters.alpha > 0.0:
         return 0.0
     if states[-1] <= 0:
         return -0.5
-    return atan(2.0 * parameters.kappa * parameters.friction) / pi - 0.5
+    return edge_exponent(parameters) - 0.5
 
 
 def split_spaces(space: DiscreteSpace, parts: Sequence[DiscreteSpace]) -> list[DiscreteSpace]:
@@ -230,8 +238,8 @@ def known_pressure_spaces(
 def _smooth_boundary_rate(power: float, tolerance: float) -> float:
     """Return the rate at which fields settle next to the boundary of slip on a smooth surface.
 
-    They go like ``d**(1/2 - theta)``, with theta of `edge_power`. The rate is not so small that the
-    mesh would be deeper than the rounding of the boundary.
+    They go like ``d**(1/2 - theta)``, with theta of `edge_exponent`. The rate is not so small that
+    the mesh would be deeper than the rounding of the boundary.
     """
     deepest = CUBIC_TAIL_DEPTH + EPSILON_DEPTH
     return max(-power, min(0.5, (2.0 - log(tolerance)) / deepest))
