@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from oracles.adhesive_rings import Rings
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from spectral_contact import (
     NotComputedError,
@@ -361,3 +361,49 @@ def test_where_a_profile_ends_does_not_move_a_pull_off_short_of_it():
 def test_a_profile_without_pull_off_has_no_closed_form():
     with pytest.raises(ValueError, match=r"exponent = 0\.5: must be > 1/2"):
         closed_forms.power_law_pull_off(0.5, 0.5, 0.2)
+
+
+# --- profiles that steepen over a short way -------------------------------------------------------
+
+
+def steepened(radius, width, slopes):
+    """Load and approach without adhesion of a cone whose slope rises from the radius 1 on.
+
+    It rises evenly over a width, like that of a rounded flat, until another takes the rise away.
+    """
+    low, high = slopes
+    bend = width / (high - low)
+    contacts = [(1.0, closed_forms.cone_contact(radius, math.atan(1.0 / low)))]
+    for sign, begin in ((1.0, 1.0), (-1.0, 1.0 + width)):
+        if radius > begin:
+            contacts.append((sign, closed_forms.rounded_flat_contact(radius, begin, bend)))
+    return [sum(sign * getattr(one, name) for sign, one in contacts) for name in CONTROLS]
+
+
+CONTROLS = ("load", "approach")
+STEEPENED = [
+    # the punch comes off at a radius of 1.0003 after an unstable stretch from 1.81 to 1.20
+    ("load", 0.01, (0.1, 0.5), 0.342375, (1.0, 1.1)),
+    ("approach", 0.01, (0.1, 0.5), 0.342375, (1.0, 1.1)),
+    # and at 1.026 after one that is shorter than a step of the search
+    ("approach", 0.1, (0.1, 0.3), 1.0279254705738075, (1.0, 1.2)),
+    ("load", 0.3, (0.1, 0.5), 0.011317684842090335, (1.0, 1.2)),
+]
+
+
+@pytest.mark.parametrize(("control", "width", "slopes", "adhesion", "around"), STEEPENED)
+def test_a_punch_that_steepens_comes_off_at_its_last_fold(control, width, slopes, adhesion, around):
+    middle, half = (slopes[0] + slopes[1]) / 2.0, (slopes[1] - slopes[0]) / 2.0
+    edges = (0.0, 1.0, 1.0 + width, 50.0)
+    profile = profiles.Sampled(edges, ((slopes[0],), (middle, half), (slopes[1],)))
+
+    def held(radius):
+        load, approach = steepened(radius, width, slopes)
+        if control == "load":
+            return load - 4.0 * radius * math.sqrt(2.0 * math.pi * radius * adhesion)
+        return approach - math.sqrt(math.pi * radius * adhesion / 2.0)
+
+    true = minimize_scalar(held, bounds=around, method="bounded", options={"xatol": 1e-12}).fun
+    found = pull_off(sticky(0.0, adhesion, profile, load=0.0), control)
+    error = off(getattr(found, control), true, found.error_scales[control])
+    assert error <= getattr(found.error, control) < 1e-12
