@@ -69,9 +69,10 @@ _MARGIN = 2.5
 _REACH = 250.0
 #: How far, relatively, from a corner or the end of the profile the curve is looked at next to it.
 _NEXT = 1e-9
-#: A break is a corner if the half-integral is steeper by more than this factor just past it: past a
-#: jump of the slope of the profile it rises like a root.
-_STEEPER = 2.0
+#: A break is a corner if the half-integral is steeper just past it by more than this share, and by
+#: this many times as much at a thousandth of the distance. Past a jump of the slope it rises like a
+#: root, its derivative 31 times as much there; where the slope only bends, the derivative falls.
+_STEEPER, _LIKE_A_ROOT = 1e-3, 10.0
 #: Share of the tolerance that the control may be off.
 _SHARE = 0.02
 #: Errors of the radius are this times what rates to some digits make of those of the control.
@@ -463,8 +464,12 @@ class AdhesiveCurve:
 
     def _settled(self, control: Control, radius: float) -> bool:
         """Return whether the control changes no more to smaller radii, but for rounding."""
-        one = self.values_only(radius)
-        return abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one)
+        flat = self.profile.flat_part
+        # at one radius alone it may be that of a fold
+        states = map(self.values_only, (radius, flat + exp(-_STEP) * (radius - flat)))
+        return all(
+            abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one) for one in states
+        )
 
     def _fold(self, control: Control, high: float, low: float) -> Fold:
         """Return the fold between two radii at which the rates have opposite signs."""
@@ -698,13 +703,13 @@ def _corners(profile: Profile) -> tuple[float, ...]:
     found = [flat] if flat > 0.0 else []
     for b in profile.breaks:
         if b > flat:
-            before, past = (float(b * (1.0 + one * _NEXT)) for one in (-1.0, 1.0))
-            others = [c for c in profile.breaks if c < b]
-            last = max(others, default=0.0)
             # the rate of a profile takes the square of the radius less that of the last break, 0
             # if there is none, without cancellation
-            squares = np.array([(before - last) * (before + last), (past - b) * (past + b)])
-            rates = profile._rate(np.array([before, past]), squares * np.array([bool(others), 1.0]))
-            if rates[1] > _STEEPER * rates[0]:
+            last = max((c for c in profile.breaks if c < b), default=0.0)
+            past = b * np.array([_NEXT, 1e-3 * _NEXT])
+            squares = np.array([(b - last) * (b + last) * bool(last), *(past * (2.0 * b + past))])
+            before, near, next_to_it = profile._rate(np.array([b, *(b + past)]), squares).tolist()
+            rise = next_to_it - before
+            if rise > max(_STEEPER * before, _LIKE_A_ROOT * (near - before)):
                 found.append(b)
     return tuple(found)
