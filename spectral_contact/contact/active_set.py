@@ -30,7 +30,6 @@ from spectral_contact.contact.tuning import (
 )
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.regularised import Cholesky
 from spectral_contact.spectral.rings import RingOperators, graded_rings, ring_operators
 
 Integers = NDArray[np.int_]
@@ -75,61 +74,29 @@ class RingSystem:
         self._normal = rings.normal / scale + parameters.alpha * identity
         self._tangential = rings.tangential / scale + parameters.beta * identity
         self._coupling = parameters.kappa * rings.coupling / scale
+        #: from the traction to the normal displacement
+        self._reaction = self._coupling.T * coupled
+        # the load of a pressure, as a row: the frozen displacement is that for unit load
+        load = 2.0 * pi * self._root_area
+        #: from the pressure to what the traction of a ring that sticks is to balance
+        self._loading = self._coupling + np.outer(self._root_area * self.frozen, load)
         self.self_compliance: Array = self._tangential.diagonal()
-        self._known_pressure: Array | None = None
-        if not coupled:
-            self._known_pressure = Cholesky(self._normal.copy()).solve(self._root_area)
 
     def solve(self, states: Integers) -> RingState:
-        """Return p, q and u_r for these states, scaled to unit load."""
+        """Return p, q and u_r for these states, scaled to unit load.
+
+        The unknowns are the pressures of all rings and the tractions of those that stick, for unit
+        approach.
+        """
         sticking = np.flatnonzero(states == 0)
+        # q/p of the rings that slip
         ratio = np.zeros(len(states))
         ratio[states != 0] = self.friction * states[states != 0]
-        if self._known_pressure is None:
-            p, q = self._solve_coupled(sticking, ratio)
-        else:
-            p = self._known_pressure
-            load = 2.0 * pi * float(p @ self._root_area)
-            frozen = load * self._root_area * self.frozen
-            q = self._solve_traction(p, sticking, ratio, frozen)
-        load = 2.0 * pi * float(p @ self._root_area)
-        p = p / load
-        q = q / load
-        root = self._root_area
-        displacement = (self._tangential @ q - self._coupling @ p) / root
-        displacement[sticking] = self.frozen[sticking]
-        return RingState(self, states, 1.0 / load, p / root, q / root, displacement)
-
-    def _solve_traction(self, p: Array, sticking: Integers, ratio: Array, frozen: Array) -> Array:
-        """Return the traction under a known pressure, for unit approach.
-
-        Parameters
-        ----------
-        p : ndarray, shape (rings,)
-        sticking : ndarray of int
-            Numbers of the rings that stick.
-        ratio : ndarray, shape (rings,)
-            q/p of the rings that slip.
-        frozen : ndarray, shape (rings,)
-            Displacement of the rings that stick.
-        """
-        q = ratio * p
-        right = (self._coupling @ p - self._tangential @ q + frozen)[sticking]
-        if len(sticking):
-            q[sticking] = Cholesky(self._tangential[np.ix_(sticking, sticking)]).solve(right)
-        return q
-
-    def _solve_coupled(self, sticking: Integers, ratio: Array) -> tuple[Array, Array]:
-        """Return pressure and traction that depend on each other, for unit approach.
-
-        The unknowns are the pressures of all rings and the tractions of those that stick.
-        `sticking` and `ratio` are those of `_solve_traction`.
-        """
-        n = len(ratio)
+        n = len(states)
         matrix = np.empty((n + len(sticking), n + len(sticking)))
-        matrix[:n, :n] = self._normal - self._coupling.T * ratio
-        matrix[:n, n:] = -self._coupling.T[:, sticking]
-        matrix[n:, :n] = (self._tangential * ratio - self._coupling)[sticking]
+        matrix[:n, :n] = self._normal - self._reaction * ratio
+        matrix[:n, n:] = -self._reaction[:, sticking]
+        matrix[n:, :n] = (self._tangential * ratio - self._loading)[sticking]
         matrix[n:, n:] = self._tangential[np.ix_(sticking, sticking)]
         # On smooth surfaces the diagonal of a small ring is small. It is scaled to 1.
         diagonal = np.concatenate([self._normal.diagonal(), self.self_compliance[sticking]])
@@ -141,7 +108,13 @@ class RingSystem:
         p = unknowns[:n]
         q = ratio * p
         q[sticking] = unknowns[n:]
-        return p, q
+        load = 2.0 * pi * float(p @ self._root_area)
+        p = p / load
+        q = q / load
+        root = self._root_area
+        displacement = (self._tangential @ q - self._coupling @ p) / root
+        displacement[sticking] = self.frozen[sticking]
+        return RingState(self, states, 1.0 / load, p / root, q / root, displacement)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

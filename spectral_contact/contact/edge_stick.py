@@ -159,7 +159,7 @@ def with_edge_stick(
 ) -> PartialSlip:
     """Add the stick at the edge to a solution that slips there, and verify the friction law.
 
-    A stick narrower than MIN_MATCHED_WIDTH is left out: it changes no digit of any field, and its
+    A stick narrower than MIN_EDGE_WIDTH is left out: it changes no digit of any field, and its
     boundary is not a double apart from the edge.
 
     Parameters

@@ -14,9 +14,8 @@ leave in the fields (`free_boundary.correct_to`) are added to all.
 
 E is the residual of the tangential equation before the compliance is subtracted, and its *defect*
 at a boundary b is the number that has to be added to E(b) for the traction to be continuous there
-(`spectral.contact_system`). The
-*boundary residual* is minus the defect over ``kappa R`` there, the value that stick prescribes for
-the half-integral G of the traction: a number without unit.
+(`spectral.contact_system`). The *boundary residual* is minus the defect over ``kappa R`` there, the
+value that stick prescribes for the half-integral G of the traction: a number without unit.
 With tangential compliance the defects make the traction continuous; without it they are what makes
 E(b) zero, so that the residual is ``E(b)/(kappa R)``.
 """

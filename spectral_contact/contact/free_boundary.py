@@ -4,8 +4,7 @@ At given boundaries the equations are linear. Their solution has a continuous tr
 residual E of the tangential equation has a *defect* at every boundary: a number that would have to
 be zero (`spectral.contact_system`). The *boundary residual* is minus that defect over ``kappa R``
 there, the value that stick prescribes for the half-integral of the traction; boundaries are where
-it vanishes. They are found by Newton's method with Broyden's update of the
-Jacobian.
+it vanishes. They are found by Newton's method with Broyden's update of the Jacobian.
 
 To save factorisations the factors of a system whose boundaries are near by serve as a
 preconditioner. The residual is always that of the system at hand, so that the limit of the
@@ -383,22 +382,19 @@ class FreeBoundary:
         return replace(iterate, converged=converged)
 
 
-def fd_jacobian(
-    residual_at: Callable[[Array], Array], logits: Array, fraction: float = 1.0
-) -> Array:
+def fd_jacobian(residual_at: Callable[[Array], Array], logits: Array) -> Array:
     """Return the derivatives of a residual by the logits, by central differences.
 
     With w the width of the narrower zone at the boundary, over which the residual varies, the half
     step h balances the noise of the residual and its third derivative:
-    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE. A fraction of
-    it is taken, which is 1 by default.
+    ``h/w = max(JACOBIAN_FIELD_TOL, ROUNDING / w**2)**(1/3)``, at most JACOBIAN_RANGE.
     """
     columns = []
     widths = np.diff(logits)
     for i in range(len(logits)):
         width = min([1.0, *(abs(widths[j]) for j in (i - 1, i) if 0 <= j < len(widths))])
         relative_step = float(np.cbrt(max(JACOBIAN_FIELD_TOL, ROUNDING / width**2)))
-        half_step = fraction * min(relative_step, JACOBIAN_RANGE) * width
+        half_step = min(relative_step, JACOBIAN_RANGE) * width
         step = half_step * np.eye(len(logits))[i]
         difference = residual_at(logits + step) - residual_at(logits - step)
         columns.append(difference / (2.0 * half_step))

@@ -149,11 +149,12 @@ class _IndentationProblem(PartedProblem):
         depths = feature_depths(parts, width, profile._to_pole(radius))
         super().__init__(parts, depths, tolerance, pointwise=pointwise)
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[Indentation]:
         """Return the solution in a space, with its error estimates."""
-        used = self.part_spaces(resolution)
-        space = disk_space(self.parts, used)
-        return self._with_errors(space, used, self._solve(space, used[-1].panels))
+        used = self.part_spaces(space)
+        nodal_space = disk_space(self.parts, used)
+        solved = self._solve(nodal_space, used[-1].panels)
+        return self._with_errors(nodal_space, used, solved)
 
     def _solve(self, space: Space, edge: LogPanels) -> _TwoPressures:
         """Return both pressures; `edge` are the panels next to the edge."""

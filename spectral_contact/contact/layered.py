@@ -62,16 +62,16 @@ class Layered(ABC):
         self.last: tuple[Form, LayeredFields] | None = None
 
     @abstractmethod
-    def _form(self, resolution: DiscreteSpace) -> Form:
+    def _form(self, space: DiscreteSpace) -> Form:
         """Return the space."""
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[Indentation]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[Indentation]:
         """Return the solution in a space, with its error estimates."""
-        return self._with_errors(*self._solve(resolution))
+        return self._with_errors(*self._solve(space))
 
-    def _solve(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
+    def _solve(self, space: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
         """Return the solution in a space, from the last one if there is one."""
-        form = self._form(resolution)
+        form = self._form(space)
         solver = LayeredNewton(self.setting, form)
         fields = None
         if self.last is not None:

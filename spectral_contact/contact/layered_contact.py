@@ -99,8 +99,8 @@ class LayeredProblem(Layered, PartedProblem):
         count = min(int(depth / space.panels.width) + 1, len(space.degrees))
         return DiscreteSpace(space.panels, space.degrees[:count])
 
-    def _form(self, resolution: DiscreteSpace) -> PanelForm:
-        return PanelForm(self.parts, self.part_spaces(resolution))
+    def _form(self, space: DiscreteSpace) -> PanelForm:
+        return PanelForm(self.parts, self.part_spaces(space))
 
 
 class BentProblem(LayeredProblem):
@@ -137,7 +137,7 @@ class BentProblem(LayeredProblem):
         self.last = last
         self._final = final
 
-    def _solve(self, resolution: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
+    def _solve(self, space: DiscreteSpace) -> tuple[LayeredNewton, LayeredFields]:
         """Return the solution on parts that end at its bends, and store these in the setting.
 
         If a part ends at a distance d from a bend, the error of the overclosure is about d**2. So
@@ -145,7 +145,7 @@ class BentProblem(LayeredProblem):
         """
         last_move = inf
         while True:
-            solver, fields = super()._solve(resolution)
+            solver, fields = super()._solve(space)
             form = solver.form
             assert isinstance(form, PanelForm)
             errors = form.sampling.bounds(solver.top_degrees(fields.overclosure))
@@ -192,9 +192,9 @@ class CellProblem(Layered):
         # `refine` raises degrees panel by panel; here a panel stands for a cell
         return DiscreteSpace(LogPanels(count, 1.0, self._degree), (self._degree,) * count)
 
-    def _form(self, resolution: DiscreteSpace) -> Form:
+    def _form(self, space: DiscreteSpace) -> Form:
         assert self.setting.cells is not None
-        return CellForm(self.setting.cells, resolution.degrees)
+        return CellForm(self.setting.cells, space.degrees)
 
 
 def solve_layered(

@@ -228,8 +228,8 @@ class CellForm:
         self._cells = cells
         self._degrees = degrees
         self.space: NodalSpace = cell_space(cells, degrees)
-        self.sampling = Sampling(polynomials=degrees)
-        self.z: Array = cells.squares_at(self.sampling.places())
+        self.sampling = Sampling(cell_degrees=degrees)
+        self.z: Array = cells.squares_at(self.sampling.places_on_cells())
         self.tail_extent = cells.lengths[-1]
         self.central = 1
 

@@ -89,26 +89,28 @@ class _NormalProblem:
         tolerance = self.tolerance if self.pointwise else sqrt(self.tolerance)
         return graded_space(layer_depth, tolerance)
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[NormalContact]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[NormalContact]:
         """Return the solution in a space, with its error estimates."""
-        panels = resolution.panels
+        panels = space.panels
         compliance = self.compliance
         weight = self.weight
-        space = unit_space(panels, resolution.degrees)
+        nodal_space = unit_space(panels, space.degrees)
         # The target of F is 2. The weight is the lift of the least-squares problem: its
         # half-integral is taken from the target, and its inner products enter with alpha.
         target: Array | float = 2.0
         weight_moments = None
         weight_load = 0.0  # int of the weight times s ds
         if weight is not None:
-            target = weight.deficit(space.y)
+            target = weight.deficit(nodal_space.y)
             weight_moments = load_vector(panels, lambda d: 0.5 * weight(d))
             weight_load = weight.amplitude / (sqrt(1.0 + weight.shift) + sqrt(weight.shift))
-        factored = space.factor(compliance)
+        factored = nodal_space.factor(compliance)
         solution = factored.solve(target, weight_moments, correct=False)
         change = factored.change(solution)
         # int p s ds = (2/pi) int F dt for unit approach; constant moments are (1/pi) int F dt
-        moment = 2.0 * float(space.constant_moments @ solution[space.index]) + weight_load
+        moment = (
+            2.0 * float(nodal_space.constant_moments @ solution[nodal_space.index]) + weight_load
+        )
         approach = 1.0 / (2.0 * pi * moment)
         coefficients = solution * approach
         weight_of_load = None if weight is None else weight.times(approach)
@@ -144,7 +146,7 @@ class _NormalProblem:
             pressure_error,
             tuple(changes),
         )
-        return SpaceSolution(contact, error, indicators, space.unknowns)
+        return SpaceSolution(contact, error, indicators, nodal_space.unknowns)
 
 
 def solve_normal(
@@ -186,18 +188,18 @@ def compliance_derivative(solved: Refinement[NormalContact]) -> NormalContact:
     the change of the approach.
     """
     contact = solved.best.value
-    panels = solved.resolution.panels
-    space = unit_space(panels, solved.resolution.degrees)
+    panels = solved.space.panels
+    nodal_space = unit_space(panels, solved.space.degrees)
     weight = contact.pressure.weight
     # p, tested with all functions
     tested_pressure = np.zeros(panels.size)
-    tested_pressure[space.index] = space.mass @ contact.coefficients[space.index]
+    tested_pressure[nodal_space.index] = nodal_space.mass @ contact.coefficients[nodal_space.index]
     if weight is not None:
         tested_pressure += load_vector(panels, lambda d: 0.5 * weight(d))
     # the right-hand side -p, as that of a lift p / alpha
     lift_moments = tested_pressure / contact.compliance
-    derivative = space.factor(contact.compliance).solve(0.0, lift_moments)
-    moment = 2.0 * float(space.constant_moments @ derivative[space.index])
+    derivative = nodal_space.factor(contact.compliance).solve(0.0, lift_moments)
+    moment = 2.0 * float(nodal_space.constant_moments @ derivative[nodal_space.index])
     # derivative of the logarithm of the approach, at unit load
     log_approach_rate = -2.0 * pi * moment
     derivative += log_approach_rate * contact.coefficients

@@ -116,4 +116,4 @@ class PinnedContact:
             return contact
         best = solved.best
         scaled = SpaceSolution(contact, best.error, best.indicators, best.unknowns)
-        return Refinement(scaled, solved.resolution, solved.ending, solved.history)
+        return Refinement(scaled, solved.space, solved.ending, solved.history)

@@ -51,7 +51,7 @@ class Problem(Protocol[T]):
     def start(self) -> DiscreteSpace:
         """Return the first space to try."""
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[T]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[T]:
         """Solve in a space."""
 
 
@@ -63,7 +63,7 @@ class Refinement(Generic[T]):
     ----------
     best : SpaceSolution
         The one with the least error.
-    resolution : DiscreteSpace
+    space : DiscreteSpace
         Its space.
     ending : Ending
         Why the refinement ended.
@@ -72,7 +72,7 @@ class Refinement(Generic[T]):
     """
 
     best: SpaceSolution[T]
-    resolution: DiscreteSpace
+    space: DiscreteSpace
     ending: Ending
     history: tuple[RefinementStep, ...]
 
@@ -85,15 +85,15 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     lower the estimate, or if no degree can be raised: MAX_DEGREE may be too low for a field that is
     not smooth inside a panel, and no panel is split.
     """
-    resolution = within_budget(problem.start(), max_unknowns)
+    space = within_budget(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
     best: SpaceSolution[T] | None = None
     stalled = 0  # spaces since the estimate was lowest
     while True:
         begin = perf_counter()
-        solution = problem.attempt(resolution)
+        solution = problem.attempt(space)
         step = RefinementStep(
-            solution.unknowns, max(resolution.degrees), solution.error, perf_counter() - begin
+            solution.unknowns, max(space.degrees), solution.error, perf_counter() - begin
         )
         history.append(step)
         _LOG.debug("%d unknowns: estimate %.1e", step.unknowns, step.error)
@@ -101,40 +101,37 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
         if best is None or solution.error < best.error:
             stalled = 0
             best = solution
-            best_space = resolution
+            best_space = space
         if best.error <= tolerance:
             ending = Ending.CONVERGED
-        elif (
-            stalled >= 2
-            or (finer := _finer(resolution, solution, tolerance, stalled)) == resolution
-        ):
+        elif stalled >= 2 or (finer := _finer(space, solution, tolerance, stalled)) == space:
             ending = Ending.ROUNDING
         elif _size(finer) > max_unknowns:
             ending = Ending.UNKNOWNS
         else:
-            resolution = finer
+            space = finer
             continue
         return Refinement(best, best_space, ending, tuple(history))
 
 
-def _size(resolution: DiscreteSpace) -> int:
+def _size(space: DiscreteSpace) -> int:
     """Return the number of coefficients on the panels, without those of tails."""
-    return sum(resolution.degrees) + len(resolution.degrees)
+    return sum(space.degrees) + len(space.degrees)
 
 
-def within_budget(resolution: DiscreteSpace, max_unknowns: int) -> DiscreteSpace:
+def within_budget(space: DiscreteSpace, max_unknowns: int) -> DiscreteSpace:
     """Return a space with its highest degrees lowered until it has no more unknowns than these.
 
     If even the lowest degrees have more, it is the space of the lowest degrees.
     """
-    while _size(resolution) > max_unknowns and (top := max(resolution.degrees)) > LEAST_DEGREE:
-        degrees = tuple(min(n, top - 1) for n in resolution.degrees)
-        resolution = resolution._replace(degrees=degrees)
-    return resolution
+    while _size(space) > max_unknowns and (top := max(space.degrees)) > LEAST_DEGREE:
+        degrees = tuple(min(n, top - 1) for n in space.degrees)
+        space = space._replace(degrees=degrees)
+    return space
 
 
 def _finer(
-    resolution: DiscreteSpace, solution: SpaceSolution[T], tolerance: float, stalled: int
+    space: DiscreteSpace, solution: SpaceSolution[T], tolerance: float, stalled: int
 ) -> DiscreteSpace:
     """Return the next space, whose panels are expected to have errors below a target.
 
@@ -145,12 +142,12 @@ def _finer(
     """
     target = REFINEMENT_MARGIN * tolerance
     errors = np.clip(solution.indicators, target, 0.5)
-    before = np.array(resolution.degrees)
+    before = np.array(space.degrees)
     need = before * np.log(errors / target) / -np.log(errors)
     added = np.clip(np.ceil(need), 2 * stalled, before).astype(int)
     degrees = np.minimum(before + added, MAX_DEGREE)
     highest = int(degrees.max())
-    panels = resolution.panels
+    panels = space.panels
     if highest > panels.degree:
         panels = replace(panels, degree=min(highest + 4, MAX_DEGREE))
     return DiscreteSpace(panels, tuple(degrees.tolist()))

@@ -196,8 +196,7 @@ def relative_panel_changes(
     size = np.maximum(np.abs(size), TINY)
     relative = total / np.minimum(size[1:], size[:-1])
     relative[-1] = max(relative[-1], tail / size[-1])
-    if min(leading_depth, cutoff_depth) < inf:
-        x = panels.width * np.arange(panels.count)
-        relative *= np.exp(-np.maximum(x - leading_depth, 0.0))
-        relative[x > cutoff_depth] = 0.0
+    x = panels.width * np.arange(panels.count)
+    relative *= np.exp(-np.maximum(x - leading_depth, 0.0))
+    relative[x > cutoff_depth] = 0.0
     return np.asarray(relative)

@@ -48,7 +48,7 @@ from spectral_contact.fields.series import (
     ZonalField,
 )
 from spectral_contact.spectral.blocks import abel_integral_on
-from spectral_contact.spectral.graded import FAR_EXPANSION, FAR_NODES, inverse_root_sums
+from spectral_contact.spectral.graded import FAR_EXPANSION, FAR_NODES
 from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
 from spectral_contact.spectral.transforms import sampled_series
 
@@ -224,8 +224,8 @@ def _integral_at(zone: StickZone, points: OffsetRadii) -> Array:
     total = np.zeros(len(points.offset))
     for sources, values in zone.parts:
         # s^2 - t^2 without cancellation: the gap between the anchors, and the offsets from them
-        distance = points.before(sources.anchor)
-        total += inverse_root_sums(-distance, -sources.offset, values)
+        difference = -points.before(sources.anchor)[:, None] - sources.offset
+        total += (1.0 / np.sqrt(difference)) @ values
     return total
 
 

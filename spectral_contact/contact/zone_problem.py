@@ -168,7 +168,6 @@ class FreeBoundaryProblem:
             spaces,
             parameters or self.parameters,
             pressures,
-            truncated=with_contributions and self._known is not None,
             displacement=self._displacement,
         )
 
@@ -232,13 +231,8 @@ class FreeBoundaryProblem:
         spaces: Sequence[DiscreteSpace],
         logits: Array,
         tolerance: float = JACOBIAN_FIELD_TOL,
-        *,
-        fraction: float = 1.0,
     ) -> Array:
-        """Return the Jacobian of the boundary residual by differences of fields to a tolerance.
-
-        The `fraction` is that of the usual step.
-        """
+        """Return the Jacobian of the boundary residual by differences of fields to a tolerance."""
         factors = factored(self.system(spaces, logits))
         centre = correct_to(FieldSolution.first(factors), tolerance).fields
 
@@ -246,7 +240,7 @@ class FreeBoundaryProblem:
             moved = replace(centre, system=self.system(spaces, moved_logits))
             return correct_to(moved, tolerance).fields.boundary_residual
 
-        return fd_jacobian(residual, logits, fraction)
+        return fd_jacobian(residual, logits)
 
     def _layout_of(self, logits: Array, jacobian: Array) -> Layout:
         """Return these boundaries with the states of this problem."""
@@ -274,13 +268,13 @@ class FreeBoundaryProblem:
         self._panel_counts = [space.panels.count for space in spaces]
         return concatenate_spaces(spaces)
 
-    def split(self, resolution: DiscreteSpace) -> list[DiscreteSpace]:
+    def split(self, space: DiscreteSpace) -> list[DiscreteSpace]:
         """Return the spaces of all parts, from one that concatenates them as `start` does."""
-        return split_spaces(resolution, self._panel_counts, self._edge_power)
+        return split_spaces(space, self._panel_counts, self._edge_power)
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space, from the boundaries of the last one."""
-        spaces = self.split(resolution)
+        spaces = self.split(space)
         layout = self.current_layout()
         newton = self._newton(spaces, with_contributions=True)
         negligible = NEGLIGIBLE_FRACTION * self.boundary_tolerance
@@ -325,14 +319,14 @@ def min_zone_width(logits: Array) -> float:
 class _GivenRadius(FreeBoundaryProblem):
     """Contact with a stick disk of a given radius, whose friction is unknown, for `refine`."""
 
-    def attempt(self, resolution: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
+    def attempt(self, space: DiscreteSpace) -> SpaceSolution[ZoneSolution]:
         """Solve in a space.
 
         The boundary residual ``r(f) = r(0) - f (r(0) - r(1))`` is linear in the friction, so that
         its root follows from two solutions. Its derivative by ``ln f`` at the root is ``-r(0)``;
         ``r(0)`` takes the place of the Jacobian in the estimate, where only moduli count.
         """
-        spaces = self.split(resolution)
+        spaces = self.split(space)
         logits = np.array(self._layout.logits)
 
         def system_at(friction: float) -> ContactSystem:

@@ -70,7 +70,6 @@ from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.fields.series import Radius, ZonalField
 from spectral_contact.records import PARTIAL_SLIP, SLIP_FIELD, ZONE_SEARCH
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.threads import cached_property
 
 Record = Callable[[str, Any, float], Any]
 
@@ -223,7 +222,7 @@ class ZoneSearch(ABC):
         """Return an outcome that tells which candidates were tried."""
         return replace(outcome, trials=tuple(self._trials))
 
-    @cached_property
+    @property
     def _slip_where_full_stick_violates(self) -> Candidate:
         """Slip where full stick violates ``|q| <= f p``, stick elsewhere."""
         from spectral_contact.contact.onset import slip_where_exceeded

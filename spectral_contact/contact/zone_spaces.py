@@ -125,14 +125,12 @@ def edge_power(parameters: Parameters, states: tuple[int, ...]) -> float:
     return atan(2.0 * parameters.kappa * parameters.friction) / pi - 0.5
 
 
-def split_spaces(
-    resolution: DiscreteSpace, counts: Sequence[int], power: float
-) -> list[DiscreteSpace]:
+def split_spaces(space: DiscreteSpace, counts: Sequence[int], power: float) -> list[DiscreteSpace]:
     """Return the spaces of all parts from what `concatenate_spaces` made of them.
 
     Parameters
     ----------
-    resolution : DiscreteSpace
+    space : DiscreteSpace
     counts : sequence of int
         Numbers of panels of the parts.
     power : float
@@ -143,12 +141,12 @@ def split_spaces(
     bounds = list(accumulate(counts, initial=0))
     for first, end in pairwise(bounds):
         panels = replace(
-            resolution.panels,
+            space.panels,
             count=end - first,
             power=power if end == bounds[-1] else 0.0,
-            root_tail=resolution.panels.root_tail and first == 0,
+            root_tail=space.panels.root_tail and first == 0,
         )
-        spaces.append(DiscreteSpace(panels, resolution.degrees[first:end]))
+        spaces.append(DiscreteSpace(panels, space.degrees[first:end]))
     return spaces
 
 

@@ -1,4 +1,4 @@
-"""What is asked of a solve, and to what tolerance: checked, whatever the scene."""
+"""What `solve` is asked for: the names of quantities and the tolerance, checked for any scene."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ _INTEGRAL = frozenset(
 )
 #: The tightest tolerance of fields.
 _TIGHTEST = 1e-12
-#: Zones that are not known are looked for at so much of the tolerance, where there is something to
-#: gain.
-_CLOSER, _LOOSE = 1e-3, 1e-11
+#: What is not known at a tolerance is solved for once more at this fraction of it.
+_RETRY_FRACTION = 1e-3
+#: The tightest tolerance that is followed by a tighter one: below it little would be gained.
+_TIGHTEST_RETRIED = 1e-11
 
 
 def asked_quantities(
@@ -32,9 +33,10 @@ def asked_quantities(
     adhesive: bool = False,
     unloaded: bool = False,
 ) -> frozenset[str]:
-    """Return what is asked for, known names.
+    """Return the names of the quantities that are asked for.
 
-    The default is everything but the thresholds of the load, which cost more than all of that.
+    The default is everything but the thresholds of the load, which cost more than all of that. A
+    name that no scene of this kind has raises `SceneError`.
     """
     known = (*PROFILE_QUANTITIES * has_profile, *ADHESION_QUANTITIES * adhesive, *QUANTITIES)
     if quantities is None:
@@ -53,5 +55,9 @@ def checked_tolerance(rtol: object, quantities: Iterable[str]) -> float:
 
 
 def closer_tolerance(rtol: float) -> float:
-    """Return a tolerance at which zones may be known, or be found, that are not at this one."""
-    return max(_CLOSER * rtol, _TIGHTEST) if rtol >= _LOOSE else rtol
+    """Return the tolerance at which what is not known at this one is solved for once more.
+
+    That may be zones that are not found, the sense of slip, or whether anything slips at all. It is
+    the same tolerance if that is too tight already.
+    """
+    return max(_RETRY_FRACTION * rtol, _TIGHTEST) if rtol >= _TIGHTEST_RETRIED else rtol

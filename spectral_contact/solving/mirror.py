@@ -1,7 +1,7 @@
-"""Scenes with κ < 0, which the solver knows by their mirror images.
+"""Scenes of two bodies with κ < 0: the solver takes |κ|, and what is radial changes its sign.
 
-With the punch and the half-space exchanged κ changes its sign, and so does whatever is radial:
-``(p, -q)`` solves the scene with ``-kappa``, with elastic coupling and without (docs/two_bodies).
+With pressure p and traction q of a scene, ``(p, -q)`` solves the scene with ``-kappa``, with
+elastic coupling and without (docs/two_bodies).
 """
 
 from __future__ import annotations
@@ -15,20 +15,24 @@ from spectral_contact.solution import Solution
 
 
 def with_positive_kappa(scene: Scene) -> Scene:
-    """Return the scene, or without SI data that of two bodies with the size of κ."""
+    """Return the scene that is solved: of two bodies that with |κ| and without SI data.
+
+    A scene of one body is returned as it is.
+    """
     if scene.mismatch is None:
         return scene
     return scene.replace(kappa=abs(scene.mismatch), physical=None)
 
 
 def mirrored(solution: Solution, scene: Scene) -> Solution:
-    """Return the solution of a scene from that of `with_positive_kappa`.
+    """Return the solution of a scene from that of the scene by `with_positive_kappa`.
 
     Parameters
     ----------
     solution : Solution
+        For |κ|.
     scene : Scene
-        Whose solution it is to be.
+        The scene that was asked for.
     """
     if solution.scene is scene:
         return solution
@@ -38,7 +42,7 @@ def mirrored(solution: Solution, scene: Scene) -> Solution:
         name: 0.0 - value if name in RADIAL else value  # 0 does not become -0
         for name, value in solution.values.items()
     }
-    grown = solution.grown
+    grown = solution.grown  # how the contact has grown: of its history only the shear is radial
     return replace(
         solution,
         scene=scene,
@@ -50,4 +54,5 @@ def mirrored(solution: Solution, scene: Scene) -> Solution:
 
 
 def _reversed(field: Any) -> Any:
+    """Return a field with the opposite sign, if there is one."""
     return None if field is None else field.times(-1.0)

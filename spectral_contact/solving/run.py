@@ -227,7 +227,7 @@ class Run:
             entry = StepWork(
                 name,
                 best.unknowns,
-                result.resolution.degrees,
+                result.space.degrees,
                 result.history,
                 result.ending,
                 seconds,

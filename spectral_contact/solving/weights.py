@@ -199,8 +199,9 @@ class _VolterraPanel:
         The unknowns, ``D`` at the nodes.
     outside : list of LogSeries
         ``omega`` of each flat punch, as of `outside_displacement`.
-    at_break : bool
-        Whether the panel begins at a break, where ``dH/du`` may be like a square root.
+    rough_start : bool
+        Whether ``dH/dv`` may be no smooth function at the lower end: beyond a break it may be like
+        a square root, and from the first touch on like a power of ``b``.
     quadratures : dict
         The quadratures made so far, for radii near the panel (False) and far beyond it (True).
     """
@@ -208,7 +209,7 @@ class _VolterraPanel:
     stretch: RadiusStretch
     ratios: Array
     outside: list[LogSeries]
-    at_break: bool
+    rough_start: bool
     quadratures: dict[bool, _PanelQuadrature] = field(default_factory=dict)
 
     def factors(self, depth: Array) -> Array:
@@ -300,11 +301,12 @@ class VolterraLoads:
             If load or approach would not grow with the contact radius.
         """
         at_break = bool(np.abs(self._breaks - stretch.low).min(initial=1.0) < _SAME)
+        rough_start = at_break or not self._panels
         outside = [self._outside(flat) for flat in flats]
-        panel = _VolterraPanel(stretch, np.zeros(stretch.count), outside, at_break)
+        panel = _VolterraPanel(stretch, np.zeros(stretch.count), outside, rough_start)
         # a row for each of the points r at which (G.7) is required, with a quadrature from the
         # lower end of the panel up to r
-        points, weights = self._two_sided if panel.at_break else self._graded
+        points, weights = self._two_sided if panel.rough_start else self._graded
         depth = stretch.depth(_radau(math.ceil(_POINTS_PER_UNKNOWN * stretch.count)))[:, None]
         log_radii = stretch.u_at_depth(depth)
         quadrature_depth = depth * (1.0 - points)
@@ -336,7 +338,7 @@ class VolterraLoads:
         stretch = panel.stretch
         # a row for each node, and one for the upper end
         extents = stretch.depth_of(np.append(stretch.u_nodes, stretch.high))[:, None]
-        points, weights = self._graded if panel.at_break else self._smooth
+        points, weights = self._graded if panel.rough_start else self._smooth
         depth = (extents * points).ravel()
         u = stretch.u_at_depth(depth)
         factors = panel.factors(depth)
@@ -382,7 +384,7 @@ class VolterraLoads:
     def _integral_over(self, panel: _VolterraPanel, log_radii: Array) -> Array:
         """Return ``int [1 - omega(b, r)] d delta`` over an earlier panel, at radii ``r``, (n,)."""
         above_end = log_radii - panel.stretch.high
-        far = (above_end > _FAR) & (not panel.at_break)
+        far = (above_end > _FAR) & (not panel.rough_start)
         integrals = np.empty(len(above_end))
         for is_far in (False, True):
             rows = far == is_far
@@ -397,7 +399,7 @@ class VolterraLoads:
         if far not in panel.quadratures:
             stretch = panel.stretch
             points, weights = self._smooth if far else self._graded
-            if panel.at_break:
+            if panel.rough_start:
                 points, weights = self._two_sided
             extent = stretch.extent
             depth = extent * (1.0 - points)

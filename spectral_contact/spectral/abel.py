@@ -7,22 +7,17 @@ psi are Legendre polynomials in ``x``, times ``d**power`` where there is an endp
 `abel_right_tail` also takes them in ``sqrt(d)``.
 Sources lie at the distance d', points at the distance d before the boundary or e past it:
 
-==================  =================================================================
-`abel_right`        ``1/2 int_{d' < d} psi dd' / sqrt(d - d')``   (sources at larger ``x``)
-`abel_left`         ``1/2 int_{d' > d} psi dd' / sqrt(d' - d)``   (sources at smaller ``x``)
-`abel_exterior`     ``1/2 int psi dd' / sqrt(d' + e)``            (points past the boundary)
-`abel_regular`      ``1/2 int psi dd' / sqrt(abs(d' + e))``       (points clear of all sources)
-==================  =================================================================
+=========================  =====================================================================
+`abel_right`               ``1/2 int_{d' < d} psi dd' / sqrt(d - d')`` (sources at larger ``x``)
+`abel_left`                ``1/2 int_{d' > d} psi dd' / sqrt(d' - d)`` (at smaller ``x``)
+`exterior_with_decrement`  ``1/2 int psi dd' / sqrt(d' + e)``
+=========================  =====================================================================
 
-Next to the boundary the differences to the value there matter, which these give without
-cancellation:
-
-=========================  =========================================================================
-`left_increment`           ``abel_left(d) - abel_left(0)``
-`exterior_with_decrement`  ``abel_exterior(e)`` and ``abel_exterior(0) - abel_exterior(e)``
-`opposite_end_decrement`   the same with the kernel ``1 / sqrt(2 + e - d')``: the points lie next to
-                           the other end of an annulus, whose two halves have unit extent
-=========================  =========================================================================
+Next to the boundary the differences to the value there matter. Without cancellation
+`left_increment` gives ``abel_left(d) - abel_left(0)``, and the second result of
+`exterior_with_decrement` is the integral at the boundary less that at e. `opposite_end_decrement`
+is the same with the kernel ``1 / sqrt(2 + e - d')``: the points lie next to the other end of an
+annulus, whose two halves have unit extent.
 
 In ``x`` the first two are convolutions, so their blocks depend on the difference of panel numbers
 alone. ``u = theta**2`` removes the square-root singularity, where u is the distance in ``x``
@@ -92,9 +87,8 @@ point_sources = bounded_cache("point sources")(PointSources)
 class Moments(Blockwise):
     """Moments ``1/2 int_0^1 psi density dd`` of functions on panels and tail, for any densities.
 
-    The 1/2 is that of the Abel integrals.
-
-    The functions psi include the endpoint weight. The densities are given at the points `d`.
+    The 1/2 is that of the Abel integrals. The functions psi include the endpoint weight. The
+    densities are given at the points `d`.
     """
 
     def __init__(self, panels: LogPanels, degrees: tuple[int, ...]) -> None:
@@ -313,7 +307,8 @@ def _computed_blocks(
     """Return blocks that were computed for points at the same places in another panel, if any.
 
     `computed` has the places in their panel of points, and the blocks for them. Places are
-    differences of depths, which round as the largest `depth` does.
+    differences of depths, which round as the largest `depth` does. Next to an end of its panel a
+    place that was rounded so costs digits: the blocks of one panel serve all that are alike.
     """
     for known_places, blocks in computed:
         same_count = len(known_places) == len(local)
@@ -339,20 +334,16 @@ def abel_right(d: Array, panels: int, width: float, degree: int, power: float = 
     x = -np.log(d)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels)
     matrix = np.zeros((len(d), panels, degree + 1))
-    clear = np.flatnonzero(panel_of_point < -1)
-    if len(clear):
-        matrix[clear] = abel_regular(-d[clear], panels, width, degree, power)
     computed: list[tuple[Array, Array]] = []
-    for i in np.unique(panel_of_point[(panel_of_point < panels) & (panel_of_point >= -1)]):
+    for i in np.unique(panel_of_point[panel_of_point < panels]):
         rows = np.flatnonzero(panel_of_point == i)
         to_end = np.clip((i + 1) * width - x[rows], 0.0, width)
         blocks = _computed_blocks(computed, to_end, panels * width)
         if blocks is None:
             blocks = abel_right_blocks(to_end, panels - i, width, degree, power)
             computed.append((to_end, blocks))
-        on_panels = blocks[:, : panels - i]
-        root = np.sqrt(d[rows]) * (d[rows] ** power if power else 1.0)
-        matrix[rows, max(i, 0) :] = on_panels[:, max(-i, 0) :] * root[:, None, None]
+        root = d[rows, None, None] ** (0.5 + power)
+        matrix[rows, max(i, 0) :] = blocks[:, max(-i, 0) : panels - i] * root
     tail = abel_right_tail(d, np.exp(-panels * width), power=power)
     return np.hstack([matrix.reshape(len(d), panels * (degree + 1)), tail])
 
@@ -381,10 +372,12 @@ def abel_left(
     scale = np.exp(-(0.5 + power) * width * panel)
     matrix = np.zeros((len(d), len(on_panels) + TAIL_TERMS))
     matrix[:, len(on_panels) :] = _abel_left_tail(d, end, power)
-    # for points deep in the tail the regular rule keeps the digits of the distance to the panels
-    clear = panel_of_point > panels
-    regular = abel_regular(-d[clear], panels, width, degree, power)
-    matrix[clear, : len(on_panels)] = regular.reshape(-1, panels * terms)[:, on_panels]
+    # next to points deep in the tail the kernel is smooth on all panels, and `point_sources` keep
+    # the digits of the distances to them
+    deep = panel_of_point > panels
+    sources = point_sources(width, (degree,) * panels)
+    kernels = sources.d ** (1.0 + power) / np.sqrt(sources.d - d[deep, None])
+    matrix[deep, : len(on_panels)] = sources.left_times(kernels)[:, on_panels]
     computed: list[tuple[Array, Array]] = []
     points_in_panel = np.bincount(panel_of_point, minlength=1)[: panels + 1]
     for occupied in np.flatnonzero(points_in_panel).tolist():
@@ -404,34 +397,8 @@ def abel_left(
     return matrix
 
 
-def abel_regular(e: Array, panels: int, width: float, degree: int, power: float = 0.0) -> Array:
-    """Return ``1/2 int d'**power psi dd' / sqrt(|d' + e|)`` for points clear of the panels.
-
-    Negative e are distances before the boundary; a point is clear of a panel if it is a panel width
-    away in x, or as far away in d as the panel is long. The shape is (n, panels, degree + 1),
-    without the tail; other parameters are those of `abel_right_blocks`.
-    """
-    source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
-    values = (width / 4) * source / np.sqrt(np.abs(source + e[:, None, None]))
-    if power != 0.0:
-        values *= source**power
-    return np.asarray(values @ legendre_projection_matrix(degree + EXTRA, degree))
-
-
-def abel_exterior(e: Array, panels: int, width: float, degree: int | tuple[int, ...]) -> Array:
-    """Return the matrix of the `abel_exterior` integral at distances `e` >= 0 past the boundary.
-
-    The degree is the same on all panels, or there is one for each panel; other parameters are those
-    of `abel_right_blocks`.
-    """
-    sources = point_sources(width, (degree,) * panels if isinstance(degree, int) else degree)
-    kernels = sources.d + e[:, None]
-    np.divide(sources.d, np.sqrt(kernels, out=kernels), out=kernels)
-    return np.hstack([sources.left_times(kernels), abel_exterior_tail(e, np.exp(-panels * width))])
-
-
-def abel_exterior_tail(e: Array, end: float) -> Array:
-    """Return the `abel_exterior` integral of the tail polynomials, (n, TAIL_TERMS)."""
+def exterior_tail(e: Array, end: float) -> Array:
+    """Return ``1/2 int psi dd' / sqrt(d' + e)`` of the tail polynomials, (n, TAIL_TERMS)."""
     g, w = gauss_rule(TAIL_TERMS + 1)
     low_root = np.sqrt(e)[:, None]
     high_root = np.sqrt(e + end)[:, None]
@@ -445,7 +412,7 @@ def abel_exterior_tail(e: Array, end: float) -> Array:
 def exterior_with_decrement(
     e: Array, width: float, degrees: tuple[int, ...]
 ) -> tuple[Array, Array]:
-    """Return the matrix `abel_exterior` at e, and ``abel_exterior(0) - abel_exterior(e)``.
+    """Return ``1/2 int psi dd' / sqrt(d' + e)`` at ``e >= 0``, and its decrement from ``e = 0``.
 
     In the decrement nothing cancels: its kernel is
     ``1/sqrt(d') - 1/sqrt(d' + e) = e / (sqrt(d') sqrt(d' + e) (sqrt(d') + sqrt(d' + e)))``.
@@ -458,7 +425,7 @@ def exterior_with_decrement(
     kernels = sources.d + e[:, None]
     np.sqrt(kernels, out=kernels)
     work = sources.d / kernels
-    exterior = np.hstack([sources.left_times(work), abel_exterior_tail(e, end)])
+    exterior = np.hstack([sources.left_times(work), exterior_tail(e, end)])
     kernels *= np.add(root_at_boundary, kernels, out=work)
     np.divide(e[:, None], kernels, out=kernels)
     kernels *= root_at_boundary
@@ -467,8 +434,8 @@ def exterior_with_decrement(
 
 
 def exterior_decrement_tail(e: Array, end: float) -> Array:
-    """Return ``abel_exterior_tail(0, end) - abel_exterior_tail(e, end)``, (n, TAIL_TERMS)."""
-    tail = abel_exterior_tail(np.zeros(1), end) - abel_exterior_tail(e, end)
+    """Return ``exterior_tail(0, end) - exterior_tail(e, end)``, (n, TAIL_TERMS)."""
+    tail = exterior_tail(np.zeros(1), end) - exterior_tail(e, end)
     # closed forms of the three polynomials, with d' = e sinh(phi)**2: for e < end/2 these are right
     # to rounding, where the difference above is right to 5e-15 at e = 1e-3 end
     small = (e > 0.0) & (e < 0.5 * end)
@@ -479,8 +446,10 @@ def exterior_decrement_tail(e: Array, end: float) -> Array:
     # decrements of the powers 0, 1 and 2 of d'/end
     zeroth = -minus_1
     first = ratio * (plus_1 / 4 + minus_1 / 2 - minus_3 / 12)
-    highest = (grown**3 - 1.0) / 48 - plus_1 / 4
-    second = ratio**2 * (highest - 3 * minus_1 / 8 + minus_3 / 12 - minus_5 / 80)
+    # ratio**2 times grown**3, which may overflow
+    highest = np.sqrt(ratio) * (np.sqrt(ratio) * grown) ** 3
+    lower = plus_1 / 4 + 3 * minus_1 / 8 - minus_3 / 12 + minus_5 / 80
+    second = (highest - ratio**2) / 48 - ratio**2 * lower
     legendre = [zeroth, 2 * first - zeroth, 6 * (second - first) + zeroth]
     tail[small] = np.sqrt(e[small])[:, None] * np.column_stack(legendre)
     return np.asarray(tail)
@@ -507,8 +476,6 @@ def abel_left_at_boundary(panels: int, width: float, degree: int, power: float =
 
     Of all functions, with ``power > -1/2``.
     """
-    if power == 0.0:
-        return np.asarray(abel_exterior(np.zeros(1), panels, width, degree)[0])
     sources = point_sources(width, (degree,) * panels)
     end = float(np.exp(-panels * width))
     nodes, weights = power_rule(TAIL_TERMS, power - 0.5)
@@ -535,20 +502,18 @@ def left_increment(
     than their difference, which loses no digits.
     """
     increment = value - boundary_value
-    source = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
     x = np.maximum(-np.log(np.maximum(d, _TINY)), 0.0)
     panel_of_point = np.minimum(np.floor(x / width).astype(int), panels + 1)
-    for i in np.unique(panel_of_point[panel_of_point >= 2]):
+    sources = point_sources(width, (degree,) * panels).d.reshape(panels, -1)
+    projection = legendre_projection_matrix(degree + EXTRA, degree)
+    for i in np.unique(panel_of_point[panel_of_point >= 2]).tolist():
         rows = np.flatnonzero(panel_of_point == i)
-        far_sources = source[: min(i - 1, panels)]
+        far_sources = sources[: min(i - 1, panels)]
         shift = d[rows, None, None]
         root = np.sqrt(far_sources - shift)
         root_at_boundary = np.sqrt(far_sources)
         kernels = shift / (root * root_at_boundary * (root + root_at_boundary))
-        values = (width / 4) * far_sources * kernels
-        if power:
-            values *= far_sources**power
-        blocks = values @ legendre_projection_matrix(degree + EXTRA, degree)
+        blocks = (width / 4 * far_sources ** (1.0 + power) * kernels) @ projection
         last = np.searchsorted(functions, len(far_sources) * (degree + 1))
         increment[rows, :last] = blocks.reshape(len(rows), -1)[:, functions[:last]]
     return np.asarray(increment)

@@ -31,10 +31,8 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from spectral_contact.spectral.abel import (
-    abel_exterior,
     abel_left,
     abel_left_at_boundary,
-    abel_regular,
     abel_right,
     abel_right_far_blocks,
     abel_right_near_blocks,
@@ -109,18 +107,6 @@ class Block(NamedTuple):
     sampled: bool
     scale: float = 1.0
     reduction: Array | None = None
-
-    def restricted_to(self, columns: NDArray[np.int_]) -> Block:
-        """Return the block of some of its functions, given by their places among them."""
-        boundary_value = self.boundary_value[columns]
-        if self.reduction is not None:
-            reduction = self.reduction[:, columns]
-            return self._replace(boundary_value=boundary_value, reduction=reduction)
-        return self._replace(
-            boundary_value=boundary_value,
-            increment=self.increment[:, columns],
-            value=self.value[:, columns],
-        )
 
     def reduce(self, coefficients: Array) -> Array:
         """Return what `increment` and `value` are applied to: scaled and reduced coefficients."""
@@ -255,8 +241,6 @@ def block(
     target: GradedMesh,
     placement: Placement,
     side: int,
-    *,
-    differences: bool = True,
 ) -> Block | None:
     """Return the integrals of functions on one part at points of another, over one side of these.
 
@@ -274,8 +258,6 @@ def block(
         that expand the integrals (the points are their sampling points).
     side : int
         +1 for outside, -1 for inside.
-    differences : bool
-        Whether the increments are used: without them those of adjacent parts are not computed.
 
     Returns
     -------
@@ -295,15 +277,13 @@ def block(
         if distance < 0.0 or (distance == 0.0 and side != source.sign):
             return None
         if distance == 0.0:
-            unit = _adjacent_block(source, degrees, target, nodes, differences)
+            unit = _adjacent_block(source, degrees, target, nodes)
         elif (
             target.sign == side == -source.sign
             and source.extent == target.extent
             and round(distance / source.extent) == 2
         ):
-            unit = _opposite_half_block(
-                source.panels, degrees, target.panels, placement, values_only
-            )
+            unit = _opposite_half_block(source.panels, degrees, target.panels, placement)
         else:
             unit = _separated_block(source, degrees, target, nodes, side, distance)
     # with dz = extent dd the integral scales like the square root of the extent
@@ -352,27 +332,18 @@ def _zero_at_boundary(value: Array) -> Block:
 
 
 def _adjacent_block(
-    source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes, differences: bool
+    source: GradedMesh, degrees: Degrees, target: GradedMesh, nodes: Nodes
 ) -> Block:
     """Return the integrals over a part that lies on the other side of the target's boundary."""
-    count = source.panels.count
-    width = source.panels.width
-    # distances past the boundary of the source, in its extents
-    e = target.extent / source.extent * nodes.samples
-    if not differences:
-        return _zero_at_boundary(abel_exterior(e, count, width, degrees))._replace(sampled=True)
-    value, decrement = exterior_with_decrement(e, width, degrees)
-    boundary_value = abel_exterior(np.zeros(1), count, width, degrees)[0]
-    return Block(boundary_value, -decrement, value, sampled=True)
+    # distances past the boundary of the source, in its extents, from the boundary itself on
+    e = np.append(0.0, target.extent / source.extent * nodes.samples)
+    value, decrement = exterior_with_decrement(e, source.panels.width, degrees)
+    return Block(value[0], -decrement[1:], value[1:], sampled=True)
 
 
 @bounded_cache("opposite half blocks")
 def _opposite_half_block(
-    panels: LogPanels,
-    degrees: Degrees,
-    target_panels: LogPanels,
-    placement: Placement,
-    values_only: bool,
+    panels: LogPanels, degrees: Degrees, target_panels: LogPanels, placement: Placement
 ) -> Block:
     """Return the integrals over one half of an annulus at the nodes of the other (cached).
 
@@ -399,16 +370,8 @@ def _opposite_half_block(
     root_at_boundary = np.sqrt(from_boundary)
     root = np.sqrt(from_boundary - d[:, None])
 
-    # the nodes of the first panel of the target lie next to the first panel of the source
-    next_to = d > reach
-    on_first = np.empty((len(d), first_count))
-    on_first[next_to] = abel_right(2.0 - d[next_to], *first_panel)[:, :first_count]
-    on_first[~next_to] = abel_regular(d[~next_to] - 2.0, *first_panel)[:, 0, :first_count]
+    on_first = abel_right(2.0 - d, *first_panel)[:, :first_count]
     value = np.hstack([on_first, 1.0 / root])
-    if values_only:
-        nothing = np.zeros(reduction.shape[1])
-        return Block(nothing, value, value, sampled=False, reduction=reduction)
-
     first_at_boundary = abel_right(np.array([2.0]), *first_panel)[0, :first_count]
     first_increment = on_first - first_at_boundary
     # farther off the difference of the two integrals is right to rounding

@@ -57,11 +57,11 @@ class Blockwise:
         return result
 
     def left_times(self, matrix: Array) -> Array:
-        """Return another matrix times this one, in the precision of the other one."""
-        result = np.empty((len(matrix), self.shape[1]), matrix.dtype)
+        """Return another matrix times this one."""
+        result = np.empty((len(matrix), self.shape[1]))
         for rows, columns, stacked in self._runs:
             number, height, width = stacked.shape
             factors = matrix[:, rows].reshape(-1, number, height).swapaxes(0, 1)
             out = result[:, columns].reshape(-1, number, width).swapaxes(0, 1)
-            np.matmul(factors, stacked.astype(matrix.dtype, copy=False), out=out)
+            np.matmul(factors, stacked, out=out)
         return result

@@ -44,9 +44,6 @@ from spectral_contact.threads import cached_property
 Array = NDArray[np.float64]
 Degrees = tuple[int, ...]
 
-#: How many degrees ``p/s`` has on a panel beyond those of p.
-_EXTRA_DEGREES = 4
-
 
 class MeshPart(NamedTuple):
     """The central disk, or one half of a zone around it, with its mesh.
@@ -64,9 +61,9 @@ class MeshPart(NamedTuple):
         the endpoint weight.
     degrees : tuple of int
         Highest degree of an unknown on every panel.
-    pressure_degrees, shear_degrees : tuple of int
-        Highest degrees of the expansions of p and of u, whether they are known or not. In slip
-        under a known pressure both are those of all functions of the panels.
+    pressure_degrees : tuple of int
+        Highest degree of the expansion of p on every panel. A known pressure has that of the
+        panels.
     """
 
     zone: int
@@ -76,12 +73,16 @@ class MeshPart(NamedTuple):
     shear_mesh: GradedMesh
     degrees: Degrees
     pressure_degrees: Degrees
-    shear_degrees: Degrees
 
     @property
     def sticks(self) -> bool:
         """Whether the zone sticks."""
         return self.state == 0
+
+    @property
+    def shear_degrees(self) -> Degrees:
+        """Highest degree of the expansion of u on every panel: in slip that of p."""
+        return self.degrees if self.sticks else self.pressure_degrees
 
 
 class KnownDisplacement(NamedTuple):
@@ -144,6 +145,31 @@ class UnknownField(NamedTuple):
         return coefficients
 
 
+class FieldMap(NamedTuple):
+    """The coefficients of p or u on a part, as a linear map of a vector.
+
+    Attributes
+    ----------
+    place : slice
+        The entries of a vector on which the coefficients depend.
+    matrix : Blockwise, optional
+        The matrix from these entries to the coefficients. Without one they are the coefficients.
+    """
+
+    place: slice
+    matrix: Blockwise | None = None
+
+    def apply(self, vectors: Array) -> Array:
+        """Return the coefficients for vectors as columns."""
+        entries = vectors[self.place]
+        return entries if self.matrix is None else self.matrix.times(entries)
+
+    def add(self, rows: Array, functionals: Array) -> None:
+        """Add functionals of the coefficients, as rows, to rows that act on vectors."""
+        matrix = self.matrix
+        rows[:, self.place] += functionals if matrix is None else matrix.left_times(functionals)
+
+
 class ContactFields:
     """The two fields on zones with given boundaries.
 
@@ -165,10 +191,9 @@ class ContactFields:
     pressures : sequence of PressureField
         The known pressure, of unit load; then, optionally, two contributions to it with zero load:
         that of the top two degrees of the space in which it was solved for, and that of the top
-        degree. If the sequence is empty the pressure is unknown.
-    truncated : bool
-        Whether the top degrees of the known pressure on the parts of this mesh, which the coarser
-        spaces do not represent, are added to these contributions.
+        degree. The same degrees of its expansion on the parts of this mesh, which the coarser
+        spaces do not represent, are added to them. If the sequence is empty the pressure is
+        unknown.
     displacement : KnownDisplacement, optional
         That of what sticks, under a known pressure: on those zones around the central disk where it
         is not zero everywhere. The disk itself has never slipped.
@@ -194,7 +219,6 @@ class ContactFields:
         parameters: Parameters,
         pressures: Sequence[PressureField] = (),
         *,
-        truncated: bool = False,
         displacement: KnownDisplacement | None = None,
     ) -> None:
         self.radii = radii
@@ -203,7 +227,7 @@ class ContactFields:
         self.pressure_known = bool(pressures)
         self.parts = self._cut(spaces)
         self.stick_parts = [k for k, part in enumerate(self.parts) if part.sticks]
-        self._place_fields(pressures, truncated=truncated)
+        self._place_fields(pressures)
         #: coefficients of ``u_r / (kappa s)`` on the parts that stick and are displaced
         self.displacement_coefficients: dict[int, Array] = {}
         self.displacement = displacement
@@ -227,14 +251,11 @@ class ContactFields:
                 power = -0.5 if singular else 0.0
             # only the traction at the rim of a disk has a tail of roots
             mesh = GradedMesh(*end, replace(panels, root_tail=False))
-            shear_mesh = mesh
-            if power != panels.power or panels.root_tail:
-                shear_mesh = mesh._replace(panels=replace(panels, power=power))
+            shear_mesh = mesh._replace(panels=replace(panels, power=power))
             pressure_degrees = degrees
             if self.pressure_known:
                 # it costs nothing to hold a known pressure in all functions of the panels
                 pressure_degrees = (panels.degree,) * panels.count
-            shear_degrees = degrees if state == 0 else _quotient_degrees(pressure_degrees, panels)
             parts.append(
                 MeshPart(
                     zone,
@@ -244,57 +265,47 @@ class ContactFields:
                     shear_mesh,
                     degrees,
                     pressure_degrees,
-                    shear_degrees,
                 )
             )
         return parts
 
     # the two fields in a vector
 
-    def _place_fields(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
+    def _place_fields(self, pressures: Sequence[PressureField]) -> None:
         """Give the unknown fields their places, and expand the known ones."""
         self.fields: list[UnknownField] = []
-        #: where the pressure of a part is in a vector, if it is unknown
-        self.pressure_places: list[slice] = []
-        #: coefficients of the known pressures on the parts, a column for each
-        self.known_pressure: list[Array] = []
-        #: `known_pressure` less the value of the pressure at the centre, on the parts graded to a
-        #: boundary between zones, which are all but the last
+        #: the pressure on every part
+        self.pressure_maps: list[FieldMap] = []
+        #: u on every part, by its number
+        self.shear_maps: dict[int, FieldMap] = {}
+        #: coefficients of the known pressures less the value of the pressure at the centre, a
+        #: column for each, on the parts graded to a boundary between zones: all but the last
         self.known_variation: list[Array] = []
-        #: those of the shear ``u = state f p/s`` in slip under each known pressure
-        self.known_slip: dict[int, Array] = {}
-        #: maps from p to ``p/s`` on the parts that slip under an unknown pressure
-        self._over_radius: dict[int, Blockwise] = {}
-        place = 0
+        self.unknowns = len(pressures)
         if self.pressure_known:
-            place = len(pressures)
-            self._expand(pressures, truncated=truncated)
+            self._expand(pressures)
         else:
             for k, part in enumerate(self.parts):
-                field = self._unknown(k, part.mesh.panels, place, is_shear=False)
-                self.fields.append(field)
-                self.pressure_places.append(field.place)
-                place = field.place.stop
+                self.pressure_maps.append(self._add_unknown(k, part.mesh.panels, is_shear=False))
                 if not part.sticks:
-                    self._over_radius[k] = _over_radius(part.mesh, part.pressure_degrees)
-        self.pressure_terms = place
-        #: where u of a part that sticks is in a vector
-        self.shear_places: dict[int, slice] = {}
+                    ratio = part.state * self.parameters.friction
+                    slip = _over_radius(part, ratio)
+                    self.shear_maps[k] = FieldMap(self.pressure_maps[k].place, slip)
+        self.pressure_terms = self.unknowns
         for k in self.stick_parts:
-            field = self._unknown(k, self.parts[k].shear_mesh.panels, place, is_shear=True)
-            self.fields.append(field)
-            self.shear_places[k] = field.place
-            place = field.place.stop
-        self.unknowns = place
+            panels = self.parts[k].shear_mesh.panels
+            self.shear_maps[k] = self._add_unknown(k, panels, is_shear=True)
 
-    def _unknown(self, k: int, panels: LogPanels, start: int, *, is_shear: bool) -> UnknownField:
-        """Return the unknown field on a part whose place in a vector begins at `start`."""
+    def _add_unknown(self, k: int, panels: LogPanels, *, is_shear: bool) -> FieldMap:
+        """Add the unknown field on a part at the end of a vector, and return its map."""
         degrees = self.parts[k].degrees
         functions = panels.functions(degrees)
-        place = slice(start, start + len(functions))
-        return UnknownField(k, panels, degrees, functions, place, is_shear)
+        place = slice(self.unknowns, self.unknowns + len(functions))
+        self.fields.append(UnknownField(k, panels, degrees, functions, place, is_shear))
+        self.unknowns = place.stop
+        return FieldMap(place)
 
-    def _expand(self, pressures: Sequence[PressureField], *, truncated: bool) -> None:
+    def _expand(self, pressures: Sequence[PressureField]) -> None:
         """Expand known pressures on every part, and the traction in slip under them.
 
         The stick condition prescribes kappa R for the half-integral of q, and a constant pressure
@@ -302,6 +313,7 @@ class ContactFields:
         pressure less its value at the centre. The rounding of that value would be as large as the
         traction of a small stick disk under little friction.
         """
+        place = slice(0, len(pressures))
         central = PressureField.several(pressures, np.ones(1))
         for k, part in enumerate(self.parts):
             panels = part.mesh.panels
@@ -310,17 +322,17 @@ class ContactFields:
             variation = values - central
             if panels.power != 0.0:
                 values = values / panels.sampling_distances**panels.power
-            self.known_pressure.append(_expansion(part, values, truncated=truncated))
+            self.pressure_maps.append(FieldMap(place, Blockwise([_expansion(part, values)])))
             if part.boundary_number >= 0:
-                self.known_variation.append(_expansion(part, variation, truncated=truncated))
+                self.known_variation.append(_expansion(part, variation))
             if not part.sticks:
                 slip = part.state * self.parameters.friction * values / np.sqrt(points.z)
-                self.known_slip[k] = _expansion(part, slip, truncated=truncated)
+                self.shear_maps[k] = FieldMap(place, Blockwise([_expansion(part, slip)]))
 
     def _expand_displacement(self, displacement: KnownDisplacement, pressures: int) -> None:
         """Expand the displacement of what sticks around the central disk, which has not slipped.
 
-        Columns are those of `known_pressure`: under the pressure itself the displacement, under its
+        There is a column for each known pressure: for the pressure itself the displacement, for its
         contributions the error of the displacement.
         """
         for k in self.stick_parts:
@@ -333,49 +345,14 @@ class ContactFields:
                 columns = np.vstack([values, errors]) / np.sqrt(points.z)
                 self.displacement_coefficients[k] = part.shear_mesh.expand(columns)[:, functions].T
 
-    def pressure_on(self, k: int, values: Array) -> Array:
-        """Return the coefficients of p on a part, for vectors as columns."""
-        if self.pressure_known:
-            return np.asarray(self.known_pressure[k] @ values[: self.pressure_terms])
-        return values[self.pressure_places[k]]
-
-    def shear_on(self, k: int, values: Array) -> Array:
-        """Return the coefficients of u on a part, for vectors as columns."""
-        part = self.parts[k]
-        if part.sticks:
-            return values[self.shear_places[k]]
-        if self.pressure_known:
-            return np.asarray(self.known_slip[k] @ values[: self.pressure_terms])
-        friction = part.state * self.parameters.friction
-        return friction * self._over_radius[k].times(values[self.pressure_places[k]])
-
-    def add_pressure(self, rows: Array, functionals: Array, k: int) -> None:
-        """Add to rows functionals of the coefficients of p on a part, (rows, coefficients)."""
-        if self.pressure_known:
-            rows[:, : self.pressure_terms] += functionals @ self.known_pressure[k]
-        else:
-            rows[:, self.pressure_places[k]] += functionals
-
-    def add_shear(self, rows: Array, functionals: Array, k: int) -> None:
-        """Add to rows functionals of the coefficients of u on a part, (rows, coefficients)."""
-        part = self.parts[k]
-        if part.sticks:
-            rows[:, self.shear_places[k]] += functionals
-        elif self.pressure_known:
-            rows[:, : self.pressure_terms] += functionals @ self.known_slip[k]
-        else:
-            friction = part.state * self.parameters.friction
-            rows[:, self.pressure_places[k]] += friction * self._over_radius[k].left_times(
-                functionals
-            )
-
     def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
         """Return the series of p on all parts, and those of u on parts that stick, for a vector."""
         pressures = []
         for k, part in enumerate(self.parts):
             panels = part.mesh.panels
             coefficients = np.zeros(panels.size)
-            coefficients[panels.functions(part.pressure_degrees)] = self.pressure_on(k, values)
+            used = panels.functions(part.pressure_degrees)
+            coefficients[used] = self.pressure_maps[k].apply(values)
             pressures.append(series_of(panels, coefficients))
         shears = {
             field.part: series_of(field.panels, field.coefficients(values))
@@ -436,8 +413,9 @@ class ContactFields:
 
         The load of all parts has to be 1, and each is taken to have the same relative error.
         """
-        pairs = zip(self.loads, self.known_pressure, strict=True)
-        loads = 2.0 * np.pi * np.array([load @ pressure[:, 0] for load, pressure in pairs])
+        pressure = np.eye(1, self.unknowns)[0]
+        pairs = zip(self.loads, self.pressure_maps, strict=True)
+        loads = 2.0 * np.pi * np.array([load @ on_part.apply(pressure) for load, on_part in pairs])
         slips = [not part.sticks for part in self.parts]
         in_slip = (self.parameters.friction * loads)[slips].sum()
         return float(in_slip * abs(loads.sum() - 1.0))
@@ -451,12 +429,12 @@ class ContactFields:
         for k, part in enumerate(self.parts):
             if part.zone == 0:
                 unit = disk_shear(part.shear_mesh.panels, part.degrees)
-                self.add_shear(row, part.mesh.boundary.value**3 * unit[None], k)
+                self.shear_maps[k].add(row, part.mesh.boundary.value**3 * unit[None])
             else:
                 on_panels = moments_on(part.shear_mesh.panels, part.shear_degrees)
                 s = np.sqrt(part.shear_mesh.points(on_panels.d).z)
                 moment = 2.0 * np.pi * part.shear_mesh.extent * on_panels.with_densities(s[None])
-                self.add_shear(row, moment, k)
+                self.shear_maps[k].add(row, moment)
         return np.asarray(row[0])
 
     def total_shear(self, values: Array) -> float:
@@ -473,61 +451,52 @@ class ContactFields:
             if j < 0:
                 continue
             row = rows[j : j + 1]
-            at_tail = _tail_at_boundary(part.shear_mesh.panels)
-            row[:, self._tail_of(k)] = part.mesh.boundary.value * at_tail
+            traction = _values_at_boundary(part.shear_mesh.panels, len(self.shear_loads[k]))
+            self.shear_maps[k].add(row, part.mesh.boundary.value * traction)
             # one of the two zones sticks, and its state is 0
             friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
-            at_boundary = np.zeros((1, len(self.loads[k])))
-            at_tail = _tail_at_boundary(part.mesh.panels)
-            at_boundary[:, -len(at_tail) :] = -friction * at_tail
-            self.add_pressure(row, at_boundary, k)
+            pressure = _values_at_boundary(part.mesh.panels, len(self.loads[k]))
+            self.pressure_maps[k].add(row, -friction * pressure)
         return rows
 
-    def _tail_of(self, k: int) -> slice:
-        """Return where the tail of u on a part is in a vector."""
-        stop = self.shear_places[k].stop
-        return slice(stop - self.parts[k].shear_mesh.panels.tail_terms, stop)
 
-
-def _expansion(part: MeshPart, values: Array, *, truncated: bool) -> Array:
+def _expansion(part: MeshPart, values: Array) -> Array:
     """Return coefficients on a part, as columns, through values at its sampling points, as rows.
 
-    The first column is the known pressure, or what follows from it. If `truncated`, its top two
-    degrees on every panel join the second column, and its top one the third.
+    The first column is the known pressure, or what follows from it. If there are contributions to
+    it, its top two degrees on every panel join the second column, and its top one the third.
     """
     panels = part.mesh.panels
     degrees = part.pressure_degrees
     coefficients = part.mesh.expand(values)[:, panels.functions(degrees)].T
-    if truncated:
-        for column, count in ((1, 2), (2, 1)):
-            top = panels.top(degrees, count)[:-1]  # without the tail's
-            coefficients[top, column] += coefficients[top, 0]
+    for column in range(1, len(values)):
+        top = panels.top(degrees, 3 - column)[:-1]  # without the tail's
+        coefficients[top, column] += coefficients[top, 0]
     return coefficients
 
 
-def _tail_at_boundary(panels: LogPanels) -> Array:
-    """Return the values of the functions of the tail at the boundary: Legendre's at -1."""
-    return np.asarray(1.0 - 2.0 * (np.arange(panels.tail_terms) % 2))
+def _values_at_boundary(panels: LogPanels, count: int) -> Array:
+    """Return the values of so many functions at the boundary, as a row.
+
+    The last are those of the tail: Legendre's at -1.
+    """
+    row = np.zeros((1, count))
+    row[0, -panels.tail_terms :] = 1.0 - 2.0 * (np.arange(panels.tail_terms) % 2)
+    return row
 
 
-def _quotient_degrees(degrees: Degrees, panels: LogPanels) -> Degrees:
-    """Return the degrees of ``p/s``, for those of p."""
-    return tuple(min(n + _EXTRA_DEGREES, panels.degree) for n in degrees)
-
-
-def _over_radius(mesh: GradedMesh, degrees: Degrees) -> Blockwise:
-    """Return the map from the coefficients of p on a part to those of ``p/s``, panel by panel."""
+def _over_radius(part: MeshPart, factor: float) -> Blockwise:
+    """Return the map from the coefficients of p on a part to those of ``factor p/s``."""
+    mesh = part.mesh
     panels = mesh.panels
     points = panels.degree + EXTRA
     expand = legendre_expansion_matrix(points, panels.degree)
     values = legendre_values(gauss_rule(points)[0], panels.degree)
-    radii = np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
+    ratios = factor / np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
     blocks = [
-        expand[: quotient_degree + 1] @ (values[:, : n + 1] / s[:, None])
-        for s, n, quotient_degree in zip(
-            radii, degrees, _quotient_degrees(degrees, panels), strict=True
-        )
+        expand[: n + 1] @ (values[:, : n + 1] * ratio[:, None])
+        for ratio, n in zip(ratios, part.pressure_degrees, strict=True)
     ]
     # on the tail s is constant to rounding
     at_tail = float(np.sqrt(mesh.points(np.array([panels.end / 2.0])).z[0]))
-    return Blockwise([*blocks, np.eye(panels.tail_terms) / at_tail])
+    return Blockwise([*blocks, factor / at_tail * np.eye(panels.tail_terms)])

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from spectral_contact.spectral.blocks import cached_disk_gram
 from spectral_contact.spectral.cache import bounded_cache
@@ -32,8 +33,8 @@ def system_matrix(system: ContactSystem) -> Array:
     A step that removes a residual is the solution with this matrix; it is added to the vector.
     """
     matrix = _without_masses(system)
-    for place, mass in system.masses():
-        matrix[place, place] += mass
+    for place, mass in system.masses:
+        matrix[place, place] += block_diag(*mass.blocks())
     return matrix
 
 
@@ -82,7 +83,7 @@ def _add_shear_equation(system: ContactSystem, matrix: Array, i: int) -> None:
         node_sums=gram,
     )
     for k, j, product in products:
-        system.add_shear(matrix[system.shear_places[k]], product, j)
+        system.shear_maps[j].add(matrix[system.shear_maps[k].place], product)
 
 
 def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
@@ -96,7 +97,7 @@ def _add_normal_equation(system: ContactSystem, matrix: Array, i: int) -> None:
     for k, j, product in outer.products(
         outer, system.operators.normal_tests[i], other_values=True, node_sums=gram
     ):
-        matrix[system.pressure_places[k], system.pressure_places[j]] += product
+        system.pressure_maps[j].add(matrix[system.pressure_maps[k].place], product)
 
 
 def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> None:
@@ -107,15 +108,15 @@ def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> Non
     weights = system.operators.normal_tests[i]
     coupling = 2.0 * system.parameters.kappa
     for k, j, product in outer.products(inner, weights * t):
-        system.add_shear(matrix[system.pressure_places[k]], coupling * product, j)
+        system.shear_maps[j].add(matrix[system.pressure_maps[k].place], coupling * product)
     # with I(t) the inner integral of q: t I(t) is t I(b) and t times an increment
     both = coupling * np.column_stack([weights * t, weights])
     for k, sums in outer.project(both):
-        rows = matrix[system.pressure_places[k]]
+        rows = matrix[system.pressure_maps[k].place]
         for j, integrals in inner.blocks.items():
-            system.add_shear(rows, integrals.scale * sums[:, :1] * integrals.boundary_value, j)
+            system.shear_maps[j].add(rows, integrals.scale * sums[:, :1] * integrals.boundary_value)
         for j, shear_load in enumerate(system.shear_loads):
-            system.add_shear(rows, -sums[:, 1:] * shear_load, j)
+            system.shear_maps[j].add(rows, -sums[:, 1:] * shear_load)
 
 
 def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None:
@@ -124,12 +125,12 @@ def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None
     inner = system.operators.inner_pressure[i]
     factor = system.operators.shear_tests[i] * 2.0 * system.parameters.kappa / system.operators.t[i]
     for k, j, product in outer.products(inner, factor):
-        matrix[system.shear_places[k], system.pressure_places[j]] -= product
+        system.pressure_maps[j].add(matrix[system.shear_maps[k].place], -product)
     falls = factor * system.operators.from_boundary[i] / system.parts[i].mesh.boundary.value
     for k, sums in outer.project(falls[:, None]):
+        rows = matrix[system.shear_maps[k].place]
         for j, integrals in inner.blocks.items():
-            rows = matrix[system.shear_places[k], system.pressure_places[j]]
-            rows += integrals.scale * sums * integrals.boundary_value
+            system.pressure_maps[j].add(rows, integrals.scale * sums * integrals.boundary_value)
 
 
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
@@ -141,18 +142,20 @@ def _add_moments(system: ContactSystem, matrix: Array) -> None:
     ``<s psi, g[p]> = int psi s ds int p s ds`` where p lies inside of psi.
     """
     kappa = system.parameters.kappa
-    for k, (part, place) in enumerate(zip(system.parts, system.pressure_places, strict=True)):
-        nested = _nested_moments(system, k)
+    for k, part in enumerate(system.parts):
+        nested = kappa * _nested_moments(system, k)
+        load = kappa * system.loads[k][:, None]
+        shear_load = kappa * system.shear_loads[k][:, None]
         if system.operators.unweighted_normal:
-            rows = matrix[place]
-            system.add_shear(rows, -kappa * nested, k)
+            rows = matrix[system.pressure_maps[k].place]
+            system.shear_maps[k].add(rows, -nested)
             for j in range(k + 1, len(system.parts)):
-                system.add_shear(rows, -kappa * system.loads[k][:, None] * system.shear_loads[j], j)
+                system.shear_maps[j].add(rows, -load * system.shear_loads[j])
         if system.operators.unweighted_shear and part.sticks:
-            rows = matrix[system.shear_places[k]]
-            rows[:, place] -= kappa * nested.T
-            inside = system.load_row[: place.start]
-            rows[:, : place.start] -= kappa * system.shear_loads[k][:, None] * inside
+            rows = matrix[system.shear_maps[k].place]
+            system.pressure_maps[k].add(rows, -nested.T)
+            for j in range(k):
+                system.pressure_maps[j].add(rows, -shear_load * system.loads[j])
 
 
 def _nested_moments(system: ContactSystem, k: int) -> Array:

@@ -34,9 +34,9 @@ class ContactOperators:
     Attributes
     ----------
     nodes : list of GradedNodes
-    t, offsets, from_boundary : list of ndarray
-        The radius t of the nodes of each part, ``t**2 - b**2`` and ``t - b``, with the boundary b
-        that its mesh is graded to.
+    t, from_boundary : list of ndarray
+        The radius t of the nodes of each part, and ``t - b`` with the boundary b that its mesh is
+        graded to.
     shear_weights : list of ndarray
         Weights of ``t**2 dt / pi``.
     normal_tests, shear_tests : list of ndarray
@@ -70,7 +70,6 @@ class ContactOperators:
     def _place_nodes(self, parts: list[MeshPart]) -> None:
         """Find the Galerkin nodes of parts, and the weights with which W and E are tested."""
         self.nodes: list[GradedNodes] = []
-        self.offsets: list[Array] = []
         self.t: list[Array] = []
         self.from_boundary: list[Array] = []
         self.shear_weights: list[Array] = []
@@ -88,7 +87,6 @@ class ContactOperators:
             weights = nodes.weights * mesh.extent / (2.0 * np.pi) * t
             factors = self._boundary_weights(part, offset)
             self.nodes.append(nodes)
-            self.offsets.append(offset)
             self.t.append(t)
             self.from_boundary.append(offset / (t + b.value))
             self.shear_weights.append(weights)
@@ -135,30 +133,20 @@ class ContactOperators:
     ) -> None:
         """Add the integrals of the fields of part k at the nodes of part i."""
         part = self._parts[k]
-        target_part = self._parts[i]
-        target = (target_part.mesh, target_part.degrees, side)
+        target = self._parts[i]
+
+        def integrals(mesh: GradedMesh, degrees: Degrees) -> Block:
+            of_mesh = block(mesh, degrees, target.mesh, target.degrees, side)
+            assert of_mesh is not None
+            return of_mesh
+
         wants_shear = side > 0 or not self._pressure_known
         wants_pressure = side < 0 or not self._pressure_known
-        shear_block: Block | None = None
         if wants_shear:
-            shear_block = block(part.shear_mesh, part.shear_degrees, *target)
-            assert shear_block is not None
-            of_shear.blocks[k] = shear_block
+            of_shear.blocks[k] = integrals(part.shear_mesh, part.shear_degrees)
         if wants_pressure:
-            of_pressure.blocks[k] = self._pressure_block(part, target, shear_block)
-
-    def _pressure_block(
-        self, part: MeshPart, target: tuple[GradedMesh, Degrees, int], shear_block: Block | None
-    ) -> Block:
-        """Return the integrals of p at the nodes of a target, taken from those of u if possible."""
-        if shear_block is not None and part.shear_mesh is part.mesh:
-            if part.shear_degrees == part.pressure_degrees:
-                return shear_block
-            if shear_block.sampled:
-                panels = part.mesh.panels
-                columns = panels.functions(part.shear_degrees)
-                functions = panels.functions(part.pressure_degrees)
-                return shear_block.restricted_to(np.searchsorted(columns, functions))
-        pressure_block = block(part.mesh, part.pressure_degrees, *target)
-        assert pressure_block is not None
-        return pressure_block
+            same = (part.mesh, part.pressure_degrees) == (part.shear_mesh, part.shear_degrees)
+            if wants_shear and same:
+                of_pressure.blocks[k] = of_shear.blocks[k]
+            else:
+                of_pressure.blocks[k] = integrals(part.mesh, part.pressure_degrees)

@@ -47,7 +47,6 @@ E(b) of the fields (`boundary_rows`) is zero, too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from math import ceil, log
 from typing import NamedTuple
@@ -57,6 +56,7 @@ from numpy.typing import NDArray
 
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.blocks import block
+from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.contact_fields import ContactFields
 from spectral_contact.spectral.contact_operators import ContactOperators
 from spectral_contact.spectral.node_operators import NodeOperators
@@ -112,10 +112,10 @@ class ContactSystem(ContactFields):
     - `unknowns`, the length of a vector, and `pressure_terms`, how many of its first coefficients
       belong to the pressure;
     - `shear_loads`: ``int q ds`` over each part, as a row that acts on the coefficients of u there;
-    - `known_pressure` and `known_slip`: coefficients of known pressures, and of u in slip under
-      them, a column for each known pressure; `known_variation` is `known_pressure` less the value
-      of the pressure at the centre. A constant has a constant R, so that increments of R are the
-      same.
+    - `pressure_maps` and `shear_maps`: the maps from vectors to the coefficients of p and of u on
+      the parts;
+    - `known_variation`: coefficients of known pressures less the value of the pressure at the
+      centre, a column for each. A constant has a constant R, so that increments of R are the same.
     """
 
     @cached_property
@@ -134,12 +134,11 @@ class ContactSystem(ContactFields):
             j = slice(part.boundary_number, part.boundary_number + 1)
             factor = 2.0 * self.parameters.kappa / part.mesh.boundary.value
             for k, inner in self.operators.inner_pressure[i].blocks.items():
-                self.add_pressure(
-                    stick_target[j], factor * inner.scale * inner.boundary_value[None], k
-                )
+                at_boundary = factor * inner.scale * inner.boundary_value[None]
+                self.pressure_maps[k].add(stick_target[j], at_boundary)
             residual[j] = stick_target[j]
             for k, outer in self.operators.outer_shear[i].blocks.items():
-                self.add_shear(residual[j], -outer.scale * outer.boundary_value[None], k)
+                self.shear_maps[k].add(residual[j], -outer.scale * outer.boundary_value[None])
         return BoundaryRows(stick_target, residual)
 
     # residuals
@@ -168,8 +167,8 @@ class ContactSystem(ContactFields):
         """Return W at the nodes of every part."""
         kappa = self.parameters.kappa
         parts = range(len(self.parts))
-        p = [self.pressure_on(k, values) for k in parts]
-        u = [self.shear_on(k, values) for k in parts]
+        p = [self.pressure_maps[k].apply(values) for k in parts]
+        u = [self.shear_maps[k].apply(values) for k in parts]
         shear_load = sum(self.shear_loads[k] @ u[k] for k in parts)
         residual: list[Array] = []
         at_boundaries: dict[int, Array] = {}
@@ -204,32 +203,33 @@ class ContactSystem(ContactFields):
     def _shear_increment(self, i: int, values: Array) -> Array:
         """Return ``E(t) - E(b)`` at the nodes of a part, or E(t) where there is no b."""
         if not self.pressure_known:
-            traction = {k: self.shear_on(k, values) for k in self.operators.outer_shear[i].blocks}
-            pressure = {
-                k: self.pressure_on(k, values) for k in self.operators.inner_pressure[i].blocks
-            }
-            target_increment = self._target_increment(i, pressure)
-            return np.asarray(target_increment - self.operators.outer_shear[i].increments(traction))
+            outer = self.operators.outer_shear[i]
+            traction = {k: self.shear_maps[k].apply(values) for k in outer.blocks}
+            inner = self.operators.inner_pressure[i]
+            pressure = {k: self.pressure_maps[k].apply(values) for k in inner.blocks}
+            return self._target_increment(i, pressure) - outer.increments(traction)
         known = self._known_increments[i] @ values[: self.pressure_terms]
         # with zeros in stick the rest is the response to the known pressure alone
         if not values[self.pressure_terms :].any():
             return np.asarray(known)
-        traction = {k: self.shear_on(k, values) for k in self.operators.outer_stick[i].blocks}
-        return np.asarray(known - self.operators.outer_stick[i].increments(traction))
+        stick = self.operators.outer_stick[i]
+        traction = {k: self.shear_maps[k].apply(values) for k in stick.blocks}
+        return np.asarray(known - stick.increments(traction))
 
     @cached_property
     def _known_increments(self) -> list[Array]:
         """``E(t) - E(b)`` at the nodes of the parts by each known pressure, with q = 0 in stick."""
+        units = np.eye(self.unknowns, self.pressure_terms)
+        known_pressure = [on_part.apply(units) for on_part in self.pressure_maps]
         increments = []
         for i, outer in enumerate(self.operators.outer_shear):
             graded_to_boundary = self.parts[i].boundary_number >= 0
-            pressure = self.known_variation if graded_to_boundary else self.known_pressure
+            pressure = self.known_variation if graded_to_boundary else known_pressure
             increment = self._target_increment(i, pressure)
             slips = {k: b for k, b in outer.blocks.items() if not self.parts[k].sticks}
             if slips:
-                increment = increment - NodeOperators(outer.nodes, slips).increments(
-                    self.known_slip
-                )
+                traction = {k: self.shear_maps[k].apply(units) for k in slips}
+                increment = increment - NodeOperators(outer.nodes, slips).increments(traction)
             increments.append(increment)
         return increments
 
@@ -255,14 +255,13 @@ class ContactSystem(ContactFields):
     def residual(self, values: Array, approach: Array, defects: Array) -> Array:
         """Return the residual of the equations; parameters are those of `pointwise_residual`."""
         projected = self.project(self.pointwise_residual(values, approach, defects))
-        for place, product in self.masses(values):
-            projected[place] -= product
+        for place, mass in self.masses:
+            projected[place] -= mass.times(values[place])
         factors = values[: self.pressure_terms]
         for k, displacement in self.displacement_coefficients.items():
             part = self.parts[k]
-            projected[self.shear_places[k]] += part.shear_mesh.mass(
-                part.degrees, displacement @ factors, shear=True
-            )
+            mass = part.shear_mesh.mass(part.degrees, shear=True)
+            projected[self.shear_maps[k].place] += mass.times(displacement @ factors)
         return projected
 
     def project(self, residual: PointwiseResidual) -> Array:
@@ -275,28 +274,29 @@ class ContactSystem(ContactFields):
         for i, values in enumerate(residual.tangential):
             weighted = self.operators.shear_tests[i][:, None] * values
             for k, sums in self.operators.outer_stick[i].project(weighted):
-                projected[self.shear_places[k]] += sums
+                projected[self.shear_maps[k].place] += sums
         for i, values in enumerate(residual.normal):
             weighted = self.operators.normal_tests[i][:, None] * values
             for k, sums in self.operators.outer_pressure[i].project(weighted):
-                projected[self.pressure_places[k]] += sums
+                projected[self.pressure_maps[k].place] += sums
         return projected
 
-    def masses(self, values: Array | None = None) -> Iterator[tuple[slice, Array]]:
-        """Yield, field by field, its place in a vector and its mass times its compliance.
+    @cached_property
+    def masses(self) -> list[tuple[slice, Blockwise]]:
+        """For every unknown field its place in a vector, and its mass times its compliance.
 
-        With `values`, vectors as columns, the products of these matrices with them take their
-        place. The residual takes them always, the matrix unless `CholeskyFactoredSystem` has it
-        from the unit disk: that matrix has to have the same compliances.
+        The residual takes them always, the matrix unless `CholeskyFactoredSystem` has it from the
+        unit disk: that matrix has to have the same compliances.
         """
+        masses = []
         for field in self.fields:
             part = self.parts[field.part]
             mesh = part.shear_mesh if field.is_shear else part.mesh
             compliance = self.parameters.beta if field.is_shear else self.parameters.alpha
             if compliance > 0.0:
-                coefficients = None if values is None else values[field.place]
-                mass = mesh.mass(field.degrees, coefficients, shear=field.is_shear)
-                yield field.place, compliance * mass
+                mass = mesh.mass(field.degrees, compliance, shear=field.is_shear)
+                masses.append((field.place, mass))
+        return masses
 
     # displacement in slip
 
@@ -333,12 +333,11 @@ class ContactSystem(ContactFields):
         inner = np.zeros((len(target.panels.sampling_distances), values.shape[1]))
         outer = np.zeros_like(inner)
         for k, part in enumerate(self.parts):
-            place = (target, target.panels)
-            inside = block(part.mesh, part.pressure_degrees, *place, -1, differences=False)
+            inside = block(part.mesh, part.pressure_degrees, target, target.panels, -1)
             if inside is not None:
-                inner += inside.apply(self.pressure_on(k, values))
-            outside = block(part.shear_mesh, part.shear_degrees, *place, 1, differences=False)
+                inner += inside.apply(self.pressure_maps[k].apply(values))
+            outside = block(part.shear_mesh, part.shear_degrees, target, target.panels, 1)
             if outside is not None:
-                outer += outside.apply(self.shear_on(k, values))
+                outer += outside.apply(self.shear_maps[k].apply(values))
         t = np.sqrt(target.sampling().z)[:, None]
         return np.asarray(2.0 * self.parameters.kappa / t * inner - outer)

@@ -33,10 +33,6 @@ def factored(system: ContactSystem) -> FactoredSystem:
 class FactoredSystem:
     """A system with the LU factors of its matrix.
 
-    The factors are in double precision. In single precision entries next to a boundary would be
-    subnormal numbers, which slow processors down: coupled partial slip takes 1.3 times as long on
-    one of two, and 0.92 times on the other (``python validation/cost/bench.py coupled``).
-
     Parameters
     ----------
     system : ContactSystem
@@ -88,9 +84,6 @@ class FactoredSystem:
         count = 1 + len(system.radii)
         pressure_changes = system.pressure_terms - 1 if system.pressure_known else 0
         values = np.zeros((system.unknowns, count + pressure_changes))
-        if system.symmetric and not system.pressure_known:
-            values[: system.pressure_terms, 0] = system.load_row
-            return self.step(values)
         # the multipliers of a known pressure (True is 1) and of contributions of its top degrees
         values[0, 0] = system.pressure_known
         values[1 : 1 + pressure_changes, count:] = np.eye(pressure_changes)
@@ -161,21 +154,20 @@ class CholeskyFactoredSystem(FactoredSystem):
         #: the matrix of the system over the one that is factored
         self._matrix_ratio = 1.0
         known = system.pressure_terms if system.pressure_known else 0
-        if system.pressure_known and len(system.stick_parts) == 1:
-            [field] = system.fields
-            radius = system.parts[0].mesh.boundary.value
-            space = unit_space(field.panels, field.degrees, shear=True)
-            self._matrix_ratio = radius**5
-            self._coarse_unknowns = (space.coarsest_unknowns, space.coarse_unknowns)
-            self._order = known + space.function
-            self._cholesky = space.factor(system.parameters.beta / radius).cholesky
-            return
         top_degrees = np.concatenate(system.top_degree_indices)
         # the number of the coarser spaces, of two, that lack an unknown
         lacking = np.bincount(top_degrees, minlength=system.unknowns)[known:]
         self._order = known + np.argsort(lacking, kind="stable")
         self._coarse_unknowns = (int((lacking < 1).sum()), int((lacking < 2).sum()))
-        self._cholesky = Cholesky(system_matrix(system)[np.ix_(self._order, self._order)])
+        if known and len(system.stick_parts) == 1:
+            [field] = system.fields
+            radius = system.parts[0].mesh.boundary.value
+            space = unit_space(field.panels, field.degrees, shear=True)
+            self._matrix_ratio = radius**5
+            # its unknowns are in the same order
+            self._cholesky = space.factor(system.parameters.beta / radius).cholesky
+        else:
+            self._cholesky = Cholesky(system_matrix(system)[np.ix_(self._order, self._order)])
 
     def step(self, right: Array) -> Array:
         """Return the solutions by the factor for right-hand sides as columns, uncorrected.

@@ -7,7 +7,6 @@ from the samples to the nodes.
 
 from __future__ import annotations
 
-from itertools import groupby
 from math import ceil
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import NDArray
 
+from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
     PANEL_SAMPLES,
@@ -83,9 +83,6 @@ class GradedNodes:
         self.d: Array = np.concatenate([d, self.tail])
         self.rest: Array = np.concatenate([-np.expm1(-x), 1.0 - self.tail])
         self.weights: Array = np.concatenate([d * weights, tail_weights])
-        # The nodes of the first panel are samples themselves: errors of an interpolation there
-        # would be the same for all functions of the panel, and would not average out.
-        self._first_panel = counts[0]
 
     @cached_property
     def samples(self) -> Array:
@@ -93,10 +90,11 @@ class GradedNodes:
 
         They are the nodes of the first panel, `PANEL_SAMPLES` Gauss points on every other one, and
         the nodes of the tail. They represent functions that are analytic in ``x`` up to an
-        imaginary part of pi, as functions of ``d + e`` are.
+        imaginary part of pi, as functions of ``d + e`` are. The errors of an interpolation on the
+        first panel would be the same for all functions of the panel, and would not average out.
         """
         on_panels = np.exp(-self.panels.sampling(PANEL_SAMPLES)[1:]).ravel()
-        return np.concatenate([self.d[: self._first_panel], on_panels, self.tail])
+        return np.concatenate([self.d[: len(self.from_start[0])], on_panels, self.tail])
 
     @cached_property
     def from_far_nodes(self) -> Array:
@@ -104,14 +102,15 @@ class GradedNodes:
         return far_values(self.samples)
 
     @cached_property
-    def _interpolations(self) -> list[tuple[int, Array]]:
-        """Runs of panels with as many nodes: their number, and the matrix from samples to nodes."""
-        runs = [(len(list(run)), n) for n, run in groupby(map(len, self.from_start[1:]))]
-        return [(count, from_samples(n)) for count, n in runs]
+    def _from_samples(self) -> Blockwise:
+        """The matrix from values at the samples to values at the nodes."""
+        counts = [len(from_start) for from_start in self.from_start]
+        on_panels = [np.eye(counts[0]), *map(from_samples, counts[1:])]
+        return Blockwise([*on_panels, np.eye(len(self.tail))])
 
     def interpolate(self, values: Array) -> Array:
         """Return values at the nodes of functions with values at the samples, as columns."""
-        return self._apply_runs(values, self._interpolations)
+        return self._from_samples.times(values)
 
     def interpolate_transpose(self, values: Array) -> Array:
         """Apply the transpose of `interpolate`: from nodes to samples, as columns.
@@ -119,21 +118,7 @@ class GradedNodes:
         A sum over the nodes of weights times an interpolated function is the sum over the samples
         of these transposed weights times its samples.
         """
-        transposed = [(count, matrix.T) for count, matrix in self._interpolations]
-        return self._apply_runs(values, transposed)
-
-    def _apply_runs(self, values: Array, matrices: list[tuple[int, Array]]) -> Array:
-        """Apply a matrix to the values of every panel of a run; leave first panel and tail."""
-        start = self._first_panel
-        columns = values.shape[1]
-        results = [values[:start]]
-        for count, matrix in matrices:
-            stop = start + count * matrix.shape[1]
-            cast = matrix.astype(values.dtype, copy=False)
-            result = cast @ values[start:stop].reshape(count, matrix.shape[1], columns)
-            results.append(result.reshape(count * len(matrix), columns))
-            start = stop
-        return np.concatenate([*results, values[start:]])
+        return self._from_samples.left_times(values.T).T
 
 
 #: `GradedNodes`, cached.
@@ -199,13 +184,3 @@ def far_values(d: Array) -> Array:
 def _node_count(degree: int) -> int:
     """Return how many nodes integrate products of Abel integrals of a degree to rounding."""
     return NODE_STEP * ceil(2 * degree / NODE_STEP + 1)
-
-
-def inverse_root_sums(target: Array, source: Array, values: Array) -> Array:
-    """Return ``sum_j values_j / sqrt(target_i + source_j)``, shape (n,) or (n, k).
-
-    Target, (n,), and source, (m,), are two summands of ``s**2 - t**2`` for points s and sources t,
-    measured from one anchor so that the difference keeps its digits. Several columns of values,
-    (m, k), share the square roots.
-    """
-    return np.asarray((1.0 / np.sqrt(target[:, None] + source)) @ values)

@@ -12,8 +12,7 @@ from math import ceil, log, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import lapack
-from scipy.special import roots_jacobi
+from scipy.special import roots_jacobi, roots_legendre
 
 Array = NDArray[np.float64]
 
@@ -77,10 +76,9 @@ def tail_values(d: Array, end: float, terms: int, in_root: bool) -> Array:
 def gauss_rule(points: int) -> tuple[Array, Array]:
     """Return nodes and weights of the Gauss-Legendre rule on [-1, 1], right to the last digit.
 
-    The weights of ``numpy.polynomial.legendre.leggauss`` are off by up to 8e-13 near the ends
-    (they are evaluated at rounded nodes), which costs an order of magnitude in the pressure. One
-    Newton step in extended precision from the eigenvalues of the Jacobi matrix (Golub and Welsch)
-    gives both to the last digit.
+    The weights of ``scipy.special.roots_legendre`` are off by up to 1e-12 near the ends (they are
+    evaluated at rounded nodes), which costs an order of magnitude in the pressure. One Newton step
+    in extended precision from its nodes gives both to the last digit.
 
     Parameters
     ----------
@@ -96,18 +94,8 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
         raise ValueError(f"points = {points}: must be at least 1")
     if points == 1:
         return _read_only(np.zeros(1), np.full(1, 2.0))
-    # The square of the Jacobi matrix couples only rows of the same parity. The block of even rows
-    # has the squares of the nodes that are not negative as eigenvalues.
-    n_squared = np.arange(1.0, points) ** 2
-    squares = np.zeros(points + points % 2)
-    squares[1:points] = n_squared / (4 * n_squared - 1.0)
-    diagonal = squares[::2] + squares[1::2]
-    off_diagonal = np.sqrt(squares[1:-1:2] * squares[2::2])
-    # LAPACK takes no empty array
-    eigenvalues = lapack.dsterf(diagonal, off_diagonal)[0] if points > 2 else diagonal
-    start = np.sqrt(np.maximum(eigenvalues, 0.0)).astype(np.longdouble)
-    if points % 2:
-        start[0] = 0.0
+    # the nodes that are not negative
+    start = roots_legendre(points)[0][points // 2 :].astype(np.longdouble)
     # Legendre polynomials scaled to leading coefficient 1, whose recurrence has one factor a step
     k = np.arange(2, points + 1, dtype=np.longdouble)
     previous = np.ones_like(start)

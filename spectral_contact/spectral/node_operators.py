@@ -87,16 +87,11 @@ class NodeOperators:
 
     def _sum(self, each: list[tuple[bool, Array]]) -> Array:
         """Return the sum of integrals at the nodes and of integrals at the samples."""
-        on_nodes: Array | float = 0.0
-        on_samples: Array | float = 0.0
-        for sampled, integrals in each:
-            if sampled:
-                on_samples = on_samples + integrals
-            else:
-                on_nodes = on_nodes + integrals
-        if isinstance(on_samples, float):
-            return np.asarray(on_nodes)
-        return np.asarray(on_nodes + self.nodes.interpolate(on_samples))
+        total = sum(integrals for sampled, integrals in each if not sampled)
+        on_samples = [integrals for sampled, integrals in each if sampled]
+        if on_samples:
+            total = total + self.nodes.interpolate(np.asarray(sum(on_samples)))
+        return np.asarray(total)
 
     def project(self, weighted: Array) -> Iterable[tuple[int, Array]]:
         """Yield, for each part, the sums over the nodes of weighted values times its integrals.

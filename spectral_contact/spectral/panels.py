@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_contact.spectral.blockwise import Blockwise
 from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
 from spectral_contact.spectral.jacobi import (
     PANEL_SAMPLES,
@@ -42,13 +43,6 @@ class BasisRule(NamedTuple):
     points: Array
     weights: Array
     basis: Array
-
-
-class MassBlocks(NamedTuple):
-    """Mass matrices of the functions of the first panel, and of those of the tail."""
-
-    panel: Array
-    tail: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,58 +150,33 @@ class LogPanels:
         values = tail_values(d, self.end, self.tail_terms, self.root_tail)
         return BasisRule(d, 2.0 * w * v ** (-2.0 * self.power) * self.end, values)
 
-    def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Array:
-        """Return ``int_0^1 phi psi (constant + rising d) dd``, block diagonal.
+    def mass(self, degrees: tuple[int, ...], constant: float, rising: float = 0.0) -> Blockwise:
+        """Return ``int_0^1 phi psi (constant + rising d) dd``, a block for each panel and the tail.
 
         The functions are those up to these degrees on the panels, and those of the tail. With an
         endpoint weight the matrix is zero: such panels serve where there is no compliance.
         """
-        last = sum(degrees) + len(degrees)
-        mass = np.zeros((last + self.tail_terms,) * 2)
-        if self.power != 0.0:
-            return mass
-        masses = self._masses()
-        extents = np.exp(-self.width * np.arange(self.count))[:, None, None]
-        blocks = constant * extents * masses[0].panel + rising * extents**2 * masses[1].panel
-        stop = 0
-        for n, block in zip(degrees, blocks, strict=True):
-            start, stop = stop, stop + n + 1
-            mass[start:stop, start:stop] = block[: n + 1, : n + 1]
-        mass[last:, last:] = constant * masses[0].tail + rising * masses[1].tail
-        return mass
-
-    def mass_times(
-        self, degrees: tuple[int, ...], values: Array, constant: float, rising: float = 0.0
-    ) -> Array:
-        """Return `mass` times coefficients of these functions, as columns, without the matrix.
-
-        Without endpoint weight.
-        """
-        table, product = np.zeros((2, self.size, values.shape[1]))
-        used = self.functions(degrees)
-        inner = slice(-self.tail_terms)
-        table[used] = values
-        on_panels = table[inner].reshape(self.count, self.degree + 1, -1)
-        (first, tail), (second, rising_tail) = self._masses()
-        extents = np.exp(-self.width * np.arange(self.count))[:, None, None]
-        each = constant * extents * (first @ on_panels) + rising * extents**2 * (second @ on_panels)
-        product[inner] = each.reshape(-1, values.shape[1])
-        last = slice(-self.tail_terms, None)
-        product[last] = (constant * tail + rising * rising_tail) @ table[last]
-        return np.asarray(product[used])
+        densities = np.array([constant, rising]) * (self.power == 0.0)
+        on_panel, on_tail = self._masses()
+        extents = np.exp(-self.width * np.arange(self.count))
+        blocks = np.tensordot(densities * extents[:, None] ** (1, 2), on_panel, 1)
+        used = [block[: n + 1, : n + 1] for block, n in zip(blocks, degrees, strict=True)]
+        return Blockwise([*used, np.tensordot(densities, on_tail, 1)])
 
     @bounded_cache("masses")
-    def _masses(self) -> list[MassBlocks]:
-        """Return masses with the density 1, and with the density d (cached)."""
+    def _masses(self) -> tuple[Array, Array]:
+        """Return masses with the densities 1 and d, on the first panel and on the tail (cached)."""
         g, w = gauss_rule(self.degree + EXTRA)
         values = legendre_values(g, self.degree)
+        distances = np.exp(-self.width * (1.0 + g) / 2.0)
         d, weights, tail = self.tail_rule()
-        masses = []
-        for decay in (1, 2):
-            falling = w * self.width / 2.0 * np.exp(-decay * self.width * (1.0 + g) / 2.0)
-            on_tail = (tail.T * (weights * d ** (decay - 1))) @ tail
-            masses.append(MassBlocks((values.T * falling) @ values, on_tail))
-        return masses
+        on_panel = []
+        on_tail = []
+        for k in (0, 1):
+            panel_weights = w * self.width / 2.0 * distances ** (1 + k)
+            on_panel.append((values.T * panel_weights) @ values)
+            on_tail.append((tail.T * (weights * d**k)) @ tail)
+        return np.array(on_panel), np.array(on_tail)
 
 
 class DiscreteSpace(NamedTuple):

@@ -14,6 +14,7 @@ from spectral_contact.spectral.jacobi import legendre_expansion_matrix
 
 if TYPE_CHECKING:
     from spectral_contact.fields.series import LogSeries
+    from spectral_contact.spectral.blockwise import Blockwise
     from spectral_contact.spectral.panels import LogPanels
 
 Array = NDArray[np.float64]
@@ -70,17 +71,17 @@ class GradedMesh(NamedTuple):
         """Return the points at scaled distances `d` in [0, 1]."""
         return OffsetRadii(self.boundary, self.sign * self.extent * d)
 
-    def mass(self, degrees: tuple[int, ...], values: Array | None = None, *, shear: bool) -> Array:
+    def mass(self, degrees: tuple[int, ...], factor: float = 1.0, *, shear: bool) -> Blockwise:
         """Return ``int phi psi s ds`` of functions p, or ``int phi psi s**3 ds`` of functions q/s.
 
-        With `values`, coefficients of the functions as columns, return the product with them.
+        They are multiplied by a factor, such as a compliance.
         """
-        half = self.extent / 2.0
-        rising = self.sign * self.extent
-        density = (half * self.boundary.square, half * rising) if shear else (half, 0.0)
-        if values is None:
-            return self.panels.mass(degrees, *density)
-        return self.panels.mass_times(degrees, values, *density)
+        half = factor * self.extent / 2.0
+        if not shear:
+            return self.panels.mass(degrees, half)
+        return self.panels.mass(
+            degrees, half * self.boundary.square, half * self.sign * self.extent
+        )
 
     def sampling(self) -> OffsetRadii:
         """Return the sampling points: panels, then tail."""

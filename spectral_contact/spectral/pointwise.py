@@ -1,4 +1,9 @@
-"""Functions of a space by their values: what is no linear operator, and what it is next to one."""
+"""Functions by their values at sampling points, for laws that act point by point.
+
+The pressure of a layer follows from its overclosure at the same radius, by a law that is not
+linear. So `Sampling` evaluates a function given by its coefficients, and expands one given by its
+values. The derivative of a law is a function that others are multiplied with: `Sampling.times`.
+"""
 
 from __future__ import annotations
 
@@ -15,111 +20,122 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class _Stretch:
-    """Panels with as many terms and samples each, or a tail.
+class _PanelGroup:
+    """The panels of a part, which have as many terms and samples each, its tail, or a cell.
 
     Attributes
     ----------
-    own, sampled : slice
-        Its coefficients and its samples.
-    evaluate, expand : ndarray
-        From terms to samples, and back.
-    kept : ndarray, shape (panels, terms)
+    coefficients, samples : slice
+        Where its coefficients are among all, and its sampling points.
+    evaluation, expansion : ndarray
+        The matrices from the terms of a panel to values at its sampling points, and back.
+    used : ndarray, shape (panels, terms)
         1 for the terms in use, 0 for others.
-    tail : bool
+    is_tail : bool
     """
 
-    own: slice
-    sampled: slice
-    evaluate: Array
-    expand: Array
-    kept: Array
-    tail: bool
+    coefficients: slice
+    samples: slice
+    evaluation: Array
+    expansion: Array
+    used: Array
+    is_tail: bool
 
-    def at(self, values: Array) -> Array:
-        """Return the values on these panels, (panels, samples)."""
-        return values[self.sampled].reshape(len(self.kept), -1)
+    def terms(self, coefficients: Array) -> Array:
+        """Return its terms, (..., panels, terms), from all coefficients, (..., size)."""
+        own = coefficients[..., self.coefficients]
+        return own.reshape(*own.shape[:-1], *self.used.shape)
+
+    def values(self, values: Array) -> Array:
+        """Return its values, (panels, samples), from those at all sampling points."""
+        return values[self.samples].reshape(len(self.used), -1)
 
 
 class Sampling:
-    """Values of functions at the sampling points of all parts, and functions through values.
+    """The sampling points of all parts: functions from coefficients to values there, and back.
 
     Parameters
     ----------
-    used : tuple of DiscreteSpace
-        Of every part.
-    polynomials : tuple of int
-        Degrees on cells instead.
+    spaces : tuple of DiscreteSpace
+        Those of the parts.
+    cell_degrees : tuple of int
+        Degrees of the polynomials on cells, which take the place of parts.
+
+    Attributes
+    ----------
+    size, samples : int
+        Number of coefficients, and of sampling points.
     """
 
     def __init__(
-        self, used: tuple[DiscreteSpace, ...] = (), polynomials: tuple[int, ...] = ()
+        self, spaces: tuple[DiscreteSpace, ...] = (), cell_degrees: tuple[int, ...] = ()
     ) -> None:
-        self._pieces: list[_Stretch] = []
-        self.size = self.samples = 0
-        for panels, degrees in used:
-            terms, points = panels.degree + 1, panels.samples
-            own = np.arange(terms) <= np.array(degrees)[:, None]
-            self._add(points, own.astype(float), tail=False)
-            self._add(panels.tail_points, np.ones((1, panels.tail_terms)), tail=True)
+        self._groups: list[_PanelGroup] = []
+        self.size = 0
+        self.samples = 0
+        for panels, degrees in spaces:
+            used = np.arange(panels.degree + 1) <= np.array(degrees)[:, None]
+            self._add(panels.samples, used.astype(float), is_tail=False)
+            self._add(panels.tail_points, np.ones((1, panels.tail_terms)), is_tail=True)
+        for degree in cell_degrees:
+            self._add(degree + EXTRA, np.ones((1, degree + 1)), is_tail=False)
 
-        for degree in polynomials:
-            self._add(degree + EXTRA, np.ones((1, degree + 1)), tail=False)
+    def _add(self, points: int, used: Array, *, is_tail: bool) -> None:
+        """Add panels with so many sampling points each."""
+        count, terms = used.shape
+        coefficients = slice(self.size, self.size + count * terms)
+        samples = slice(self.samples, self.samples + count * points)
+        evaluation = legendre_values(gauss_rule(points)[0], terms - 1)
+        expansion = legendre_expansion_matrix(points, terms - 1)
+        self._groups.append(
+            _PanelGroup(coefficients, samples, evaluation, expansion, used, is_tail)
+        )
+        self.size = coefficients.stop
+        self.samples = samples.stop
 
-    def _add(self, points: int, kept: Array, *, tail: bool) -> None:
-        count, terms = kept.shape
-        evaluate = legendre_values(gauss_rule(points)[0], terms - 1)
-        expand = legendre_expansion_matrix(points, terms - 1)
-        own = slice(self.size, self.size + count * terms)
-        sampled = slice(self.samples, self.samples + count * points)
-        self._pieces.append(_Stretch(own, sampled, evaluate, expand, kept, tail))
-        self.size, self.samples = own.stop, sampled.stop
-
-    def places(self) -> list[Array]:
-        """Return the sampling points in [0, 1], piece by piece."""
-        each = [(gauss_rule(len(piece.evaluate))[0], len(piece.kept)) for piece in self._pieces]
-        return [np.tile((1.0 + g) / 2.0, count) for g, count in each]
+    def places_on_cells(self) -> list[Array]:
+        """Return the places of the sampling points of every cell, from 0 to 1 on the cell."""
+        return [(1.0 + gauss_rule(len(group.evaluation))[0]) / 2.0 for group in self._groups]
 
     def values(self, coefficients: Array) -> Array:
         """Return a function at the sampling points, (samples,)."""
-        parts = [
-            coefficients[piece.own].reshape(piece.kept.shape) @ piece.evaluate.T
-            for piece in self._pieces
-        ]
+        parts = [group.terms(coefficients) @ group.evaluation.T for group in self._groups]
         return np.concatenate([part.ravel() for part in parts])
 
     def coefficients(self, values: Array) -> Array:
-        """Return the function through values, (size,)."""
-        parts = [piece.kept * (piece.at(values) @ piece.expand.T) for piece in self._pieces]
+        """Return the coefficients of the function through values, (size,)."""
+        parts = [group.used * (group.values(values) @ group.expansion.T) for group in self._groups]
         return np.concatenate([part.ravel() for part in parts])
 
     def bounds(self, coefficients: Array) -> Array:
         """Return at every sampling point a bound of a function on its panel, (samples,)."""
         parts = []
-        for piece in self._pieces:
-            sums = np.abs(coefficients[piece.own].reshape(piece.kept.shape)).sum(axis=1)
-            parts.append(np.repeat(sums, len(piece.evaluate)))
+        for group in self._groups:
+            sums = np.abs(group.terms(coefficients)).sum(axis=1)
+            parts.append(np.repeat(sums, len(group.evaluation)))
         return np.concatenate(parts)
 
     def times(self, rows: Array, values: Array) -> Array:
-        """Return rows times the matrix that multiplies a function with values, (n, size).
+        """Return rows times the matrix by which functions are multiplied with one, (n, size).
 
         Parameters
         ----------
         rows : ndarray, shape (n, size)
-            Zero for terms that are not in use.
+            They act on coefficients, and are zero for terms that are not in use.
         values : ndarray, shape (samples,)
+            The function that others are multiplied with, at the sampling points.
         """
         parts = []
-        for piece in self._pieces:
-            own = rows[:, piece.own].reshape(len(rows), *piece.kept.shape)
-            blocks = piece.expand @ (piece.at(values)[:, :, None] * piece.evaluate)
-            product = own.transpose(1, 0, 2) @ blocks
+        for group in self._groups:
+            matrices = group.expansion @ (group.values(values)[:, :, None] * group.evaluation)
+            product = group.terms(rows).transpose(1, 0, 2) @ matrices
             parts.append(product.transpose(1, 0, 2).reshape(len(rows), -1))
         return np.hstack(parts)
 
     def low(self, degree: int) -> NDArray[np.bool_]:
-        """Return which coefficients are of a low degree, or of a tail, (size,)."""
-        shapes = [(piece.tail, *piece.kept.shape) for piece in self._pieces]
-        parts = [np.tile(tail | (np.arange(n) <= degree), count) for tail, count, n in shapes]
+        """Return which coefficients are those of this degree or a lower one, or of a tail."""
+        parts = []
+        for group in self._groups:
+            count, terms = group.used.shape
+            parts.append(np.tile(group.is_tail | (np.arange(terms) <= degree), count))
         return np.concatenate(parts)

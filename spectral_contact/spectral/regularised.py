@@ -147,15 +147,14 @@ class Cholesky:
         #: diagonal of the matrix
         self.diagonal: Array = matrix.diagonal().copy()
         # The transposed view is Fortran-ordered, which LAPACK takes without a copy. The factor
-        # replaces the lower triangle; the upper one stays as it is, and
-        # `coarse_change` needs it.
+        # replaces the lower triangle; the upper one stays as it is, and `coarse_change` needs it.
         self._factor, info = lapack.dpotrf(matrix.T, lower=1, clean=0, overwrite_a=1)
         if info != 0:
             raise ArithmeticError(f"Galerkin matrix not positive definite at pivot {info}")
 
     def solve(self, right: Array) -> Array:
         """Return the solution of a right-hand side (n,), or of several as rows (k, n)."""
-        if right.ndim == 1:
+        if right.ndim == 1:  # twice as fast as `dpotrs`
             step, _ = lapack.dtrtrs(self._factor, right, lower=1)
             step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
         else:
@@ -216,23 +215,17 @@ class RegularisedProblem:
         """
         space = self.space
         index = space.index
-        # the target less the half-integral of the coefficients
-        remaining_target = target
         coefficients = np.zeros(space.size)
-        rounds = 2 if correct and self.compliance < UNCORRECTED_COMPLIANCE else 1
-        for number in range(rounds):
-            if isinstance(remaining_target, float):
-                residual = remaining_target * space.constant_moments
-            else:
-                residual = space.moments(remaining_target)
-            if lift_moments is not None:
-                residual -= self.compliance * lift_moments[index]
-            if number > 0 and self.compliance != 0.0:
-                residual -= self.compliance * space.mass @ coefficients[index]
-            step = self.cholesky.solve(residual)
-            coefficients[index] = coefficients[index] + step if number > 0 else step
-            if number + 1 < rounds:
-                remaining_target = target - space.half_integral(coefficients)
+        lift = 0.0 if lift_moments is None else self.compliance * lift_moments[index]
+        if isinstance(target, float):
+            right = target * space.constant_moments
+        else:
+            right = space.moments(target)
+        coefficients[index] = self.cholesky.solve(right - lift)
+        if correct and self.compliance < UNCORRECTED_COMPLIANCE:
+            residual = space.moments(target - space.half_integral(coefficients)) - lift
+            residual -= self.compliance * space.mass @ coefficients[index]
+            coefficients[index] += self.cholesky.solve(residual)
         return coefficients
 
     def change(self, coefficients: Array, *, degrees: int = 2) -> Change:

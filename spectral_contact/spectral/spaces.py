@@ -76,14 +76,7 @@ class Space(NodalSpace):
         ]
         self._spaces = spaces
         self.shear = shear
-        self._order = order = _order(spaces)
-        self.size = order.size
-        self.panels = order.panels
-        self.index = order.index
-        self.panel = order.panel
-        self.function = order.function
-        self.coarsest_unknowns = order.coarsest_unknowns
-        self.coarse_unknowns = order.coarse_unknowns
+        self._order_unknowns()
         self._nodes = nodes = [graded_nodes(*space) for space in spaces]
         points = [mesh.points(n.d) for mesh, n in zip(meshes, nodes, strict=True)]
         # t**2 of the nodes. On a disk graded to its rim it is taken from the distance 1 - d from
@@ -108,6 +101,40 @@ class Space(NodalSpace):
         #: where an array over all nodes is split into those of the parts
         self._cuts = np.cumsum([len(n.d) for n in nodes])[:-1]
 
+    def _order_unknowns(self) -> None:
+        """Order the functions on all parts: those of the coarser spaces come first."""
+        index = []
+        panel = []
+        starts = [0]
+        top_degrees = list[NDArray[np.int_]]()
+        self.size = 0
+        self.panels = 0
+        for panels, degrees in self._spaces:
+            functions = panels.functions(degrees)
+            index.append(self.size + functions)
+            # The tail has a number of its own if there is one part. Of several parts it shares that
+            # of the last panel, so that the panels of all parts are numbered without gaps.
+            last_panel = panels.count - (len(self._spaces) > 1)
+            panel_of_function = functions // (panels.degree + 1)
+            panel.append(self.panels + np.minimum(panel_of_function, last_panel))
+            top_degrees.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
+            starts.append(starts[-1] + len(functions))
+            self.size += panels.size
+            self.panels += panels.count
+        # the number of the coarser spaces, of two, that lack a function
+        lacking = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
+        self.function = np.argsort(lacking, kind="stable")
+        self.coarsest_unknowns = int((lacking < 1).sum())
+        self.coarse_unknowns = int((lacking < 2).sum())
+        #: the functions of every part
+        self._columns = [slice(start, stop) for start, stop in pairwise(starts)]
+        self.index = np.concatenate(index)[self.function]
+        self.panel = np.concatenate(panel)[self.function]
+
+    def _ordered(self, matrix: Array) -> Array:
+        """Return a matrix of the functions in the order of the unknowns."""
+        return matrix[np.ix_(self.function, self.function)]
+
     @cached_property
     def _operators(self) -> list[NodeOperators]:
         """For every part the half-integrals at its nodes.
@@ -119,7 +146,7 @@ class Space(NodalSpace):
         for (target, (_, node_degrees)), nodes in zip(sources, self._nodes, strict=True):
             blocks: dict[int, Block] = {}
             for k, (source, (_, degrees)) in enumerate(sources):
-                integrals = block(source, degrees, target, node_degrees, side=1, differences=False)
+                integrals = block(source, degrees, target, node_degrees, side=1)
                 if integrals is not None:
                     blocks[k] = integrals
             operators.append(NodeOperators(nodes, blocks))
@@ -129,23 +156,22 @@ class Space(NodalSpace):
     def gram(self) -> Array:
         """Gram matrix of the half-integrals, in the order of `index`."""
         if len(self._spaces) == 1:
-            return self._order.permute(disk_gram(*self._spaces[0], shear=self.shear))
+            return self._ordered(disk_gram(*self._spaces[0], shear=self.shear))
         gram = np.zeros((self.unknowns,) * 2)
-        columns = self._order.columns
+        columns = self._columns
         measures = np.split(self.measure, self._cuts)
         for operators, measure in zip(self._operators, measures, strict=True):
             for k, j, sums in operators.products(operators, measure, other_values=True):
                 gram[columns[k], columns[j]] += sums
-        return self._order.permute(gram)
+        return self._ordered(gram)
 
     @cached_property
     def mass(self) -> Array:
         """Mass matrix, in the order of `index`."""
-        masses = [
-            mesh.mass(degrees, shear=self.shear)
-            for mesh, (_, degrees) in zip(self._meshes, self._spaces, strict=True)
-        ]
-        return self._order.permute(block_diag(*masses) if len(masses) > 1 else masses[0])
+        blocks = list[Array]()
+        for mesh, (_, degrees) in zip(self._meshes, self._spaces, strict=True):
+            blocks += mesh.mass(degrees, shear=self.shear).blocks()
+        return self._ordered(block_diag(*blocks))
 
     def project(self, weighted: Array) -> Array:
         """Return the sums of the half-integrals times weighted values, in the order of `index`."""
@@ -153,14 +179,14 @@ class Space(NodalSpace):
         sums = np.zeros((self.unknowns, rows.shape[1]))
         for operators, on_part in zip(self._operators, np.split(rows, self._cuts), strict=True):
             for k, projected in operators.project(on_part):
-                sums[self._order.columns[k]] += projected
-        return np.asarray(sums[self._order.function].T.reshape(*weighted.shape[:-1], -1))
+                sums[self._columns[k]] += projected
+        return np.asarray(sums[self.function].T.reshape(*weighted.shape[:-1], -1))
 
     def half_integral(self, coefficients: Array) -> Array:
         """Return the half-integral at the nodes."""
         values = np.empty((self.unknowns, 1))
-        values[self._order.function, 0] = coefficients[self.index]
-        fields = [values[columns] for columns in self._order.columns]
+        values[self.function, 0] = coefficients[self.index]
+        fields = [values[columns] for columns in self._columns]
         return np.concatenate([operators.values(fields)[:, 0] for operators in self._operators])
 
     def spectrum(self) -> tuple[Array, Array]:
@@ -184,55 +210,6 @@ class Space(NodalSpace):
         return np.maximum(values, 0.0), modes
 
 
-class _Order:
-    """The order of the unknowns: the functions on all parts, those of the coarser spaces first.
-
-    Attributes
-    ----------
-    size, panels, index, panel, coarsest_unknowns, coarse_unknowns
-        As in `NodalSpace`.
-    columns : list of slice
-        The functions of every part.
-    function : ndarray of int, shape (unknowns,)
-        The function that each unknown is.
-    """
-
-    def __init__(self, spaces: tuple[DiscreteSpace, ...]) -> None:
-        self.size = sum(panels.size for panels, _ in spaces)
-        self.panels = sum(panels.count for panels, _ in spaces)
-        index = []
-        panel = []
-        starts = [0]
-        top_degrees = list[NDArray[np.int_]]()
-        first_coefficient = 0
-        first_panel = 0
-        for panels, degrees in spaces:
-            functions = panels.functions(degrees)
-            index.append(first_coefficient + functions)
-            # The tail has a number of its own if there is one part. Of several parts it shares that
-            # of the last panel, so that the panels of all parts are numbered without gaps.
-            last_panel = panels.count - (len(spaces) > 1)
-            panel_of_function = functions // (panels.degree + 1)
-            panel.append(first_panel + np.minimum(panel_of_function, last_panel))
-            top_degrees.extend(starts[-1] + panels.top(degrees, n) for n in (2, 1))
-            starts.append(starts[-1] + len(functions))
-            first_coefficient += panels.size
-            first_panel += panels.count
-        # the number of the coarser spaces, of two, that lack a function
-        lacking = np.bincount(np.concatenate(top_degrees), minlength=starts[-1])
-        self.function = np.argsort(lacking, kind="stable")
-        self.coarsest_unknowns = int((lacking < 1).sum())
-        self.coarse_unknowns = int((lacking < 2).sum())
-        self.columns = [slice(start, stop) for start, stop in pairwise(starts)]
-        self.index = np.concatenate(index)[self.function]
-        self.panel = np.concatenate(panel)[self.function]
-
-    def permute(self, matrix: Array) -> Array:
-        """Return a matrix of the functions in the order of the unknowns."""
-        return matrix[np.ix_(self.function, self.function)]
-
-
-_order = bounded_cache("orders of functions")(_Order)
 _space = bounded_cache("spaces", 96)(Space)
 
 

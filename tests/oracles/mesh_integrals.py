@@ -2,8 +2,13 @@
 
 import numpy as np
 
-from spectral_contact.spectral.abel import abel_exterior, abel_left, abel_right
+from spectral_contact.spectral.abel import abel_left, abel_right, exterior_with_decrement
 from spectral_contact.spectral.jacobi import gauss_rule, legendre_values, tail_values
+
+
+def exterior(e, p):
+    """Return the integrals of all functions at distances past the boundary."""
+    return exterior_with_decrement(e, p.width, (p.degree,) * p.count)[0]
 
 
 def half_integral(mesh, points):
@@ -15,7 +20,7 @@ def half_integral(mesh, points):
         matrix[rows] = abel_right(e[rows], p.count, p.width, p.degree, p.power)
     else:
         rows = e >= 0.0
-        matrix[rows] = abel_exterior(e[rows], p.count, p.width, p.degree)
+        matrix[rows] = exterior(e[rows], p)
         rows = (e < 0.0) & (e >= -1.0)
         matrix[rows] = abel_left(-e[rows], p.count, p.width, p.degree)
     return matrix * np.sqrt(mesh.extent)
@@ -27,7 +32,7 @@ def inner_integral(mesh, points):
     matrix = np.zeros((len(e), p.size))
     if mesh.sign < 0:
         rows = e <= 0.0
-        matrix[rows] = abel_exterior(-e[rows], p.count, p.width, p.degree)
+        matrix[rows] = exterior(-e[rows], p)
         rows = (e > 0.0) & (e <= 1.0)
         matrix[rows] = abel_left(e[rows], p.count, p.width, p.degree, p.power)
     else:

@@ -59,7 +59,7 @@ def test_a_known_pressure_lacks_its_top_degrees_in_the_coarser_space(logits, sta
     tolerance = 1e-5
     refinement = solve_normal(0.5, tolerance, 4000)
     known = refinement.best.value
-    panels, degrees = refinement.resolution
+    panels, degrees = refinement.space
     lower = DiscreteSpace(panels, tuple(n - 2 for n in degrees))
     coefficients = known.approach * unit_space(*lower).factor(0.5).solve(2.0)
     coarse_pressure = PressureField(None, series_of(panels, coefficients))
