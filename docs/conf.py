@@ -83,12 +83,14 @@ def _resolve(app: Any, env: Any, node: Any, content: Any) -> Any:
     return content if target in getattr(env, "spectral_contact_parameters", ()) else None
 
 
-def _mark_numbers(_app: Any, document: Any) -> None:
-    """Mark the short cells that hold a number, which must not be broken."""
+def _mark_cells(_app: Any, document: Any) -> None:
+    """Mark the cells of a number, which must not be broken, and those of much text."""
     for cell in document.findall(nodes.entry):
         text = cell.astext()
         if len(text) < 24 and any(one.isdigit() for one in text):
             cell["classes"].append("number")
+        elif len(text) > 90:
+            cell["classes"].append("prose")
 
 
 def _join_parameters(_app: Any, document: Any) -> None:
@@ -120,5 +122,5 @@ def setup(app: Any) -> None:
     app.connect("autodoc-process-docstring", _escape_bars)
     app.connect("autodoc-process-docstring", _note_parameters)
     app.connect("doctree-read", _join_parameters)
-    app.connect("doctree-read", _mark_numbers)
+    app.connect("doctree-read", _mark_cells)
     app.connect("missing-reference", _resolve)

@@ -31,6 +31,7 @@ from spectral_contact.contact.on_parts import Indentation
 from spectral_contact.contact.refine import Refinement
 from spectral_contact.contact.tuning import ROUNDING
 from spectral_contact.profiles.profile_base import Profile
+from spectral_contact.profiles.turns import turning_radii
 
 Array = NDArray[np.float64]
 
@@ -46,6 +47,9 @@ _ROOM = 12.0
 _STEP, _STEPS = 0.5, 200
 #: Of so many states one is solved with estimates.
 _SAMPLED = 25
+#: Shares of that span which are tried where a polynomial does not resolve the curve on it, and the
+#: error by what the polynomial leaves out, relative, at which it does.
+_SPANS, _UNRESOLVED = (1.0, 0.25, 0.06, 0.015), 1e-11
 #: Accuracy to which a fold is first located, in the same logarithm, and how far from the middle of
 #: a piece of the curve it may be, over half its length.
 _NEARLY, _OFF_CENTRE = 0.02, 0.5
@@ -65,9 +69,10 @@ _MARGIN = 2.5
 _REACH = 250.0
 #: How far, relatively, from a corner or the end of the profile the curve is looked at next to it.
 _NEXT = 1e-9
-#: A break is a corner if the half-integral is steeper by more than this factor just past it: past a
-#: jump of the slope of the profile it rises like a root.
-_STEEPER = 2.0
+#: A break is a corner if the half-integral is steeper just past it by more than this share, and by
+#: this many times as much at a thousandth of the distance. Past a jump of the slope it rises like a
+#: root, its derivative 31 times as much there; where the slope only bends, the derivative falls.
+_STEEPER, _LIKE_A_ROOT = 1e-3, 10.0
 #: Share of the tolerance that the control may be off.
 _SHARE = 0.02
 #: Errors of the radius are this times what rates to some digits make of those of the control.
@@ -175,6 +180,8 @@ class LocalCurve:
         The base is its last break before the radius, or 0.
     growth : float
         The derivative by the radius of the logarithm of the approach without adhesion.
+    share : float
+        Of the usual span.
     """
 
     def __init__(
@@ -183,6 +190,7 @@ class LocalCurve:
         radius: float,
         profile: Profile,
         growth: float,
+        share: float,
     ) -> None:
         breaks = (profile.flat_part, *profile.breaks, profile.reach)
         self.base = base = max((b for b in breaks if b < radius), default=0.0)
@@ -193,7 +201,7 @@ class LocalCurve:
         room = (limit - radius) / (radius - base)
         self._power = max(_THIRD_POWER, growth * (radius - base))
         half = _HALF_WIDTH * _THIRD_POWER / self._power
-        self._half = min(half, (profile._pole - radius) / (radius - base) / _ROOM)
+        self._half = share * min(half, (profile._pole - radius) / (radius - base) / _ROOM)
         self._middle = place + min(0.0, room / 2.0 - self._half)
         nodes = chebyshev.chebpts1(_NODES)
         states = states_at((base + np.exp(self._middle + self._half * nodes)).tolist())
@@ -205,6 +213,11 @@ class LocalCurve:
         #: by the error of the profile, which is smooth along the piece
         self._profile_errors = profile._relative_error(radius) * sizes.max(axis=0)
         self._terms = self._to_terms @ values
+        # The first term left out follows from how the last ones of the same parity fall.
+        last, before = np.abs(self._terms[-1]), np.abs(self._terms[-3])
+        self._left_out = last * np.sqrt(last / np.maximum(before, last))
+        noise = _UNRESOLVED * sizes.max(axis=0) + self._errors.max(axis=0)
+        self.resolved = bool((self._left_out <= noise).all())
 
     def offset(self, radius: float) -> float:
         """Return where a radius is on the piece, from -1 to 1."""
@@ -222,12 +235,10 @@ class LocalCurve:
         t = self.offset(radius)
         powers = chebyshev.chebder(np.eye(_NODES), order)
         row = chebyshev.chebval(t, powers) @ self._to_terms / self._half**order
-        # The first term left out follows from how the last ones of the same parity fall. Its slope
-        # is at most its degree over sqrt(1 - t**2), by Bernstein's inequality.
-        last, before = np.abs(self._terms[-1]), np.abs(self._terms[-3])
-        left_out = last * np.sqrt(last / np.maximum(before, last))
+        # The slope of the first term left out is at most its degree over sqrt(1 - t**2), by
+        # Bernstein's inequality.
         steepest = _NODES / max(sqrt(1.0 - min(t**2, 1.0)), 1.0 / _NODES)
-        slopes = left_out * (2.0 * steepest / self._half) ** order
+        slopes = self._left_out * (2.0 * steepest / self._half) ** order
         errors = np.abs(row) @ self._errors + slopes + self._power**order * self._profile_errors
         return Rates(float(errors[0]), float(errors[1]))
 
@@ -320,10 +331,14 @@ class AdhesiveCurve:
         return found
 
     def local(self, radius: float) -> LocalCurve:
-        """Return the curve near a radius."""
+        """Return the curve near a radius, over a span on which a polynomial resolves it."""
         one = self.values_only(radius)
         growth = one.growth / (one.approach + one.pull)
-        return LocalCurve(self.states, radius, self.profile, growth)
+        for share in _SPANS:
+            found = LocalCurve(self.states, radius, self.profile, growth, share)
+            if found.resolved:
+                break
+        return found
 
     def next_larger(self, corner: float) -> Indentation:
         """Return a state at a radius just above that of a corner, whose rates are one-sided."""
@@ -389,6 +404,17 @@ class AdhesiveCurve:
     def _downward(self, radius: float) -> Iterator[float]:
         """Yield smaller and smaller radii, to both sides of every corner, to the flat part.
 
+        Where the curve may have several folds, their places are between these radii.
+        """
+        bends = turning_radii(self.profile, radius)[::-1]
+        for one in self._steps(radius):
+            while bends and bends[-1] > one:
+                yield bends.pop()
+            yield one
+
+    def _steps(self, radius: float) -> Iterator[float]:
+        """Yield the radii of `_downward` but for those of the turns.
+
         Steps towards a corner become longer: what happens there does so on a scale of logarithms.
         """
         ends = [b for b in (0.0, *self.corners) if b < radius]
@@ -412,7 +438,7 @@ class AdhesiveCurve:
     def folds(self, control: Control) -> Iterator[Fold]:
         """Yield the folds of a control, from large contacts to small ones, and where it ends.
 
-        Below a fold and all corners of the profile no more are looked for.
+        Below a fold and all places where the curve may turn again no more are looked for.
 
         Raises
         ------
@@ -420,6 +446,7 @@ class AdhesiveCurve:
             If no contact smaller than the profile is stable.
         """
         before, sign = self.top(control), 1.0
+        last_place = min((*self.corners, *turning_radii(self.profile, before)), default=inf)
         least = 0.0
         for radius in self._downward(before):
             if radius == self.profile.flat_part:
@@ -431,42 +458,57 @@ class AdhesiveCurve:
                 fold = self._fold(control, before, radius)
                 yield fold
                 sign = -sign
-                if not any(b < radius for b in self.corners):
+                if last_place >= radius:
                     least = _FEWER * fold.radius
             before = radius
 
     def _settled(self, control: Control, radius: float) -> bool:
         """Return whether the control changes no more to smaller radii, but for rounding."""
-        one = self.values_only(radius)
-        return abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one)
+        flat = self.profile.flat_part
+        # at one radius alone it may be that of a fold
+        states = map(self.values_only, (radius, flat + exp(-_STEP) * (radius - flat)))
+        return all(
+            abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one) for one in states
+        )
 
     def _fold(self, control: Control, high: float, low: float) -> Fold:
         """Return the fold between two radii at which the rates have opposite signs."""
         if low in self.corners:
             return Fold(low, 0.0, value_of(self.at(low)))
-        base = max((b for b in (0.0, *self.corners) if b < low), default=0.0)
+        below = control.rate(self.rates(self.values_only(low)))
 
-        def rate(place: float) -> float:
-            return control.rate(self.rates(self.values_only(base + exp(place))))
+        def sign(radius: float) -> float:
+            return below * control.rate(self.rates(self.values_only(radius)))
 
-        places = log(low - base), log(high - base)
-        radius = base + exp(brentq(rate, *places, xtol=_NEARLY, rtol=_NEARLY))
+        # between breaks the curve is smooth in the logarithm of the distance from the lower one
+        while within := [b for b in self.profile.breaks if low < b < high]:
+            b = within[len(within) // 2]
+            low, high = (b, high) if sign(b) > 0.0 else (low, b)
+        base = max((b for b in self.profile.breaks if b <= low), default=0.0)
+        places = log(max(low - base, _NEXT * base)), log(high - base)
+        radius = base + exp(places[0])
+        if sign(radius) > 0.0:
+            find = brentq(lambda x: sign(base + exp(x)), *places, xtol=_NEARLY, rtol=_NEARLY)
+            radius = base + exp(find)
+        turns: float | None = None
         for _ in range(_PIECES):
             curve = self.local(radius)
             turns = curve.fold(control, radius)
             if turns is not None and abs(curve.offset(turns)) <= _OFF_CENTRE:
                 radius = turns
                 break
-            if turns is None:  # the rates to some digits were wrong: a step of Newton's
+            nearer = turns
+            if nearer is None:  # the rates to some digits were wrong: a step of Newton's
                 slope, bend = (control.rate(curve.rates(radius, k)) for k in (1, 2))
                 step = min(max(-slope / bend if bend else 0.0, -_STEP), _STEP)
-                turns = curve.base + exp(step) * (radius - curve.base)
-            radius = min(max(turns, low), high)
+                nearer = curve.base + exp(step) * (radius - curve.base)
+            radius = min(max(nearer, low), high)
         bend = abs(control.rate(curve.rates(radius, 2)))
         bend -= control.rate(curve.rate_errors(radius, 2))
         missed = abs(control.rate(curve.rates(radius)))
         missed += control.rate(curve.rate_errors(radius))
-        off = missed / bend if bend > 0.0 else inf
+        # on the last piece there may be no fold
+        off = missed / bend if turns is not None and bend > 0.0 else inf
         error = off * (radius - curve.base) / radius + ROUNDING
         return Fold(radius, error, value_of(self.at(radius)), curve)
 
@@ -661,13 +703,13 @@ def _corners(profile: Profile) -> tuple[float, ...]:
     found = [flat] if flat > 0.0 else []
     for b in profile.breaks:
         if b > flat:
-            before, past = (float(b * (1.0 + one * _NEXT)) for one in (-1.0, 1.0))
-            others = [c for c in profile.breaks if c < b]
-            last = max(others, default=0.0)
             # the rate of a profile takes the square of the radius less that of the last break, 0
             # if there is none, without cancellation
-            squares = np.array([(before - last) * (before + last), (past - b) * (past + b)])
-            rates = profile._rate(np.array([before, past]), squares * np.array([bool(others), 1.0]))
-            if rates[1] > _STEEPER * rates[0]:
+            last = max((c for c in profile.breaks if c < b), default=0.0)
+            past = b * np.array([_NEXT, 1e-3 * _NEXT])
+            squares = np.array([(b - last) * (b + last) * bool(last), *(past * (2.0 * b + past))])
+            before, near, next_to_it = profile._rate(np.array([b, *(b + past)]), squares).tolist()
+            rise = next_to_it - before
+            if rise > max(_STEEPER * before, _LIKE_A_ROOT * (near - before)):
                 found.append(b)
     return tuple(found)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import exp, inf, isfinite, isinf, log, pi
+from math import copysign, exp, inf, isfinite, isinf, log, pi
 
 import numpy as np
 
@@ -34,6 +34,8 @@ Solver = Callable[[float, float, bool], Contact]
 
 #: Largest number of steps; largest step of v.
 _MAX_STEPS, _MAX_STEP = 60, 3.0
+#: Approaches with which a search may begin: their squares are doubles.
+_RANGE = 1e-100, 1e100
 #: Two values of v closer than this give the slope of the residual by a secant.
 _SECANT_DISTANCE = 0.5
 #: After a step by a secant the residual is less than this times the product of the last residual
@@ -147,6 +149,22 @@ def find_radius(
     return contact, error
 
 
+def _ordinary(profile: Profile) -> float:
+    """Return 1, or under a profile of no size the radius next to it whose approach has a square.
+
+    High powers in small units of length, such as 1e171 times the 20th of the radius, leave the
+    range of doubles at a radius of 1.
+    """
+    radius = 1.0
+    for _ in range(_MAX_STEPS):
+        with np.errstate(over="ignore"):
+            approach = float(profile._transform(np.array(radius)))
+        if _RANGE[0] <= approach <= _RANGE[1]:
+            break
+        radius *= exp(copysign(_MAX_STEP, _RANGE[1] - approach))
+    return radius
+
+
 class _RadiusSearch:
     """Newton's method for the radius, bracketed; parameters are those of `find_radius`."""
 
@@ -165,7 +183,7 @@ class _RadiusSearch:
         self.scale = RadiusScale(profile)
         if near is None or not profile.flat_part < near < profile.reach:
             size = min(profile.flat_part or inf, profile.reach - profile.flat_part)
-            near = profile.flat_part + 0.5 * (1.0 if isinf(size) else size)
+            near = profile.flat_part + 0.5 * (_ordinary(profile) if isinf(size) else size)
         self.v = self.scale.place(near)
         self.low = -inf
         self.high = inf

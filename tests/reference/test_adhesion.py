@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from oracles.adhesive_rings import Rings
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from spectral_contact import (
     NotComputedError,
@@ -361,3 +361,71 @@ def test_where_a_profile_ends_does_not_move_a_pull_off_short_of_it():
 def test_a_profile_without_pull_off_has_no_closed_form():
     with pytest.raises(ValueError, match=r"exponent = 0\.5: must be > 1/2"):
         closed_forms.power_law_pull_off(0.5, 0.5, 0.2)
+
+
+# --- profiles that steepen over a short way -------------------------------------------------------
+
+
+def steepened(radius, width, slopes):
+    """Load and approach without adhesion of a cone whose slope rises from the radius 1 on.
+
+    It rises evenly over a width, like that of a rounded flat, until another takes the rise away.
+    """
+    low, high = slopes
+    bend = width / (high - low)
+    contacts = [(1.0, closed_forms.cone_contact(radius, math.atan(1.0 / low)))]
+    for sign, begin in ((1.0, 1.0), (-1.0, 1.0 + width)):
+        if radius > begin:
+            contacts.append((sign, closed_forms.rounded_flat_contact(radius, begin, bend)))
+    return [sum(sign * getattr(one, name) for sign, one in contacts) for name in CONTROLS]
+
+
+CONTROLS = ("load", "approach")
+STEEPENED = [
+    # the punch comes off at a radius of 1.0003 after an unstable stretch from 1.81 to 1.20
+    ("load", 0.01, (0.1, 0.5), 0.342375, 0.1),
+    ("approach", 0.01, (0.1, 0.5), 0.342375, 0.1),
+    # and at 1.026 after one that is shorter than a step of the search
+    ("approach", 0.1, (0.1, 0.3), 1.0279254705738075, 0.2),
+    ("load", 0.3, (0.1, 0.5), 0.011317684842090335, 0.2),
+    # almost a corner: the fold is 3e-10 from where the slope begins to rise
+    ("load", 1e-5, (0.1, 0.5), 0.342375, 3e-9),
+]
+
+
+@pytest.mark.parametrize(("control", "width", "slopes", "adhesion", "within"), STEEPENED)
+def test_a_punch_that_steepens_comes_off_at_its_last_fold(control, width, slopes, adhesion, within):
+    middle, half = (slopes[0] + slopes[1]) / 2.0, (slopes[1] - slopes[0]) / 2.0
+    edges = (0.0, 1.0, 1.0 + width, 50.0)
+    profile = profiles.Sampled(edges, ((slopes[0],), (middle, half), (slopes[1],)))
+
+    def held(beyond):
+        radius = 1.0 + beyond
+        load, approach = steepened(radius, width, slopes)
+        if control == "load":
+            return load - 4.0 * radius * math.sqrt(2.0 * math.pi * radius * adhesion)
+        return approach - math.sqrt(math.pi * radius * adhesion / 2.0)
+
+    bounds = 0.0, within
+    options = {"xatol": 1e-10 * within}
+    true = minimize_scalar(held, bounds=bounds, method="bounded", options=options).fun
+    # next to where the slope begins to rise the pressure has few digits
+    quantities = ("load", "approach", "contact_radius")
+    scene = sticky(0.0, adhesion, profile, load=0.0)
+    found = pull_off(scene, control, quantities=quantities)
+    error = off(getattr(found, control), true, found.error_scales[control])
+    assert error <= getattr(found.error, control) < 1e-12
+
+
+@pytest.mark.parametrize("jump", [1e-3, 1e-6])
+@pytest.mark.parametrize("adhesion", [0.00698131700797732, 0.00698132])
+def test_a_punch_comes_off_at_a_corner_however_flat(jump, adhesion):
+    # the first is that of a cone which comes off at the radius of the corner
+    corner = profiles.Sampled((0.0, 1.0, 50.0), ((0.1,), (0.1 + jump,)))
+    last = pull_off(
+        sticky(0.0, adhesion, corner, load=0.0), "load", quantities=("load", "contact_radius")
+    )
+    cone = closed_forms.cone_contact(1.0, math.atan(10.0))
+    true = closed_forms.adhesive_contact(cone, 1.0, adhesion).load
+    assert last.contact_radius == pytest.approx(1.0, abs=1e-8)
+    assert off(last.load, true, last.error_scales["load"]) <= last.error.load < 1e-12

@@ -435,3 +435,18 @@ def test_a_thin_layer_converges_at_loose_tolerances_too(alpha):
         off = np.abs(solution.pressure(from_edge=y) - true.pressure(from_edge=y))
         scale = np.maximum(true.pressure(from_edge=y), true.load / math.pi)
         assert (off / scale).max() <= solution.error.pressure + true.error.pressure
+
+
+@pytest.mark.parametrize(
+    "given", [{"approach": 0.3}, {"load": 1.0}], ids=lambda one: next(iter(one))
+)
+@pytest.mark.parametrize("unit", [2.0**-30, 2.0**30])
+def test_the_radius_under_a_high_power_is_found_in_any_unit_of_length(unit, given):
+    # at a radius of 1 the height of the profile is 1e171, or 1e-171
+    def radius(unit):
+        profile = profiles.PowerLaw(unit**-19.0, 20.0)
+        power = {"approach": 1, "load": 2}
+        pressed = {name: value * unit ** power[name] for name, value in given.items()}
+        return solve(Scene(0.3, 0.1 * unit, profile=profile, **pressed), 1e-10).contact_radius
+
+    assert radius(unit) / unit == pytest.approx(radius(1.0), rel=1e-11)

@@ -179,6 +179,22 @@ def test_slip_inside_has_five_zones():
     assert found.zones[2].outer < outer < found.zones[3].outer
 
 
+def test_a_slip_zone_that_shrank_to_no_width_is_not_the_answer():
+    """Unconverged, its total shear was off by 1.4e-8, with an estimate of 3.2e-9.
+
+    At a tolerance of 1e-9 it was off by as much, with an estimate of 1.1e-10.
+
+    The truth is that of `graded_elements`, ``loaded(0.05, 1.0, 0.23, ...)`` and ``unloaded`` to
+    0.999, which takes 25 s.
+    """
+    scene = Scene(0.3, 0.05, 1.0, 0.23 / 7, unloaded_to=0.999)
+    found = solve(scene, 1e-7, ["zones", "total_shear"])
+    assert abs(found.total_shear / 0.029919100765705 - 1.0) <= found.error.total_shear < 1e-9
+    outer_slip = found.zones[3]
+    assert outer_slip.inner == pytest.approx(0.97882760, rel=1e-7)
+    assert outer_slip.outer == pytest.approx(0.9805197471, rel=1e-9)
+
+
 def test_slip_back_in_a_narrow_annulus_is_seen():
     """It lay between two samples: zones without it counted as converged, and below turning, too.
 

@@ -93,9 +93,11 @@ def _conditions(scene: Scene) -> list[str]:
     if scene.friction is None:
         return [f"- {normal};\n- q = 0, there is no friction."]
     held = "u_r = 0" if not scene.tangential_compliance else "u_r + β q = 0"
-    where = "everywhere (bonded)" if scene.friction == math.inf else "in stick, where |q| ≤ f p"
-    lines = [f"- {normal};", f"- {held} {where};"]
-    if scene.friction < math.inf:
+    lines = [f"- {normal};"]
+    if scene.friction == math.inf:
+        lines.append(f"- {held} everywhere (bonded).")
+    else:
+        lines.append(f"- {held} in stick, where |q| ≤ f p;")
         lines.append(
             "- q = f p in slip, where the slip u_r + β q is inward (negative); "
             f"f = {scene.friction!r}."
@@ -141,7 +143,7 @@ def _dimensionless(scene: Scene) -> str:
 def _numbers(benchmark: Benchmark) -> str:
     check = benchmark.check
     first = (
-        f"**{check.symbol} = {check.text}** ({_SHORT[check.quantity]}; {check.where}).\n\n"
+        f"**`{check.symbol} = {check.text}`** ({_SHORT[check.quantity]}; {check.where}).\n\n"
         f"A code passes if its relative difference is below {benchmark.tolerance:g}. "
         f"That takes {benchmark.tolerance_of}"
     )
@@ -179,7 +181,7 @@ def _fields(benchmark: Benchmark, data: str) -> str:
     if "slip" in columns:
         text += "; slip is u_r* + β* q*, inward negative"
     if benchmark.scene.couples:
-        errors = "The errors of p* and q* are below 1e-10 of √(p*² + (q*/s)²)"
+        errors = "The errors of p* and q* are below 1e-10 of `√(p*² + (q*/s)²)`"
     else:
         errors = f"The relative error of {fields} is below 1e-10"
     return f"{text}. {errors}. {files[1]} has all other numbers."

@@ -2,6 +2,7 @@
 
 import math
 from copy import copy
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -91,6 +92,26 @@ def test_a_state_that_turned_is_refused_where_the_turning_ratio_is_not_found(
     monkeypatch.setattr(Unloading, "turning_ratio", property(not_found))
     with pytest.raises(HistoryError, match="turning ratio, which was not found"):
         from_largest_load.state(0.15, unloading._unrecorded)
+
+
+def test_unknown_zones_that_miss_the_tolerance_are_no_answer(from_largest_load, monkeypatch):
+    zones_outcome = unloading.zones_outcome
+    refine = unloading.refine
+    error = 1.0
+
+    def missed(problem, tolerance, max_unknowns):
+        refinement = refine(problem, tolerance, max_unknowns)
+        return replace(refinement, best=replace(refinement.best, error=2.0 * tolerance))
+
+    def uncertain(*given):
+        return replace(zones_outcome(*given), zones_error=error)
+
+    monkeypatch.setattr(unloading, "refine", missed)
+    monkeypatch.setattr(unloading, "zones_outcome", uncertain)
+    with pytest.raises(NoZonesError, match="the tolerance is not met from these boundaries"):
+        from_largest_load._search(0.8).outcome()
+    error = 0.5  # a digit is known: it is returned, and has not converged
+    assert from_largest_load._search(0.8).outcome().zones_error == error
 
 
 def test_zones_that_cannot_be_followed_are_searched_for(from_largest_load, monkeypatch):
