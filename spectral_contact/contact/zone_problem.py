@@ -165,7 +165,7 @@ class FreeBoundaryProblem:
             displacement=self._displacement,
         )
 
-    def _found_near(
+    def _boundaries_from(
         self,
         layout: Layout,
         spaces: Sequence[DiscreteSpace],
@@ -215,7 +215,9 @@ class FreeBoundaryProblem:
         logits = np.array(layout.logits)
         guess = layout._replace(jacobian=self.jacobian(logits))
         boundary_tol = min(COARSE_TOL, 0.5 * JACOBIAN_RANGE * min_zone_width(logits))
-        iterate = self._found_near(guess, self.spaces(COARSE_TOL, logits), boundary_tol, COARSE_TOL)
+        iterate = self._boundaries_from(
+            guess, self.spaces(COARSE_TOL, logits), boundary_tol, COARSE_TOL
+        )
         next_step = float(np.abs(iterate.newton_step).max())
         if not next_step < JACOBIAN_RANGE * min_zone_width(iterate.logits):
             raise NoBoundariesError("no such boundaries are found")
@@ -260,7 +262,7 @@ class FreeBoundaryProblem:
         halfway_tol = float(np.sqrt(self.field_tolerance))
         if len(logits) and halfway_tol < COARSE_TOL and not (self._known and self.warm_start):
             boundary_tol = max(self.field_tolerance, RESIDUAL_NOISE)
-            iterate = self._found_near(
+            iterate = self._boundaries_from(
                 self._layout, self.spaces(halfway_tol, logits), boundary_tol, halfway_tol
             )
             logits = iterate.logits
@@ -284,7 +286,7 @@ class FreeBoundaryProblem:
             # of the fields knows: the boundary is found to rounding
             boundary_tol = RESIDUAL_NOISE
         field_tol = max(negligible, 2.0 * ROUNDING)
-        iterate = self._found_near(
+        iterate = self._boundaries_from(
             self.current_layout(), spaces, boundary_tol, field_tol, with_contributions=True
         )
         if not iterate.converged:
