@@ -162,7 +162,7 @@ class UnloadedSearch(ZoneSearch):
         two neighbours sticks.
         """
         states = zones.states
-        return not states[0] and len(states) >= 3 and all(0 in pair for pair in pairwise(states))
+        return states[0] == 0 and len(states) >= 3 and all(0 in pair for pair in pairwise(states))
 
     def problem(self, zones: Layout, tolerance: float) -> FreeBoundaryProblem:
         """Return the equations on these zones."""
@@ -315,7 +315,7 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
 
 def _without_reverse_slip(zones: Layout) -> Layout:
     """Return the zones with stick in place of slip back, and no boundary between stick zones."""
-    logits = list[float]()
+    logits: list[float] = []
     states = [zones.states[0]]
     for logit, state in zip(zones.logits, zones.states[1:], strict=True):
         forward = max(state, 0)
