@@ -103,7 +103,6 @@ def convergence(
     solver = function("solver", solver, _OF_SCENES)
     title = _name(solver) if name is None else instance("name", name, str)
     repeats = whole("repeats", repeats, 0, _MOST_REPEATS)
-    ProgressLine(progress)  # refuses a wrong `progress` before any work
     true = truth_of(scene, truth, progress=progress)
     runs = _Runs(chosen(quantities, [true]), quantities is not None, repeats)
     measured, points = runs.measured([(title, solver, levels, true)], None, progress)
@@ -158,7 +157,6 @@ def work_precision(
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
     repeats = whole("repeats", repeats, 1, _MOST_REPEATS)
-    ProgressLine(progress)  # refuses a wrong `progress` before any work
     by_name = _solvers(solvers, goals)
     found_truths = [
         _truth_named("truths", scene, truth, progress)
