@@ -34,6 +34,7 @@ clear_with_caches(
     gauss_rule.cache_clear,
     legendre_expansion_matrix.cache_clear,
     legendre_projection_matrix.cache_clear,
+    power_rule.cache_clear,
 )
 
 
