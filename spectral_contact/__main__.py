@@ -76,10 +76,9 @@ def _run(argv: Sequence[str]) -> int:
     """Do what the arguments ask for, and return the exit status of it."""
     given: dict[str, Any] = {}
     try:
-        arguments = _parser().parse_args(joined(argv))
-        given = vars(arguments)
+        given = vars(_parser().parse_args(joined(argv)))
         with one_thread():
-            arguments.run(given)
+            given["run"](given)
     except SystemExit as stop:  # argparse, after --help and --version
         return int(stop.code or 0)
     except ConvergenceError as error:

@@ -120,18 +120,17 @@ def add_commands(
     about : mapping of str to str
         Descriptions of the commands that have subcommands.
     """
-    parsers = _subparsers(parser, "command")
-    kinds: dict[str, Any] = {}
+    groups = {"": _subparsers(parser, "command")}
     for names, function in commands.items():
-        command, _, kind = names.partition(" ")
-        if kind and command not in kinds:
-            told = _lowered(about[command].removesuffix("."))
-            added = parsers.add_parser(command, help=told, description=about[command])
-            kinds[command] = _subparsers(added, "kind")
+        group, _, command = names.rpartition(" ")
+        if group not in groups:
+            told = _lowered(about[group].removesuffix("."))
+            added = groups[""].add_parser(group, help=told, description=about[group])
+            groups[group] = _subparsers(added, "kind")
         documented = Documentation.of(function)
         examples = documented.examples
-        added = kinds.get(command, parsers).add_parser(
-            kind or command,
+        added = groups[group].add_parser(
+            command,
             usage=f"{PROGRAM} {names} [options]{examples}" if examples else None,
             help=_lowered(documented.summary),
             description=f"{documented.summary}. {documented.description}",

@@ -25,6 +25,8 @@ from spectral_contact.view import plotting
 _WHOLE: Final = re.compile(r"[+-]?[0-9]+")
 #: Numbers with one unit behind them, as "1,2 mm" and "0:1:5 N m"; "0.1, inf" has none.
 _WITH_UNIT: Final = re.compile(r"(.*?[^,:\s])\s+([^\W\d][^,:]*|[%°][^,:]*)")
+#: LOW:HIGH:COUNT, and how the values are spaced.
+_RANGE: Final = re.compile(r"([^:]*):([^:]*):([^:]*)(?::(linear|log))?")
 #: The most values that a range stands for.
 _MOST_VALUES: Final = 10**7
 #: Names of options that differ from those of their parameters.
@@ -82,24 +84,21 @@ def values(text: str) -> list[Any]:
         return [value(text)]
     if found := _WITH_UNIT.fullmatch(text.strip()):
         return [f"{one!r} {found[2]}" for one in values(found[1])]
-    parts = text.split(":")
-    ends = parts[:3]
-    spacing = parts[3:]
-    if len(ends) == 1:
+    if ":" not in text:
         return [number(part) for part in text.split(",")]
     refusal = ValueError(f"{text!r} is not LOW:HIGH:COUNT[:log]")
-    if len(ends) == 2 or spacing not in ([], ["linear"], ["log"]):
+    if not (found := _RANGE.fullmatch(text)):
         raise refusal
-    low, high, count = number(ends[0]), number(ends[1]), whole(ends[2])
+    low, high = map(number, found.group(1, 2))
+    count = whole(found[3])
     if count < 1 or not math.isfinite(high - low):
         raise refusal
     if count > _MOST_VALUES:
         raise ValueError(f"{text!r}: COUNT must be at most {_MOST_VALUES}")
-    if spacing != ["log"]:
-        return list(map(float, np.linspace(low, high, count)))
-    if min(low, high) <= 0.0:
+    if found[4] == "log" and min(low, high) <= 0.0:
         raise ValueError(f"{text!r}: equal ratios need positive ends")
-    return list(map(float, np.geomspace(low, high, count)))
+    spaced = np.geomspace if found[4] == "log" else np.linspace
+    return list(map(float, spaced(low, high, count)))
 
 
 def names(text: str) -> list[str]:

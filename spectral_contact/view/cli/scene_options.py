@@ -342,8 +342,7 @@ def _without_units(given: Mapping[str, Any], si: bool) -> dict[str, Any]:
 
 def _options_of(kind: Any, prefix: str) -> dict[str, bool]:
     """Return the options that describe an object of a kind, and whether each is needed."""
-    declared = {one.name: one for one in fields(kind) if "parameter" in one.metadata}
-    needs = {prefix + name: one.default is MISSING for name, one in declared.items()}
+    needs = {prefix + one.name: one.default is MISSING for one in fields(kind)}
     return _FILE_OPTIONS.get(kind, needs)
 
 

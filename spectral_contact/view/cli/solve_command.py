@@ -56,10 +56,9 @@ def run(
     spectral-contact solve --profile sphere --radius 1 --load 0.1 --normal-compliance 0.01
     """
     contact, remarks = scene.build()
-    if quantities is not None and contact.profile is None:
-        given = getattr(contact.physical, "approach", None)
-        # SI values need the load; if the approach is given, that is computed from `approach`
-        quantities = quantities if given is None else ["approach", *quantities]
+    # SI values need the load; if the approach is given, that is computed from `approach`
+    if quantities is not None and contact.profile is None and scene.given.get("approach"):
+        quantities = ["approach", *quantities]
     todo = plan(contact, quantities)
     is_table = output is not None and output.lower().endswith(".csv")
     if is_table and not set(FIELDS).intersection(todo.quantities):

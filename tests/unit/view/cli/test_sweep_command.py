@@ -12,6 +12,7 @@ from spectral_contact.__main__ import main
 from spectral_contact.sweeps import plot_slice, sweep
 from spectral_contact.sweeps.dataset import summary, unsolved
 from spectral_contact.sweeps.slice_pictures import varying
+from spectral_contact.view.cli.options import values
 
 xarray = pytest.importorskip("xarray", reason="part of the extra: sweep")
 
@@ -23,6 +24,20 @@ def run(capsys, *options):
     status = main(["sweep", *options])
     captured = capsys.readouterr()
     return status, captured.out, captured.err
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("0:1:3", [0.0, 0.5, 1.0]),
+        ("0:1:3:linear", [0.0, 0.5, 1.0]),
+        ("1:4:3:log", [1.0, 2.0, 4.0]),
+        ("-1:-2:2", [-1.0, -2.0]),
+        ("1:4:3:log mN", ["1.0 mN", "2.0 mN", "4.0 mN"]),
+    ],
+)
+def test_a_range_stands_for_its_values(text, expected):
+    assert values(text) == expected
 
 
 def test_ranges_lists_and_single_values(capsys, tmp_path):
