@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
@@ -109,16 +109,12 @@ def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
 
     A signal that is ignored, or whose handler is not one of Python, is left as it is.
     """
-    before: dict[signal.Signals, Any] = {}
-    if current_thread() is main_thread():
-        for number, handler in handlers.items():
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                before[number] = signal.signal(number, handler)
-    try:
+    with ExitStack() as afterwards:
+        if current_thread() is main_thread():
+            for number, handler in handlers.items():
+                if signal.getsignal(number) not in (signal.SIG_IGN, None):
+                    afterwards.callback(signal.signal, number, signal.signal(number, handler))
         yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _terminate(*_: object) -> NoReturn:

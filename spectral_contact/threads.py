@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import os
 import threading
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Callable
 from contextlib import ContextDecorator, nullcontext
 from typing import Any, Final, TypeVar
@@ -69,26 +69,24 @@ class _Hold(ContextDecorator):
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._depths: Counter[tuple[Any, int]] = Counter()
-        self._before: dict[tuple[Any, int], int] = {}
+        #: The numbers before each entry that still lasts, the oldest first.
+        self._before: defaultdict[tuple[Any, int], list[int]] = defaultdict(list)
 
     def __enter__(self) -> None:
         """Put BLAS to one thread."""
         with self._lock:
             for place in map(_place, _libraries()):
-                if place not in self._depths:
-                    self._before[place] = place[0].num_threads
-                    _set(place[0], 1)
-                self._depths[place] += 1
+                self._before[place].append(place[0].num_threads)
+                _set(place[0], 1)
 
     def __exit__(self, *_: object) -> None:
         """Give back the numbers of this thread, and those of the process with the last thread."""
         with self._lock:
             for place in map(_place, _libraries()):
-                self._depths[place] -= 1
-                if self._depths[place] == 0:
-                    del self._depths[place]
-                    _set(place[0], self._before.pop(place))
+                # whichever entry it belongs to: all but the oldest number are 1
+                _set(place[0], self._before[place].pop())
+                if not self._before[place]:  # threads come and go
+                    del self._before[place]
 
 
 _HOLD: Final = _Hold()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -156,12 +156,8 @@ def fit_rate(
 
     confidence = within("confidence", confidence, "in (0, 1)")
     floor = max(real("floor", floor, allowed=">= 0", low=0.0, infinite_ok=True), _ROUNDING)
-    counts = _optional("unknowns", unknowns, _MOST_UNKNOWNS)
-    below_one = counts[(counts > 0.0) & (counts < 1.0)]
-    if below_one.size:
-        allowed = f"0 or in [1, {_MOST_UNKNOWNS:g}], or None"
-        raise SceneError("unknowns", float(below_one[0]), allowed)
-    known = _optional("errors", errors, math.inf)
+    counts = _optional("unknowns", unknowns, f"0 or in [1, {_MOST_UNKNOWNS:g}], or None")
+    known = _optional("errors", errors, ">= 0 (or inf), or None")
     if len(counts) != len(known):
         raise SceneError("unknowns, errors", (unknowns, errors), "lists of the same length")
     present = np.flatnonzero((counts > 0.0) & (known < math.inf))
@@ -185,13 +181,11 @@ def fit_rate(
     return Rate(best.kind, value, (low, high), confidence, points, residuals, best.intercept)
 
 
-def _optional(parameter: str, values: object, high: float) -> Array:
-    """Return numbers of [0, high], NaN where there is none."""
-    allowed = ">= 0 or None" if high == math.inf else f"in [0, {high:g}] or None"
-    limits: dict[str, Any] = {"low": 0.0, "high": high, "infinite_ok": True}
+def _optional(parameter: str, values: object, allowed: str) -> Array:
+    """Return numbers of a range in words, as `within` reads it, NaN where there is none."""
     return np.array(
         [
-            math.nan if one is None else real(parameter, one, allowed=allowed, **limits)
+            math.nan if one is None else within(parameter, one, allowed)
             for one in listed(parameter, values, "numbers")
         ]
     )

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any, ClassVar, Final
 
 from spectral_contact.errors import SceneError
-from spectral_contact.io.checks import real, whole
+from spectral_contact.io.checks import real, whole, within
 from spectral_contact.io.choices import function, instance, listed
 from spectral_contact.scene import Scene
 from spectral_contact.solution import Solution
@@ -103,7 +103,6 @@ def convergence(
     solver = function("solver", solver, _OF_SCENES)
     title = _name(solver) if name is None else instance("name", name, str)
     repeats = whole("repeats", repeats, 0, _MOST_REPEATS)
-    ProgressLine(progress)  # refuses a wrong `progress` before any work
     true = truth_of(scene, truth, progress=progress)
     runs = _Runs(chosen(quantities, [true]), quantities is not None, repeats)
     measured, points = runs.measured([(title, solver, levels, true)], None, progress)
@@ -149,7 +148,7 @@ def work_precision(
     NotComputedError
         If there is no truth; see `truth_of`.
     """
-    goals = tuple(sorted(_resolutions("accuracies", accuracies, high=1.0), reverse=True))
+    goals = tuple(sorted(_resolutions("accuracies", accuracies, "in (0, 1)"), reverse=True))
     several = [scenes] if isinstance(scenes, Scene) else listed("scenes", scenes, "scenes")
     solved = tuple(instance("scenes", scene, Scene) for scene in several)
     given = [None] * len(solved) if truths is None else listed("truths", truths, "truths")
@@ -158,7 +157,6 @@ def work_precision(
     if len(given) != len(solved):
         raise SceneError("truths", truths, f"as many as there are scenes, {len(solved)}")
     repeats = whole("repeats", repeats, 1, _MOST_REPEATS)
-    ProgressLine(progress)  # refuses a wrong `progress` before any work
     by_name = _solvers(solvers, goals)
     found_truths = [
         _truth_named("truths", scene, truth, progress)
@@ -345,13 +343,11 @@ def _unknowns(solution: Any, resolution: float) -> int | None:
     return next((int(one) for one in whole_ones if not isinstance(one, bool)), None)
 
 
-def _resolutions(parameter: str, values: Any, high: float = math.inf) -> tuple[float, ...]:
-    """Return numbers that are positive and different, whole ones as ints."""
-    allowed = "finite and > 0" if high == math.inf else f"in (0, {high:g})"
-    limits: dict[str, Any] = {"low": 0.0, "low_open": True, "high": high, "high_open": True}
+def _resolutions(parameter: str, values: Any, allowed: str = "finite and > 0") -> tuple[float, ...]:
+    """Return numbers of a range in words that are all different, whole ones as ints."""
     found: list[float] = []
     for value in listed(parameter, values, "numbers"):
-        number = real(parameter, value, allowed=allowed, **limits)
+        number = within(parameter, value, allowed)
         found.append(int(value) if isinstance(value, numbers.Integral) else number)
     if not found or len(set(found)) < len(found):
         raise SceneError(parameter, values, "a list of numbers, all different")

@@ -9,13 +9,13 @@ import os
 from dataclasses import fields, is_dataclass
 from io import StringIO
 from itertools import product
-from pathlib import Path
 from typing import Any, Final
 
-from spectral_contact.errors import SolutionFileError, shown
+from spectral_contact.errors import shown
 from spectral_contact.io.documents import (
     Refused,
     check_schema,
+    checked_path,
     path_text,
     read_file,
     replace_file,
@@ -41,11 +41,8 @@ _PARAMETERS: Final = ("poisson_ratio", "normal_compliance", "tangential_complian
 
 def save(study: Study, path: str | os.PathLike[str]) -> None:
     """Store a study as its ``save`` says; the suffix is one of `SUFFIXES`."""
-    source = path_text(path)
-    suffix = Path(source).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise SolutionFileError(source, f"the suffix must be one of {', '.join(SUFFIXES)}")
-    text = _json(study) if suffix == ".json" else _csv(study)
+    source = checked_path(path_text(path), SUFFIXES)
+    text = _json(study) if source.lower().endswith(".json") else _csv(study)
     with reported(source, "cannot be written"):
         replace_file(source, text.encode())
 
@@ -68,7 +65,13 @@ def load(path: str | os.PathLike[str]) -> Study:
     """
     source, content = read_file(path)
     with reported(source, "damaged, or not the JSON text of a study"):
-        return _study(json.loads(content.decode()))
+        body = json.loads(content.decode())
+        version = 1 if isinstance(body, dict) and body.get("version") == 1 else _VERSION
+        check_schema(body, "study", _SCHEMA, version)
+        if body.get("study") not in _KINDS:
+            raise Refused(f'"study" is {shown(body.get("study"))}, not {" or ".join(_KINDS)}')
+        study: Study = _record(_KINDS[body["study"]], body)
+    return study
 
 
 def _json(study: Study) -> str:
@@ -90,16 +93,6 @@ def _encoded(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_encoded(one) for one in value]
     return "inf" if value == math.inf else value
-
-
-def _study(body: Any) -> Study:
-    """Return the study of a decoded file, of this version or of version 1."""
-    version = 1 if isinstance(body, dict) and body.get("version") == 1 else _VERSION
-    check_schema(body, "study", _SCHEMA, version)
-    if body.get("study") not in _KINDS:
-        raise Refused(f'"study" is {shown(body.get("study"))}, not {" or ".join(_KINDS)}')
-    study: Study = _record(_KINDS[body["study"]], body)
-    return study
 
 
 def _record(kind: type, body: Any) -> Any:

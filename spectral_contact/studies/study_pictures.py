@@ -38,9 +38,8 @@ _LEAST: Final = 1e-16
 
 def drawn(study: Study, path: str | os.PathLike[str] | None) -> Figure:
     """Return the figure of a study, written to a file if there is a path."""
-    draw: Any = _convergence if isinstance(study, Convergence) else _work_precision
     with style():
-        figure: Figure = draw(study)
+        figure = _convergence(study) if isinstance(study, Convergence) else _work_precision(study)
     if path is not None:
         save(figure, path_text(path))
     return figure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from spectral_contact.scene import Scene
-from spectral_contact.studies.study_results import Convergence, Point, Study, WorkPrecision
+from spectral_contact.studies.study_results import Convergence, Study, WorkPrecision
 from spectral_contact.studies.timing import Timing
 from spectral_contact.view.report import scene_text, table
 
@@ -23,7 +23,7 @@ def _convergence(study: Convergence) -> list[str]:
     rows = [("resolution", "unknowns", *names.values(), *["warm [ms]", "cold [ms]"] * timed)]
     for point in study.points:
         unknowns = "-" if point.unknowns is None else str(point.unknowns)
-        errors = [_error(point, name) for name in names]
+        errors = [f"{point.errors[one]:.1e}" if one in point.errors else "-" for one in names]
         if point.failure:
             errors = [point.failure, *[""] * (len(names) - 1)]
         times = [_spread(getattr(point.times, state, None)) for state in ("warm", "cold")]
@@ -85,7 +85,3 @@ def _spread(taken: Timing | None) -> str:
 
 def _milliseconds(seconds: float | None) -> str:
     return "-" if seconds is None else f"{1e3 * seconds:.3g}"
-
-
-def _error(point: Point, quantity: str) -> str:
-    return f"{point.errors[quantity]:.1e}" if quantity in point.errors else "-"

@@ -93,13 +93,12 @@ class Truth:
 
     def _error(self, solution: Any, name: str) -> float:
         """Return the error of a quantity that the solution has."""
-        attribute = attribute_of(name)
-        if name in _SCALARS:
-            value = scalar(f"solution.{name}", getattr(solution, name))
+        if name in self.scalars:
+            if name in _SCALARS:
+                value = scalar(f"solution.{name}", getattr(solution, name))
+            else:
+                value = float(field_of(solution, attribute_of(name))(np.zeros(1))[0])
             return abs(value - self.scalars[name]) / abs(self.scalars[name])
-        if name == "edge_pressure":
-            edge = float(field_of(solution, attribute)(np.zeros(1))[0])
-            return abs(edge - self.scalars[name]) / abs(self.scalars[name])
         finite = np.isfinite(self.fields[name])
         true = self.fields[name][finite]
         values = field_of(solution, name)(self.from_edge[finite])
@@ -124,20 +123,23 @@ def given_truth(name: str, scene: Scene, truth: Any, source: str = "") -> Truth:
         raise SceneError(name, own, f"that of {scene}")
     if isinstance(truth, Truth):
         return replace(truth, scene=scene)
-    source = source or f"{type(truth).__name__}, given"
     points, fields = _fields(truth, name)
-    scalars = _scalars(truth, scene, name)
+    scalars = {}
+    for quantity in _SCALARS:
+        if quantity != "stick_radius" or scene.friction != math.inf:  # else it is 1 by definition
+            value = scalar(f"{name}.{quantity}", computed(truth, quantity, 0.0))
+            if math.isfinite(value) and value != 0.0:
+                scalars[quantity] = value
     # under a profile the pressure at the edge is zero in theory, and no scale of an error
     if "pressure" in fields and points[-1] == 0.0 and scene.profile is None:
         edge = float(fields["pressure"][-1])
         if math.isfinite(edge):
             scalars["edge_pressure"] = edge
-    found = Truth(scene, source, scalars, points, fields, {})
-    if not found.quantities:
+    error = {quantity: estimate_of(truth, quantity) or 0.0 for quantity in (*scalars, *fields)}
+    if not error:
         raise SceneError(name, truth, f"an object with one of {', '.join(QUANTITIES)}")
-    for quantity in found.quantities:
-        found.error[quantity] = estimate_of(truth, quantity) or 0.0
-    return found
+    source = source or f"{type(truth).__name__}, given"
+    return Truth(scene, source, scalars, points, fields, error)
 
 
 def estimate_of(solution: Any, name: str) -> float | None:
@@ -178,16 +180,6 @@ def chosen(quantities: Sequence[str] | None, truths: Sequence[Truth]) -> tuple[s
 def attribute_of(name: str) -> str:
     """Return the attribute of a solution that has a quantity of a study."""
     return "pressure" if name == "edge_pressure" else name
-
-
-def _scalars(truth: Any, scene: Scene, owner: str) -> dict[str, float]:
-    """Return the scalars that are finite, not 0, and not 1 by definition."""
-    values = {
-        name: scalar(f"{owner}.{name}", computed(truth, name, 0.0))
-        for name in _SCALARS
-        if name != "stick_radius" or scene.friction != math.inf
-    }
-    return {name: one for name, one in values.items() if one != 0.0 and math.isfinite(one)}
 
 
 def _fields(truth: Any, owner: str) -> tuple[Array, dict[str, Array]]:

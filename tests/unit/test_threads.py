@@ -130,6 +130,14 @@ def test_it_may_be_entered_again():
         assert blas() == ONE
 
 
+@three_threads
+def test_a_number_that_was_set_in_the_midst_is_given_back():
+    with one_thread(), threadpool_limits(2, "blas"):
+        with one_thread():
+            assert blas() == ONE
+        assert blas() == [2] * len(ONE)
+
+
 class OfThread:
     """A library in which every thread has a number of its own, four at first."""
 

@@ -108,7 +108,7 @@ def test_a_table_of_the_points(both, tmp_path):
 def test_paths_that_cannot_be(both, tmp_path):
     one = both["convergence"]
     assert "suffix" in refusal(lambda: one.save(tmp_path / "x.npz"))
-    assert "cannot be written" in refusal(lambda: one.save(tmp_path / "no" / "x.json"))
+    assert "its directory does not exist" in refusal(lambda: one.save(tmp_path / "no" / "x.json"))
     assert "cannot be read" in refusal(lambda: load(tmp_path / "missing.json"))
     assert "not a path" in refusal(lambda: load(3.5))
 
