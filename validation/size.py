@@ -71,6 +71,8 @@ MOST_COMPLEX = 25
 #: of a study. What they import in functions is no link of a chain, and is counted by itself.
 LATE = ("view.output", "studies.study_results")
 COMPLEX = 15
+#: What has a docstring, but for modules.
+DEFINITIONS = (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 #: How many of the worst are named.
 NAMED = 5
 #: Gates, rooms around the core, and what is no part of the flat core.
@@ -176,7 +178,7 @@ def docstring_starts(tree: ast.Module) -> set[tuple[int, int]]:
     """Return the positions, line and column, at which docstrings begin."""
     starts = set()
     for node in ast.walk(tree):
-        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+        if isinstance(node, (ast.Module, *DEFINITIONS)):
             first = node.body[0] if node.body else None
             if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
                 starts.add((first.lineno, first.col_offset))
@@ -325,16 +327,12 @@ def tuned_literals(module: Module) -> int:
     """Count the numbers inside functions and classes for which no formula is cited."""
     if CITATION.search(ast.get_docstring(module.tree) or ""):
         return 0
-    return sum(_uncited_numbers(node) for node in module.tree.body if _has_docstring(node))
-
-
-def _has_docstring(node: ast.AST) -> bool:
-    return isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
+    return sum(_uncited_numbers(node) for node in module.tree.body if isinstance(node, DEFINITIONS))
 
 
 def _uncited_numbers(node: ast.AST) -> int:
     """Count the tuned numbers below a function or class, but for what cites a formula."""
-    if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
+    if isinstance(node, DEFINITIONS):
         if CITATION.search(ast.get_docstring(node) or ""):
             return 0
     elif isinstance(node, ast.Constant):

@@ -107,15 +107,18 @@ class UnloadedProblem(ZoneProblem):
         assert series is not None
         return series.at(np.maximum(z - ends[zone], 1), np.maximum(ends[zone + 1] - z, 1))
 
+    def before(self, number: int, bound: Ints, z: Ints) -> Ints:
+        """Return ``q0 / s`` in a part, from ``f p / s``."""
+        part = self.parts[number]
+        if part.before:
+            return np.asarray(part.before * bound)
+        return self.loaded_over_s(part.zone_before, z.ravel()).reshape(z.shape)
+
     def given(self, number: int, bound: Ints, z: Ints) -> Ints:
         """Return ``e / s`` in a part that slips, from ``f p / s``."""
-        f, part = self.drive.fixed, self.parts[number]
-        now = part.state * f.times(self.load_ratio, bound)
-        if part.before:
-            before = part.before * bound
-        else:
-            before = self.loaded_over_s(part.zone_before, z.ravel()).reshape(z.shape)
-        return np.asarray(f.over(before - now, self.fall))
+        f = self.drive.fixed
+        now = self.parts[number].state * f.times(self.load_ratio, bound)
+        return np.asarray(f.over(self.before(number, bound, z) - now, self.fall))
 
 
 class UnloadedTrial(ZoneTrial):
@@ -235,11 +238,7 @@ class UnloadedRun(PreciseRun):
                 if k <= trial.last:
                     worst = max(worst, -float((part.state * f.floats(moved[k])).min()) / largest)
                 continue
-            z = trial.z[k]
-            before = part.before * bound
-            if not part.before:
-                before = problem.loaded_over_s(part.zone_before, z.ravel()).reshape(z.shape)
-            q = before - f.times(problem.fall, self._values[k])
+            q = problem.before(k, bound, trial.z[k]) - f.times(problem.fall, self._values[k])
             ratio = f.over(abs(q), f.times(problem.load_ratio, bound))
             worst = max(worst, float(f.floats(ratio).max()) - 1.0)
         return worst

@@ -10,22 +10,17 @@ that contradict each other are violations, too.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from oracles.bent_collocation import FINER_MESHES, MESHES, STILL, BentContact, Law, solved
 from scipy.interpolate import PchipInterpolator, PPoly
 from strata import Outcome, decade, largest, over_estimates
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "oracles"))
-
-from bent_collocation import FINER_MESHES, MESHES, STILL, BentContact, Law, solved
 
 from spectral_contact import Scene, Solution, layers, profiles, solve
 

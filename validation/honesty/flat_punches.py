@@ -26,7 +26,7 @@ from pathlib import Path
 import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
-from reporting import RESULTS, json_lines, options, sources, table, write
+from reporting import RESULTS, json_lines, options, picture, sources, table, write
 from strata import in_order
 
 from spectral_contact.view.progress import ProgressLine
@@ -142,41 +142,36 @@ def page(record: dict) -> str:
 
 def draw(rows: list[dict], path: Path) -> None:
     """Draw the estimate against the true error of every quantity."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
+    from matplotlib.colors import LogNorm
 
     values = collected(rows)
     edges = np.linspace(-17.0, 1.0, 73)
     down = -(-len(values) // 3)
-    layout = {"figsize": (9.6, 3.0 * down), "sharex": True, "sharey": True, "layout": "constrained"}
-    figure, axes = plt.subplots(down, 3, **layout)
-    for axis in axes.flat[len(values) :]:
-        axis.set_visible(False)
     counts = [
         np.histogram2d(*np.log10(np.clip(pair[:2], 10.0**-16.9, 9.0)), bins=(edges, edges))[0]
         for pair in values.values()
     ]
     # a single scene is to be seen, too
-    shades = matplotlib.colors.LogNorm(0.2, max(float(count.max()) for count in counts))
+    shades = LogNorm(0.2, max(float(count.max()) for count in counts))
     ends = np.array([1e-17, 10.0])
-    for axis, name, count in zip(axes.flat, values, counts, strict=False):
-        shown = np.where(count > 0.0, count, np.nan).T
-        mesh = axis.pcolormesh(10.0**edges, 10.0**edges, shown, cmap="Greys", norm=shades)
-        axis.plot(ends, ends, color="black", linewidth=1.0)
-        axis.plot(ends, 100.0 * ends, color="black", linewidth=0.8, linestyle=":")
-        axis.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
-        axis.set_title(name.replace("_", " "), fontsize=10)
-        axis.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
-        axis.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
-    clipped = "true error; 0 is drawn at the left rim, what is infinite or above 10 at the top"
-    figure.supxlabel(clipped, fontsize=10)
-    figure.supylabel("estimate (lines: as large as the error, 100 times that)", fontsize=10)
-    bar = {"fraction": 0.03, "pad": 0.01, "aspect": 50}
-    figure.colorbar(mesh, ax=axes, label="scenes", ticks=[1, 10, 100, 1000, 10000], **bar)
-    figure.savefig(path, dpi=110, metadata={"Software": None})
-    plt.close(figure)
+    with picture(path, (9.6, 3.0 * down), down, 3, sharex=True, sharey=True) as axes:
+        for axis in axes.flat[len(values) :]:
+            axis.set_visible(False)
+        for axis, name, count in zip(axes.flat, values, counts, strict=False):
+            shown = np.where(count > 0.0, count, np.nan).T
+            mesh = axis.pcolormesh(10.0**edges, 10.0**edges, shown, cmap="Greys", norm=shades)
+            axis.plot(ends, ends, color="black", linewidth=1.0)
+            axis.plot(ends, 100.0 * ends, color="black", linewidth=0.8, linestyle=":")
+            axis.set(xscale="log", yscale="log", xlim=ends, ylim=ends, aspect="equal")
+            axis.set_title(name.replace("_", " "), fontsize=10)
+            axis.set_xticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
+            axis.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1])
+        figure = axes.flat[0].figure
+        clipped = "true error; 0 is drawn at the left rim, what is infinite or above 10 at the top"
+        figure.supxlabel(clipped, fontsize=10)
+        figure.supylabel("estimate (lines: as large as the error, 100 times that)", fontsize=10)
+        bar = {"fraction": 0.03, "pad": 0.01, "aspect": 50}
+        figure.colorbar(mesh, ax=axes, label="scenes", ticks=[1, 10, 100, 1000, 10000], **bar)
 
 
 def main(stratum: str, arguments: Sequence[str]) -> bool:

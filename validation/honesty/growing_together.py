@@ -19,23 +19,18 @@ The first two are solved with another unit of length, from 1e-6 to 1e6 contact r
 from __future__ import annotations
 
 import math
-import sys
 from itertools import pairwise
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 from growing import solved_twice
+from oracles.growing_rings import march
+from oracles.self_similar import superposed
 from strata import Outcome, decade, fields_over_estimates, over_estimates
 
 from spectral_contact import Scene, profiles, solve
 from spectral_contact.equations import residuals
 from spectral_contact.spectral.jacobi import graded_rule
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
-
-from oracles.growing_rings import march
-from oracles.self_similar import superposed
 
 #: Numbers of rings. Twice as many leave a quarter of the error of the extrapolation, so that its
 #: last change is about three times as large as its error.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from reporting import table
+from reporting import picture, table
 
 #: What over-refined spaces show.
 REFINED = "traction", "zones"
@@ -81,35 +81,33 @@ def tables(record: dict[str, Any]) -> str:
 
 def draw(record: dict[str, Any], path: Path) -> None:
     """Draw errors beside estimates, and shifts beside what explains them."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8.4, 8.0), layout="constrained")
-    axes = figure.subplots(1, 2, sharey=True, width_ratios=(3, 2))
     bar = {"marker": "|", "ms": 6.0, "color": "0.35", "ls": ""}
-    for row, c in enumerate(record["cases"]):
-        for k, (name, mark) in enumerate(zip(SHORT, "os^Dx", strict=True)):
-            error, estimate = c["errors"][name], c["estimates"][name]
-            if error or estimate:
-                y = row + 0.13 * (k - 2)
-                axes[0].plot([max(error, 1e-16), estimate], [y, y], color="0.7", lw=1.0, zorder=1)
-                axes[0].plot([max(error, 1e-16)], [y], marker=mark, ms=4.0, color="black")
-                axes[0].plot([estimate], [y], **bar)
-        for each in c["ulps"]:
-            axes[1].plot([each["explained"]], [row - 0.1], **bar)
-            axes[1].plot([max(each["moved"], 1e-17)], [row + 0.1], "k.", ms=3.0)
-    for (name, symbol), mark in zip(SHORT.items(), "os^Dx", strict=True):
-        label = "boundaries b" if name == "zones" else symbol
-        axes[0].plot([], [], marker=mark, ms=4.0, color="black", ls="", label=label)
-    axes[0].plot([], [], **bar, label="estimate")
-    axes[1].plot([], [], **bar, label="explained by conditioning")
-    axes[1].plot([], [], "k.", ms=3.0, label="shift")
-    said = "true relative error (0 and less at $10^{-16}$); estimate"
-    axes[0].set(xscale="log", xlabel=said, yticks=range(len(record["cases"])))
-    axes[0].set_yticklabels([c["name"] for c in record["cases"]])
-    axes[0].axvline(1e-12, color="0.5", lw=0.8, ls=":")
-    axes[0].invert_yaxis()
-    axes[1].set(xscale="log", xlabel="shift by 1 ulp (0 at $10^{-17}$)")
-    for ax in axes:
-        ax.legend(loc="upper right", fontsize=8)
-        ax.grid(axis="x", color="0.9")
-    figure.savefig(path, dpi=130)
+    with picture(path, (8.4, 8.0), columns=2, sharey=True, width_ratios=(3, 2)) as axes:
+        for row, c in enumerate(record["cases"]):
+            for k, (name, mark) in enumerate(zip(SHORT, "os^Dx", strict=True)):
+                error, estimate = c["errors"][name], c["estimates"][name]
+                if error or estimate:
+                    y = row + 0.13 * (k - 2)
+                    axes[0].plot(
+                        [max(error, 1e-16), estimate], [y, y], color="0.7", lw=1.0, zorder=1
+                    )
+                    axes[0].plot([max(error, 1e-16)], [y], marker=mark, ms=4.0, color="black")
+                    axes[0].plot([estimate], [y], **bar)
+            for each in c["ulps"]:
+                axes[1].plot([each["explained"]], [row - 0.1], **bar)
+                axes[1].plot([max(each["moved"], 1e-17)], [row + 0.1], "k.", ms=3.0)
+        for (name, symbol), mark in zip(SHORT.items(), "os^Dx", strict=True):
+            label = "boundaries b" if name == "zones" else symbol
+            axes[0].plot([], [], marker=mark, ms=4.0, color="black", ls="", label=label)
+        axes[0].plot([], [], **bar, label="estimate")
+        axes[1].plot([], [], **bar, label="explained by conditioning")
+        axes[1].plot([], [], "k.", ms=3.0, label="shift")
+        said = "true relative error (0 and less at $10^{-16}$); estimate"
+        axes[0].set(xscale="log", xlabel=said, yticks=range(len(record["cases"])))
+        axes[0].set_yticklabels([c["name"] for c in record["cases"]])
+        axes[0].axvline(1e-12, color="0.5", lw=0.8, ls=":")
+        axes[0].invert_yaxis()
+        axes[1].set(xscale="log", xlabel="shift by 1 ulp (0 at $10^{-17}$)")
+        for ax in axes:
+            ax.legend(loc="upper right", fontsize=8)
+            ax.grid(axis="x", color="0.9")

@@ -6,11 +6,8 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 from unittest import mock
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
 
 from mpmath import isnan
 from oracles.hard_cases import HardCase

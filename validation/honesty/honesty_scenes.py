@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Iterator, Set
-from contextlib import contextmanager, suppress
+from collections.abc import Set
+from contextlib import suppress
 from types import SimpleNamespace
 from unittest import mock
 
@@ -82,17 +82,10 @@ def by_reference(seed: int, number: int) -> bool:
     return found[-1] and not any(found[:-1])
 
 
-@contextmanager
-def other_panels(width: float) -> Iterator[None]:
-    """Solve on narrower panels than the library's, of which none shares an end but the first."""
-    with mock.patch.object(resolution, "PANEL_WIDTH", width):
-        yield
-
-
 def true_solution(scene: Scene) -> Solution:
-    """Solve as tightly as doubles allow, on other panels."""
+    """Solve as tightly as doubles allow, on narrower panels: none shares an end but the first."""
     for width in TRUE_WIDTHS:
-        with other_panels(width):
+        with mock.patch.object(resolution, "PANEL_WIDTH", width):
             truth = solve(scene, 1e-12, strict=False)
         violation = truth.error.violation  # none where everything sticks
         if (violation or 0.0) <= BROKEN and truth.error.total_shear <= UNCERTAIN:

@@ -7,16 +7,12 @@ method converges to the truth is tested by collocation, which shares no code wit
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
+from oracles.user_laws import Hardening, Softplus
 from profiles import InLargerSpace, as_solution, compared
 from strata import Outcome, decade
-
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
-from oracles.user_laws import Hardening, Softplus
 
 from spectral_contact import layers as laws
 from spectral_contact import profiles as shapes

@@ -17,6 +17,7 @@ from time import monotonic
 from typing import Any
 
 sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[2] / "tests"))  # oracles that strata compare with
 
 import numpy as np
 import reporting

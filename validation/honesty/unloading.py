@@ -15,16 +15,11 @@ state alone; so a zone that has begun to shrink must not grow again.
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
 import numpy as np
+from oracles import graded_elements
 from strata import Outcome, decade
 
-sys.path.insert(0, str(Path(__file__).parents[2]))
-
 from spectral_contact import NotComputedError, Scene, Solution, solve
-from tests.oracles import graded_elements
 
 #: Elements of the truth, and what the shear may be off by on them, over the friction.
 MESHES = (

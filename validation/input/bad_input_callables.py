@@ -308,18 +308,14 @@ def pool() -> list[tuple[str, Callable[[], Any], set[str]]]:
         ("a class", Broken, {"own"}),
         ("an error", Exception("x"), set()),
     ]
-    values = [
-        (re.sub(" at 0x[0-9a-f]+", "", label), constant(value), kinds)
-        for label, value, kinds in own
-    ]
+    values = [(unplaced(label), constant(value), kinds) for label, value, kinds in own]
     values += [
         ("an iterator", lambda: iter(()), {"list", "list of real", "list of text"}),
         ("numbers without end", lambda: itertools.count(1), {"list of real"}),
         ("things without end", lambda: itertools.repeat(object()), set()),
     ]
     for value in NO_NUMBERS:
-        label = repr(value) if not isinstance(value, Broken) else "a broken one"
-        label = unplaced(label)
+        label = "a broken one" if isinstance(value, Broken) else unplaced(repr(value))
         values.append((f"function that returns {label}", constant(constant(value)), {"function"}))
         values.append((f"object full of {label}", partial(quack, value), {"quack"}))
     return values

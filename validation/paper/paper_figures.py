@@ -14,9 +14,6 @@ from spectral_contact.fields import Array
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
 
-#: The figures that can be made: the paper's by their numbers, and the one that it lacks.
-FIGURES = ("2", "3", "4", "5", "6", "onset")
-
 
 def figure_data(name: str, rtol: float = 1e-9) -> FigureData:
     """Compute the numbers of a figure out of ``FIGURES``, every solve to this tolerance."""
@@ -88,6 +85,10 @@ _MADE: dict[str, tuple[list[Scene], Callable[[Scene, float], Array]]] = {
     ),
     "onset": ([Scene(0.3, alpha, beta, inf) for alpha in _ROUGH for beta in _ROUGH], _onset),
 }
+
+
+#: The figures that can be made: the paper's by their numbers, and the one that it lacks.
+FIGURES = tuple(_MADE)
 
 
 def paper_figure(name: str) -> PaperFigure:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import exp, expm1, inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from spectral_contact.scene import Scene
 from spectral_contact.solving.solver import solve
-
-if TYPE_CHECKING:
-    from spectral_contact.solution import Solution
 
 #: What has to be known of full stick.
 _ASKED = ("pressure", "traction", "edge_ratio", "critical_friction")
@@ -66,17 +63,12 @@ def slip_onset(scene: Scene, rtol: float = 1e-9) -> SlipOnset:
     -------
     SlipOnset
     """
-    return _first_slip(solve(scene.replace(friction=inf), rtol, _ASKED))
-
-
-def _first_slip(solution: Solution) -> SlipOnset:
-    """Return where slip starts as the friction falls, from full stick with all of `_ASKED`."""
-    full = solution.scene
+    solution = solve(scene.replace(friction=inf), rtol, _ASKED)
     critical, edge = solution.critical_friction, solution.edge_ratio
     critical_error, edge_error = solution.error.critical_friction, solution.error.edge_ratio
     assert critical_error is not None
     assert edge_error is not None
-    inside = full.tangential_compliance > full.normal_compliance
+    inside = scene.tangential_compliance > scene.normal_compliance
     place = 0.0, inf if inside else 0.0
     if critical > edge * (1.0 + critical_error + edge_error):
 

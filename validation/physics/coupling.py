@@ -55,7 +55,7 @@ def changes(scenes: Scene | list[Scene], **axes: Any) -> dict[str, np.ndarray]:
 
 def slip_cells(nu: float, compliance: float, ratio: float) -> tuple[str, ...]:
     """Return stick radii of partial slip without and with coupling, and the relative changes."""
-    friction = ratio * kappa(nu)
+    friction = ratio * Scene(nu).kappa
     plain, coupled = (
         solve(Scene(nu, compliance, compliance, friction, coupling=coupling), SLIP_RTOL, INTEGRALS)
         for coupling in (False, True)
@@ -63,13 +63,8 @@ def slip_cells(nu: float, compliance: float, ratio: float) -> tuple[str, ...]:
     return (
         *(f"{value:g}" for value in (nu, compliance, ratio)),
         *(f"{one.stick_radius:.6f}" for one in (plain, coupled)),
-        *(_percent(getattr(coupled, name) / getattr(plain, name) - 1.0) for name in INTEGRALS),
+        *(_signed(100.0 * (getattr(coupled, n) / getattr(plain, n) - 1.0)) for n in INTEGRALS),
     )
-
-
-def kappa(nu: float) -> float:
-    """Return the coupling of a Poisson's ratio."""
-    return Scene(nu).kappa
 
 
 def page(pairs: int) -> str:
@@ -81,14 +76,16 @@ def page(pairs: int) -> str:
     parts = [f"{pairs} pairs of solves. At ν = 0 and, behind the stroke, ν = 0.3, in per cent:"]
     for name, title in (("approach", "δ*"), ("total_shear", "Q*")):
         cells = [
-            (f"{a:g}", *(" / ".join(map(_percent, pair)) for pair in zip(*both, strict=True)))
+            (f"{a:g}", *(" / ".join(map(_signed, pair)) for pair in 100.0 * np.transpose(both)))
             for a, *both in zip(GRID, *(grid[name] for grid in grids.values()), strict=True)
         ]
         heading = [f"change of {title}: α* \\ β*", *(f"{b:g}" for b in GRID)]
         parts.append(table(" | ".join(heading), cells))
     equal = [
         [
-            " / ".join(_over(grid[name][i, i], kappa(nu) ** 2) for nu, grid in grids.items())
+            " / ".join(
+                _signed(grid[name][i, i] / Scene(nu).kappa ** 2) for nu, grid in grids.items()
+            )
             for name in TITLES
         ]
         for i in range(len(GRID))
@@ -102,12 +99,8 @@ def page(pairs: int) -> str:
     return "\n\n".join(parts)
 
 
-def _percent(share: float) -> str:
-    return "–" if math.isnan(share) else f"{100.0 * share:+.2g}"
-
-
-def _over(share: float, square: float) -> str:
-    return "–" if math.isnan(share) else f"{share / square:+.2g}"
+def _signed(number: float) -> str:
+    return "–" if math.isnan(number) else f"{number:+.2g}"
 
 
 def draw(path: Path) -> int:

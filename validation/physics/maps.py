@@ -20,26 +20,17 @@ PLANE = ("tangential_compliance", "normal_compliance")
 COARSE, FINE = np.geomspace(1e-3, 10.0, 61), np.geomspace(1e-3, 10.0, 201)
 
 
-def stick_radius():
-    """Solve the map of the stick radius."""
-    return sweep(
-        Scene(NU, friction=FRICTION),
-        normal_compliance=COARSE,
-        tangential_compliance=COARSE,
-        quantities=["stick_radius", "zones"],
-        rtol=1e-6,
+def solved(friction, compliances, quantities, rtol):
+    """Solve a map over both compliances; every scene converges."""
+    found = sweep(
+        Scene(NU, friction=friction),
+        normal_compliance=compliances,
+        tangential_compliance=compliances,
+        quantities=quantities,
+        rtol=rtol,
     )
-
-
-def critical_friction():
-    """Solve the map of the critical friction and of the edge ratio."""
-    return sweep(
-        Scene(NU, friction=np.inf),
-        normal_compliance=FINE,
-        tangential_compliance=FINE,
-        quantities=["critical_friction", "edge_ratio"],
-        rtol=1e-8,
-    )
+    assert (found.ending == "converged").all()
+    return found
 
 
 def draw_stick_radius(found, critical) -> None:
@@ -86,10 +77,8 @@ def draw_critical_friction(found) -> None:
 
 def main() -> None:
     """Solve and draw both maps."""
-    stick = stick_radius()
-    critical = critical_friction()
-    for found in (stick, critical):
-        assert (found.ending == "converged").all()
+    stick = solved(FRICTION, COARSE, ["stick_radius", "zones"], 1e-6)
+    critical = solved(np.inf, FINE, ["critical_friction"], 1e-8)
     draw_stick_radius(stick, critical)
     draw_critical_friction(critical)
 
