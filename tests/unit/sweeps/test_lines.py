@@ -169,9 +169,9 @@ def test_the_friction_of_a_radius_is_that_of_the_best_space_and_not_of_the_last(
     frictions = []
     estimate = _GivenRadius.estimate
 
-    def kept(problem, iterate, spaces):
+    def kept(problem, iterate):
         frictions.append(iterate.fields.system.parameters.friction)
-        return estimate(problem, iterate, spaces)
+        return estimate(problem, iterate)
 
     monkeypatch.setattr(_GivenRadius, "estimate", kept)
     contact = solve_normal(0.05, 1e-12, 1000, goal="traction").best.value
