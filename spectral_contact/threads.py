@@ -83,7 +83,8 @@ class _Hold(ContextDecorator):
         """Give back the numbers of this thread, and those of the process with the last thread."""
         with self._lock:
             for place in map(_place, _libraries()):
-                # whichever entry it belongs to: all but the oldest number are 1
+                # Entries of threads that overlap may end in any order: all but the oldest number
+                # are 1, unless a number was set in between.
                 _set(place[0], self._before[place].pop())
                 if not self._before[place]:  # threads come and go
                     del self._before[place]
