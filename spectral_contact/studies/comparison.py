@@ -14,7 +14,6 @@ from spectral_contact.errors import NotComputedError, SceneError
 from spectral_contact.fields import Array
 from spectral_contact.io import checks
 from spectral_contact.io.choices import instance, suggesting
-from spectral_contact.layers.scene_layer import endless
 from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import PROFILE_QUANTITIES
 from spectral_contact.scene import Scene, same_problem
@@ -22,6 +21,7 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.studies.truth import PLACES, estimate_of
 from spectral_contact.testing.solution_checks import by_distance, field_of
+from spectral_contact.view.error_sizes import OF_MEAN, ErrorSizes, unloaded
 from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
@@ -30,13 +30,9 @@ Numbers = Callable[..., Any] | ArrayLike
 
 #: Tolerance of the reference solution.
 _RTOL: Final = 1e-12
-#: Quantities from which the mean pressure under a profile is computed.
-_OF_MEAN: Final = ("load", "contact_radius")
 #: A radius is taken for the edge if it is outside by no more than this, over the contact radius: by
 #: rounding of radii and their units.
 _AT_EDGE: Final = 8.0 * float(np.finfo(np.float64).eps)
-#: Number of rings of equal area on which the mean size of a field is taken.
-_RINGS: Final = 64
 #: Name of the displacement of the surface, and the tolerance to which it is evaluated.
 _SURFACE: Final = "displacement"
 _SURFACE_RTOL: Final = 1e-9
@@ -261,19 +257,14 @@ __test__: Final = {"compare": compare}  # doctest passes over functions that are
 def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
     """Solve for what is given, and for what its units and the scales of its errors need."""
     # with coupling, or below the largest load, the errors of one field are relative to both
-    of_both = scene.couples or _unloaded(scene)
+    of_both = scene.couples or unloaded(scene)
     needed = {*given, "approach"} | ({"pressure", "traction"} if of_both else set())
-    if _unloaded(scene):
+    if unloaded(scene):
         needed |= {"zones"}
     if _SURFACE in needed:
         needed = needed - {_SURFACE} | {"pressure", "traction"}
-    needed |= {*_OF_MEAN} if scene.profile is not None else set()
+    needed |= {*OF_MEAN} if scene.profile is not None else set()
     return solve(scene, _RTOL, tuple(needed), strict=False)
-
-
-def _unloaded(scene: Scene) -> bool:
-    """Return whether the traction may change sign, as the load has been larger."""
-    return scene.unloaded_to < 1.0 and scene.friction is not None and np.isfinite(scene.friction)
 
 
 class _ComparedScene:
@@ -397,11 +388,12 @@ class _ComparedScene:
         inside = places >= 0.0
         true = np.zeros(len(places))
         sizes = np.ones(len(places))
+        error_sizes = ErrorSizes(self.scene, self.truth, self._field_of_truth)
         if inside.any():
-            true[inside] = field_of(self.truth, name, "truth")(places[inside])
-            sizes[inside] = self._sizes(name, true[inside], places[inside])
+            true[inside] = self._field_of_truth(name)(places[inside])
+            sizes[inside] = error_sizes.at(name, true[inside], places[inside])
         if not inside.all():
-            sizes[~inside] = self._mean_size(name)
+            sizes[~inside] = error_sizes.mean(name)
         compared = np.isfinite(true)
         if name == "slip":
             compared &= inside
@@ -423,6 +415,9 @@ class _ComparedScene:
             float(places[compared][worst]),
             float(np.median(errors)),
         )
+
+    def _field_of_truth(self, name: str) -> Callable[[Array], Array]:
+        return field_of(self.truth, name, "truth")
 
     def _surface(self, given: Numbers, places: Array) -> Agreement:
         """Compare the displacement of the surface into the body."""
@@ -508,56 +503,6 @@ class _ComparedScene:
         if np.isnan(numbers).any():
             raise SceneError(name, np.nan, "a number at each radius")
         return checks.values_at(name, lambda _: numbers, places)
-
-    def _mean_size(self, name: str) -> float:
-        """Return the mean of a field's absolute value over the contact; 1 where it vanishes."""
-        return float(np.mean(self._on_rings(name))) or 1.0
-
-    def _on_rings(self, name: str) -> Array:
-        """Return the absolute values of a field on rings of equal area, where they are finite."""
-        rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
-        sizes = np.abs(field_of(self.truth, name, "truth")(1.0 - rings))
-        return np.asarray(sizes[np.isfinite(sizes)])
-
-    def _mean_pressure(self) -> float:
-        """Return the mean pressure over the contact of a profile."""
-        try:
-            load, a = (checks.scalar(f"truth.{of}", getattr(self.truth, of)) for of in _OF_MEAN)
-        except NotComputedError:
-            if endless(self.scene):  # there is no edge, within which a mean could be taken
-                raise
-            return self._mean_size("pressure")
-        scales: dict[str, float] = getattr(self.truth, "error_scales", {})
-        # with adhesion it may be zero
-        return scales.get("load", abs(load)) / (np.pi * a**2)
-
-    def _sizes(self, name: str, true: Array, places: Array) -> Array:
-        """Return what errors of a field are relative to, at each place: see `compare`."""
-        # the largest value is that over the whole contact, wherever values are given
-        moduli = np.append(self._on_rings(name), np.abs(true[np.isfinite(true)]))
-        largest = np.max(moduli, initial=0.0) or 1.0
-        if name == "slip":
-            return np.full(len(true), largest)
-        sizes = np.abs(true)
-        if name == "traction" and _unloaded(self.scene):
-            limit = field_of(self.truth, "pressure", "truth")(places) * (self.scene.friction or 0.0)
-            for zone in self.truth.zones:
-                if zone.memory:
-                    within = (places <= zone.inner_from_edge) & (places >= zone.outer_from_edge)
-                    sizes = np.where(within, limit, sizes)
-        if self.scene.profile is not None:
-            if name == "traction":
-                return np.full(len(true), largest)
-            sizes = np.maximum(sizes, self._mean_pressure())
-        if self.scene.couples:
-            s = 1.0 - places
-            p, q = (field_of(self.truth, one, "truth")(places) for one in FIELDS[:2])
-            q_over_s = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
-            if name == "pressure":
-                sizes = np.hypot(p, q_over_s)
-            else:
-                sizes = s * np.hypot(q_over_s, self.scene.kappa * p)
-        return np.where(sizes == 0.0, largest, sizes)
 
 
 def _question(size: float) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
 from spectral_contact.io.documents import path_text, replace_file, reported
 from spectral_contact.processes import VERSION
 from spectral_contact.profiles import Flat
@@ -20,6 +21,7 @@ from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import Zone
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
+from spectral_contact.view.error_sizes import ErrorSizes
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
@@ -217,10 +219,12 @@ def _scalars(
         unit, error = units.get(name, ""), getattr(solution.error, name)
         if name == "pressure":
             centre, takes = if_known(lambda: float(source.pressure(0.0)))
-            rows.append(_Row("pressure, centre", centre, unit, error, takes=takes))
+            scale = _error_scale_at(name, solution, 1.0)
+            rows.append(_Row("pressure, centre", centre, unit, error, scale, takes))
         if name in FIELDS and _has_edge_value(name, solution.scene):
             edge, takes = if_known(partial(_edge_value, source, name))
-            rows.append(_Row(f"{name}, edge", edge, unit, error, takes=takes))
+            scale = _error_scale_at(name, solution, 0.0)
+            rows.append(_Row(f"{name}, edge", edge, unit, error, scale, takes))
         elif name not in (*FIELDS, "zones"):
             value, takes = if_known(partial(getattr, source, name))
             scale = relative_to(name, solution)
@@ -230,6 +234,27 @@ def _scalars(
 
 def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
     return float(getattr(source, name)(from_edge=0.0))
+
+
+def _error_scale_at(name: str, solution: Solution, from_edge: float) -> float:
+    """Return what the error of a field is relative to, over the modulus of its value there.
+
+    It is 1 where the value is 0 or not finite, and where it would take a field that was not asked
+    for.
+    """
+
+    def field(name: str) -> Callable[[Array], Array]:
+        return lambda places: np.asarray(getattr(solution, name)(from_edge=places))
+
+    places = np.array([from_edge])
+    value = field(name)(places)
+    if not np.isfinite(value[0]) or value[0] == 0.0:
+        return 1.0
+    try:
+        size = ErrorSizes(solution.scene, solution, field).at(name, value, places)
+    except NotComputedError:
+        return 1.0
+    return float(size[0] / abs(value[0]))
 
 
 def if_known(read: Callable[[], float | None]) -> tuple[float | None, str]:

@@ -1,5 +1,6 @@
 """Tables of a solution: errors of SI values, which follow from what the scene gives."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -110,6 +111,36 @@ def test_csv_tells_errors_relative_to_the_value(tmp_path):
     told = float(re.search(r"# load = \S+ \(relative error (\S+)\)", text)[1])
     own = solution.error.load * solution.error_scales["load"] / abs(solution.load)
     assert told == pytest.approx(own, rel=0.1)
+
+
+def test_a_pressure_that_adhesion_cancels_has_no_digit(tmp_path):
+    # at the centre, the pressure of the tip and the suction of adhesion differ by 1e-8 of either
+    adhesive = {"profile": profiles.Parabola(1.0), "work_of_adhesion": 1.356586}
+    scene = Scene(None, 0.05, **adhesive, contact_radius=1.0)
+    solution = solve(scene, 1e-2)
+    pressure = solution.pressure(0.0)
+    true = solve(scene, 1e-12).pressure(0.0)
+    off = abs(pressure - true) / abs(pressure)
+    assert off > 100.0 * solution.error.pressure
+    mean = solution.error_scales["load"] / math.pi
+    own = solution.error.pressure * mean / abs(pressure)
+    [line] = [one for one in report(solution).splitlines() if "pressure, centre" in one]
+    assert float(line.split()[-1]) == pytest.approx(own, rel=0.1)
+    assert own > off
+    solution.to_csv(tmp_path / "fields.csv")
+    text = (tmp_path / "fields.csv").read_text()
+    told = float(re.search(r"# pressure, centre = \S+ \(relative error (\S+)\)", text)[1])
+    assert told == pytest.approx(own, rel=0.1)
+
+
+def test_a_traction_that_unloading_cancels_has_an_error_relative_to_the_friction_bound():
+    scene = Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.3)
+    solution = solve(scene, 1e-4)
+    traction = solution.traction(1.0)
+    size = scene.friction * solution.pressure(1.0) / abs(traction)
+    [line] = [one for one in report(solution).splitlines() if "traction, edge" in one]
+    assert solution.zones[-1].memory
+    assert float(line.split()[-1]) == pytest.approx(solution.error.traction * size, rel=0.1)
 
 
 def test_an_approach_that_a_clearance_cancels_has_few_digits(tmp_path):

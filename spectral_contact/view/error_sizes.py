@@ -1,0 +1,105 @@
+"""What the error estimates of fields are relative to, at every place of the contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+import numpy as np
+
+from spectral_contact.errors import NotComputedError
+from spectral_contact.fields import Array
+from spectral_contact.io import checks
+from spectral_contact.layers.scene_layer import endless
+from spectral_contact.scene import Scene
+
+#: A field as a function of distances from the edge.
+Field = Callable[[Array], Array]
+
+#: Number of rings of equal area on which the mean and the largest size of a field are taken.
+_RINGS: Final = 64
+#: Quantities from which the mean pressure under a profile is computed.
+OF_MEAN: Final = ("load", "contact_radius")
+
+
+def unloaded(scene: Scene) -> bool:
+    """Return whether the traction may change sign, as the load has been larger."""
+    return scene.unloaded_to < 1.0 and scene.friction is not None and np.isfinite(scene.friction)
+
+
+class ErrorSizes:
+    """The sizes that errors of the fields of a solution are relative to.
+
+    Parameters
+    ----------
+    scene : Scene
+    solution : object
+        With the numbers and the zones of a `Solution`.
+    field : callable
+        Returns a field of the solution, by its name.
+    """
+
+    def __init__(self, scene: Scene, solution: Any, field: Callable[[str], Field]) -> None:
+        self._scene = scene
+        self._solution = solution
+        self._field = field
+
+    def at(self, name: str, values: Array, places: Array) -> Array:
+        """Return what errors of a field are relative to, at each place.
+
+        Parameters
+        ----------
+        name : str
+        values : ndarray
+            Of the field, dimensionless.
+        places : ndarray
+            Distances from the edge.
+        """
+        scene = self._scene
+        # the largest value is that over the whole contact, wherever values are given
+        moduli = np.append(self._on_rings(name), np.abs(values[np.isfinite(values)]))
+        largest = np.max(moduli, initial=0.0) or 1.0
+        if name == "slip":
+            return np.full(len(values), largest)
+        sizes = np.abs(values)
+        if name == "traction" and unloaded(scene):
+            limit = self._field("pressure")(places) * (scene.friction or 0.0)
+            for zone in self._solution.zones:
+                if zone.memory:
+                    within = (places <= zone.inner_from_edge) & (places >= zone.outer_from_edge)
+                    sizes = np.where(within, limit, sizes)
+        if scene.profile is not None:
+            if name == "traction":
+                return np.full(len(values), largest)
+            sizes = np.maximum(sizes, self._mean_pressure())
+        if scene.couples:
+            s = 1.0 - places
+            p, q = (self._field(one)(places) for one in ("pressure", "traction"))
+            q_over_s = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
+            if name == "pressure":
+                sizes = np.hypot(p, q_over_s)
+            else:
+                sizes = s * np.hypot(q_over_s, scene.kappa * p)
+        return np.where(sizes == 0.0, largest, sizes)
+
+    def mean(self, name: str) -> float:
+        """Return the mean of a field's absolute value over the contact; 1 where it vanishes."""
+        return float(np.mean(self._on_rings(name))) or 1.0
+
+    def _on_rings(self, name: str) -> Array:
+        """Return the absolute values of a field on rings of equal area, where they are finite."""
+        rings = np.sqrt((np.arange(_RINGS) + 0.5) / _RINGS)
+        sizes = np.abs(self._field(name)(1.0 - rings))
+        return np.asarray(sizes[np.isfinite(sizes)])
+
+    def _mean_pressure(self) -> float:
+        """Return the mean pressure over the contact of a profile."""
+        try:
+            load, a = (checks.scalar(f"truth.{of}", getattr(self._solution, of)) for of in OF_MEAN)
+        except NotComputedError:
+            if endless(self._scene):  # there is no edge, within which a mean could be taken
+                raise
+            return self.mean("pressure")
+        scales: dict[str, float] = getattr(self._solution, "error_scales", {})
+        # with adhesion it may be zero
+        return scales.get("load", abs(load)) / (np.pi * a**2)
