@@ -48,7 +48,7 @@ from spectral_contact.contact.tuning import (
 from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.parts import OffsetRadii, gap
+from spectral_contact.spectral.parts import OffsetRadii, z_difference
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
@@ -354,7 +354,7 @@ def _slip_width_error(system: ContactSystem, errors: Sequence[tuple[float, float
     largest = 0.0
     end_errors = [0.0, *_errors_of_squares(system.radii, errors), 0.0]
     for i in np.flatnonzero(system.states).tolist():
-        width = gap(*system.bounds[i : i + 2])
+        width = z_difference(*system.bounds[i : i + 2])
         largest = max(largest, sum(end_errors[i : i + 2]) / width if width > 0.0 else inf)
     return largest
 
@@ -395,7 +395,7 @@ def largest_boundary_error(
     Infinite where the errors of its ends exceed the width of a zone between boundaries.
     """
     square_errors = _errors_of_squares(radii, errors)
-    widths = starmap(gap, pairwise(radii))
+    widths = starmap(z_difference, pairwise(radii))
     if any(width <= sum(ends) for width, ends in zip(widths, pairwise(square_errors), strict=True)):
         return inf
     return max(map(max, errors), default=0.0)

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def gap(a: Radius, b: Radius) -> float:
-    """Return ``b**2 - a**2``, of either sign, without cancellation."""
+def z_difference(a: Radius, b: Radius) -> float:
+    """Return the difference of ``z = s**2`` from a to b, of either sign, without cancellation."""
     difference = a.from_edge - b.from_edge if a.value >= 0.5 else b.value - a.value
     return difference * (a.value + b.value)
 
@@ -37,7 +37,7 @@ class OffsetRadii(NamedTuple):
 
     def before(self, boundary: Radius) -> Array:
         """Return ``boundary**2 - s**2``."""
-        return gap(self.anchor, boundary) - self.offset
+        return z_difference(self.anchor, boundary) - self.offset
 
     @property
     def z(self) -> Array:
@@ -146,7 +146,7 @@ class DiskPartition:
         for inner, outer in pairwise((CENTRE, *self.breaks, EDGE)):
             is_disk = inner is CENTRE and not self.pointed
             sides = [(outer, -1)] if is_disk else [(inner, 1), (outer, -1)]
-            extent = gap(inner, outer) / len(sides)
+            extent = z_difference(inner, outer) / len(sides)
             self.ends.extend((boundary, sign, extent) for boundary, sign in sides)
             profile_break = profile_break if inner in self.smooth_breaks else inner
             self.profile_breaks.extend([profile_break] * len(sides))
