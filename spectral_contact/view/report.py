@@ -455,7 +455,7 @@ def _csv_comments(solution: Solution) -> list[str]:
         *_scene_text(solution).splitlines(),
         f"converged: {'yes' if solution.converged else 'no'}",
         _UNITS if solution.scene.profile is None else _PROFILE_UNITS,
-        "p_error, q_error, slip_error: estimates of relative errors",
+        "p_error, q_error, slip_error: estimates of errors, relative to what docs/choosing says",
     ]
     for row in (*_rows(solution), *_si_rows(solution)):
         unit = f" {row.unit}" if row.unit and row.value is not None else ""
