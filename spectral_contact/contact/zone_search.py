@@ -56,7 +56,6 @@ from spectral_contact.contact.tuning import (
     CENTRAL_CLEARANCE,
     COARSE_TOL,
     ONSET_BAND,
-    PANEL_WIDTH,
     REFINEMENT_MARGIN,
 )
 from spectral_contact.contact.zone_fields import (
@@ -142,8 +141,8 @@ class ZoneSearch(ABC):
     ----------
     parameters : Parameters
     stick : FullStick
-        Full stick in the same contact: its fields, the critical friction at which slip begins
-        (`critical`), and ``|q|/p`` at the edge (`edge_ratio`).
+        Full stick in the same contact: its fields, and the critical friction at which slip begins
+        (`critical`).
     tolerance : float
         Bound on the relative errors of the fields.
     max_unknowns : int
@@ -569,34 +568,6 @@ class CoupledSearch(ZoneSearch):
         reason = "one stick disk, with narrow stick at the edge in closed form"
         outcome = self._try(Candidate(_WIDE_DISK, reason, closed_edge=True))
         return outcome if outcome is not None and outcome.verified else None
-
-    def larger_radii(self, logit: float) -> list[float]:
-        """Return stick radii, larger than that of a solution, that may be solutions as well.
-
-        They are accurate to some percent of their distance from the edge. They are looked for if
-        ``|q|/p`` at the edge is below f in full stick, or the contact would open there
-        (`edge_ratio` is None): in other scenes no second radius is known. Smaller ones do not
-        matter: a contact that grows, or whose friction does, begins at small disks and reaches the
-        smallest one first.
-
-        Parameters
-        ----------
-        logit : float
-            That of the stick radius of the solution.
-        """
-        from spectral_contact.contact.coupled_radii import scan_logits, stick_radii
-
-        ratio = self.stick.edge_ratio
-        if not self._is_possible(_DISK) or (
-            ratio is not None and ratio >= self.parameters.friction
-        ):
-            return []
-        problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-        # fields change over the width of a panel; on smooth surfaces radii are 10 and more apart
-        step = 2.0 * PANEL_WIDTH
-        logits = scan_logits(problem, logit + step, step)
-        radii = stick_radii(problem, logits, positive_only=True)
-        return [Radius.from_logit(radius.logit).value for radius in radii if radius.admissible]
 
     def _full_slip(self) -> PartialSlip:
         """Return full slip: the stick disk is too small to change the fields around it.

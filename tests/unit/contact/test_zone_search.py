@@ -130,3 +130,34 @@ def test_states_are_tried_once_but_a_disk_without_radius(monkeypatch):
     with pytest.raises(NoZonesError):
         search.outcome()
     assert reasons == ["the zones of an active set on rings"]
+
+
+def test_a_narrow_annulus_is_the_same_at_every_tolerance():
+    scene = Scene(
+        0.3216563614452209,
+        3.902806546943033,
+        4.804038693556474e-12,
+        14252.653932202149,
+        coupling=True,
+    )
+    finest = solve(scene, 1e-12, ("zones",))
+    for rtol in (1e-3, 1e-6, 1e-9):
+        found = solve(scene, rtol, ("zones",))
+        width, truth = found.zones[-1].inner_from_edge, finest.zones[-1].inner_from_edge
+        assert abs(width / truth - 1.0) <= found.error.zones + finest.error.zones
+
+
+@pytest.mark.parametrize("lack", [1e-5, 1e-7, 1e-9])
+def test_slip_that_begins_at_the_edge_is_found(lack):
+    stick = Scene(0.15, 0.05, 0.004, math.inf, coupling=True)
+    critical = solve(stick, 1e-12, ("critical_friction",)).critical_friction
+    scene = stick.replace(friction=critical * (1.0 - lack))
+    widths = []
+    for rtol in (1e-6, 1e-9, 1e-11):
+        found = solve(scene, rtol)
+        if 3.0 * lack < rtol:  # full stick, with room for it
+            continue
+        assert found.error.zones < 0.1
+        widths.append((found.zones[-1].inner_from_edge, found.error.zones))
+    for width, error in widths[:-1]:
+        assert abs(width / widths[-1][0] - 1.0) <= error + widths[-1][1]
