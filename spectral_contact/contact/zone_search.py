@@ -17,10 +17,9 @@ the logit of a radius is ``ln(s**2/y)``. States of zones are 0 for stick and +1 
 that sign of the traction. Next to the edge of a smooth surface (alpha = 0) with beta > 0 the
 pressure is infinite and the traction is not, so that the edge sticks over some width.
 
-What is said of a solved candidate (`slip_outcome.PartialSlip`), from strict to lenient: it is
-*verified* if the law holds within the errors, the sense of slip is known and no stick is missing;
-*consistent* if no violation exceeds the errors; and *refuted* if it has a `violation_text`, which
-names a violation that only other zones can mend.
+What is said of a solved candidate (`slip_outcome.PartialSlip`): it is *consistent* if no violation
+of the law exceeds the errors, and refuted if one does (its `violation_text`). It is *verified* if,
+besides, the sense of slip is known and no stick is missing.
 """
 
 from __future__ import annotations
@@ -510,9 +509,9 @@ class CoupledSearch(ZoneSearch):
         return estimated_stick_radius(self.parameters) ** 2 < exp(-EPSILON_DEPTH)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
-        unrefuted = [outcome for outcome in outcomes if not outcome.violation_text]
-        if unrefuted:
-            return min(unrefuted, key=lambda outcome: outcome.apparent_violation)
+        consistent = [outcome for outcome in outcomes if outcome.consistent]
+        if consistent:
+            return min(consistent, key=lambda outcome: outcome.apparent_violation)
         if self._smooth_edge_sticks and self._stick_disk_below_range:
             with suppress(ArithmeticError):  # the stick at the edge may not be narrow
                 return self._full_slip()
@@ -546,7 +545,7 @@ class CoupledSearch(ZoneSearch):
 
             with_verdict = with_edge_stick
         outcome = with_verdict(refinement.best.value, self.parameters)
-        if not outcome.violation_text:
+        if outcome.consistent:
             # without the time of the verdict
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
             self.record(SLIP_FIELD, outcome, solved)

@@ -193,7 +193,7 @@ class CoupledRun(Run):
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
         else:
             violation = best.violation
-            self._store_slip(replace(best, consistent=False))
+            self._store_slip(best)
             self.ran(self.refusal, PARTIAL_SLIP)
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * violation
