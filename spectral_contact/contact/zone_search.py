@@ -53,8 +53,6 @@ from spectral_contact.contact.stick_radius import (
 from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
     CENTRAL_CLEARANCE,
-    COARSE_TOL,
-    ONSET_BAND,
     REFINEMENT_MARGIN,
 )
 from spectral_contact.contact.zone_fields import (
@@ -125,13 +123,6 @@ class NoZonesError(ArithmeticError):
     least_wrong: PartialSlip | None = None
 
 
-def _largest_error(outcome: PartialSlip) -> float:
-    """Return the largest of the error estimates that a tolerance bounds."""
-    return max(
-        outcome.approach_error, outcome.shear_error, outcome.pressure_error, outcome.traction_error
-    )
-
-
 @dataclass(eq=False)
 class ZoneSearch(ABC):
     """Solves for one candidate after the other until the friction law holds.
@@ -173,56 +164,62 @@ class ZoneSearch(ABC):
         return replace(outcome, trials=tuple(self._trials))
 
     def _best(self) -> PartialSlip:
-        """Return the outcome of the search, which does not say yet what was tried."""
+        """Return the outcome of the search, which does not say yet what was tried.
+
+        To a solution that lacks stick it is added, until none is missing or there is no solution.
+        Zones whose states were solved for are not tried again from other boundaries.
+        """
         outcomes: list[PartialSlip] = []
-        trial_states: set[tuple[int, ...]] = set()
-        for candidate in self._candidates():
-            if not candidate.predicted and candidate.zones.states in trial_states:
-                continue
-            for outcome in self._solutions(candidate, trial_states):
+        solved_states: set[tuple[int, ...]] = set()
+        for first_candidate in self._candidates():
+            candidate = first_candidate
+            while candidate.predicted or (
+                candidate.zones.states not in solved_states and self._is_possible(candidate.zones)
+            ):
+                outcome = self._try(candidate)
+                if outcome is None:
+                    break
                 if outcome.verified:
                     return outcome
                 outcomes.append(outcome)
+                solved_states.add(candidate.zones.states)
+                enlarged = outcome.with_missing_stick
+                if enlarged is None:
+                    break
+                candidate = Candidate(enlarged, "the zones before, with the stick missing there")
         return self._least_wrong(outcomes)
 
-    def _solutions(
-        self, candidate: Candidate, trial_states: set[tuple[int, ...]]
-    ) -> Iterator[PartialSlip]:
-        """Yield the solution on a candidate, if there is one, and those with stick added to it.
-
-        Stick is added where its absence refuted the solution before, until none is missing or
-        there is no solution; to predicted zones none is added. `trial_states` takes the states of
-        which no other boundaries are to be tried: those that are solved for, and those that began
-        with boundaries of this scene. A disk without a radius has none yet, and zones with a
-        Jacobian have those of a like scene.
-        """
-        boundaries_given = candidate.zones.logits and candidate.zones.jacobian is None
-        if boundaries_given and not candidate.predicted:
-            trial_states.add(candidate.zones.states)
-        while candidate.predicted or self._is_possible(candidate.zones):
-            outcome = self._try(candidate)
-            if outcome is None:
-                return
-            yield outcome
-            if candidate.predicted:
-                return
-            trial_states.add(candidate.zones.states)
-            enlarged = outcome.with_missing_stick
-            if enlarged is None:
-                return
-            candidate = Candidate(enlarged, "the zones before, with the stick missing there")
-
     def _try(self, candidate: Candidate) -> PartialSlip | None:
-        """Return the solution on a candidate, if there is one, and note the verdict on it."""
+        """Return the solution on a candidate, if there is one, and note the verdict on it.
+
+        On predicted zones it has to be verified and to meet the tolerance, because a fresh start
+        may give a better one.
+        """
         outcome = None
         try:
-            outcome = self._solve(candidate)
-            verdict = outcome.verdict
+            solved = self._solve(candidate)
+            verdict = solved.verdict
+            if not candidate.predicted:
+                outcome = solved
+            elif solved.verified:
+                if solved.slip_error < inf and self._error(solved) <= self.tolerance:
+                    outcome = solved
+                else:
+                    verdict = "the tolerance is not met from these boundaries"
         # LinAlgError: a zone has no width, its boundaries coincide
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             verdict = str(error)
         self._trials.append(Trial(candidate.zones, candidate.reason, verdict))
         return outcome
+
+    def _error(self, outcome: PartialSlip) -> float:
+        """Return the largest of the error estimates that the tolerance bounds."""
+        return max(
+            outcome.approach_error,
+            outcome.shear_error,
+            outcome.pressure_error,
+            outcome.traction_error,
+        )
 
     @property
     def _slip_where_full_stick_violates(self) -> Candidate:
@@ -311,32 +308,23 @@ class UncoupledSearch(ZoneSearch):
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, one disk, what full stick and rings show."""
-        beta = self.parameters.beta
-        start = self.warm_start
-        if start is not None and min(np.diff(start.logits), default=0.0) > COARSE_TOL:
-            yield Candidate(start, "the zones of a like scene", predicted=True)
+        if self.warm_start is not None:
+            yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
+        # a first radius, from the limits of little and of much friction
+        limit = limiting_logit(self.parameters)
         if not self._edge_stick_is_resolvable:
-            if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
-                yield Candidate(start, "one stick disk, about as large as that of a like scene")
-            yield Candidate(_DISK, "one stick disk")
-        if beta == 0.0:
+            yield Candidate(Layout((limit,), _DISK_STATES), "one stick disk")
+        if self.parameters.beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
-        from spectral_contact.contact.onset import is_narrow
-
-        violated = self._slip_where_full_stick_violates
-        if is_narrow(violated.zones):  # rings may miss it
-            yield violated
         from spectral_contact.contact.active_set import ring_layout
 
+        # rings may miss narrow slip
+        yield self._slip_where_full_stick_violates
         rings = ring_layout(self.parameters, coupled=False)
         zones = rings.zones
         if rings.centre_unresolved:
-            centre = 2.0 * beta * self.parameters.friction  # c -> 2 beta f / kappa as f -> 0
-            logit = Radius(centre, 1.0 - centre).logit
-            zones = Layout((logit, *zones.logits), (0, *zones.states))
+            zones = Layout((limit, *zones.logits), (0, *zones.states))
         yield Candidate(self._with_edge_stick(zones), "the zones of an active set on rings")
-        # the pressure on rings is not quite the pressure of the contact
-        yield violated
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones.
@@ -360,13 +348,8 @@ class UncoupledSearch(ZoneSearch):
         return best
 
     def _solve(self, candidate: Candidate) -> PartialSlip:
-        if candidate.predicted:
-            return self._solve_predicted(candidate.zones)
         zones = candidate.zones
         is_disk = zones.states == _DISK_STATES
-        if is_disk and not zones.logits:
-            # a first radius, from the limits of little and of much friction
-            zones = zones._replace(logits=(limiting_logit(self.parameters),))
         begin = perf_counter()
         try:
             refinement = self._refine(zones)
@@ -383,26 +366,8 @@ class UncoupledSearch(ZoneSearch):
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
-    def _solve_predicted(self, zones: Layout) -> PartialSlip:
-        """Return the solution on predicted zones if it is verified and meets the tolerance.
-
-        Else a fresh start may give a better one, so that this candidate counts as refuted.
-        """
-        begin = perf_counter()
-        refinement = self._refine(zones)
-        outcome = zones_outcome(refinement.best.value, self.parameters, self.contact)
-        if not outcome.verified:
-            raise NoBoundariesError(outcome.verdict)
-        if outcome.slip_error == inf:
-            raise NoBoundariesError("no digit of the slip is known")
-        if self._error(refinement.best.value) > self.tolerance:
-            raise NoBoundariesError("the tolerance is not met from these boundaries")
-        self.record(ZONE_SEARCH, refinement, begin)
-        return outcome
-
-    def _error(self, solved: ZoneSolution | PartialSlip) -> float:
-        """Return the largest error estimate that the tolerance bounds."""
-        return max(solved.traction_error if self.pointwise else 0.0, solved.shear_error)
+    def _error(self, outcome: PartialSlip) -> float:
+        return max(outcome.traction_error if self.pointwise else 0.0, outcome.shear_error)
 
     def _full_slip(self) -> PartialSlip:
         """Return full slip: the logit of the stick radius is below MIN_LOGIT."""
@@ -455,7 +420,7 @@ class CoupledSearch(ZoneSearch):
         the closed form comes first; the candidates follow if it misses the tolerance.
         """
         closed_form = self._disk_with_edge_stick()
-        if closed_form is not None and _largest_error(closed_form) <= self.tolerance:
+        if closed_form is not None and self._error(closed_form) <= self.tolerance:
             return closed_form
         try:
             best = super()._best()
@@ -463,28 +428,24 @@ class CoupledSearch(ZoneSearch):
             if closed_form is None:
                 raise
             return closed_form
-        if closed_form is not None and _largest_error(closed_form) < _largest_error(best):
+        if closed_form is not None and self._error(closed_form) < self._error(best):
             return closed_form
         return best
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
         from spectral_contact.contact.active_set import ring_layout
-        from spectral_contact.contact.onset import is_narrow
 
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
+        # rings may miss narrow slip
         violated = self._slip_where_full_stick_violates
-        if is_narrow(violated.zones):  # rings may miss it or misplace it
-            yield violated
+        yield violated
         rings = ring_layout(self.parameters, coupled=True)
         decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
         if decided and rings.ring_state.pressure_is_positive:
             zones = self._with_edge_stick(rings.zones)
             yield Candidate(zones, "the zones of an active set on rings")
-        # closer to the onset full stick may stand for slip (`solving.coupled_run`)
-        if 1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND:
-            yield violated
         # up to where full stick exceeds the friction, if it does
         logits = violated.zones.logits[:1] or _WIDE_DISK.logits
         yield Candidate(Layout(logits, _DISK_STATES), "one stick disk")
