@@ -71,8 +71,6 @@ Record = Callable[[str, Any, float], Any]
 
 #: States of a stick disk in a slip annulus.
 _DISK_STATES = (0, 1)
-#: A stick disk without a radius: the solver chooses where it begins.
-_DISK = Layout((), _DISK_STATES)
 #: A stick disk with a narrow slip annulus around it.
 _WIDE_DISK = Layout((2.0,), _DISK_STATES)
 #: The closed form of the stick at a smooth edge is tried if half of the digits are expected of it:
@@ -97,9 +95,7 @@ class Candidate:
     predicted : bool
         Whether boundaries and Jacobian are predicted from scenes that were solved before
         (`solving.sharing`). Newton's method begins with them, and they are given up if it does not
-        lead to a verified solution that meets the tolerance. Without coupling one stick disk may
-        begin at that of a like scene and count as not predicted: it is kept if it misses the
-        tolerance, because a fresh start finds no better disk.
+        lead to a verified solution that meets the tolerance.
     closed_edge : bool
         Whether narrow stick at a smooth edge is added to them in closed form.
     """
@@ -316,10 +312,10 @@ class UncoupledSearch(ZoneSearch):
             yield Candidate(Layout((limit,), _DISK_STATES), "one stick disk")
         if self.parameters.beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
+        # rings take longer, and may miss narrow slip
+        yield self._slip_where_full_stick_violates
         from spectral_contact.contact.active_set import ring_layout
 
-        # rings may miss narrow slip
-        yield self._slip_where_full_stick_violates
         rings = ring_layout(self.parameters, coupled=False)
         zones = rings.zones
         if rings.centre_unresolved:
@@ -434,13 +430,13 @@ class CoupledSearch(ZoneSearch):
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
-        from spectral_contact.contact.active_set import ring_layout
-
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
-        # rings may miss narrow slip
+        # rings take longer, and may miss narrow slip
         violated = self._slip_where_full_stick_violates
         yield violated
+        from spectral_contact.contact.active_set import ring_layout
+
         rings = ring_layout(self.parameters, coupled=True)
         decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
         if decided and rings.ring_state.pressure_is_positive:
