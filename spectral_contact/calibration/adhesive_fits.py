@@ -147,7 +147,7 @@ class _ContactFunctions:
             rates[here] = slopes * (2.0 / (high - low))
         load, approach, stiffness, pull = np.exp(values).T
         radii = np.array(list(map(self._scale.radius, places.tolist())))
-        steps = np.array(list(map(self._scale.slope, radii.tolist())))
+        steps = np.array(list(map(self._scale.derivative, radii.tolist())))
         moved = (approach * rates[:, 1], pull * rates[:, 3])
         return _AtRadii(radii, steps, load, approach, stiffness, pull, *moved)
 
@@ -246,7 +246,7 @@ class BranchLoads:
         except NoState:
             raise beyond_profile(self.profile, float(approaches.max())) from None
         try:
-            low, _ = curve.stretch(BY_APPROACH, float(approaches.min()), 0)
+            low, _ = curve.bracket(BY_APPROACH, float(approaches.min()), 0)
         except NoState:
             fold = next(curve.folds(BY_APPROACH), None)
             low = _SMALLEST * high if fold is None else fold.radius

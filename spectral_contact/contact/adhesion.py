@@ -44,7 +44,7 @@ _NODES, _HALF_WIDTH, _THIRD_POWER = 10, 0.12, 3.0
 #: half of the radii that the states span.
 _ROOM = 12.0
 #: Longest step along the curve, in the same logarithm, and most steps of any search.
-_STEP, _STEPS = 0.5, 200
+_STEP, _MOST_STEPS = 0.5, 200
 #: Of so many states one is solved with estimates.
 _SAMPLED = 25
 #: Shares of that span which are tried where a polynomial does not resolve the curve on it, and the
@@ -55,16 +55,16 @@ _SPANS, _UNRESOLVED = (1.0, 0.25, 0.06, 0.015), 1e-11
 _NEARLY, _OFF_CENTRE = 0.02, 0.5
 #: Pieces on which it is looked for.
 _PIECES = 8
-#: A rate that is less than this share of the value has no digits (`AdhesiveCurve.rates` at layers
-#: 1e10 times as soft as the half-space).
-_ROUNDED = 1e-9
+#: A rate that is less than this share of the value is rounding: it has no digits
+#: (`AdhesiveCurve.rates` at layers 1e10 times as soft as the half-space).
+_RATE_ROUNDING = 1e-9
 #: Below a fold and all corners, other folds are looked for down to this share of its radius.
 _FEWER = 1e-2
 #: After so many steps towards a corner, each step is longer than the one before by a factor.
 _EVEN, _LONGER = 6, 1.25
 #: Beyond a radius at which the approach without adhesion is so many times the pull, the curve is
 #: taken for stable (`AdhesiveCurve.top`).
-_MARGIN = 2.5
+_STABLE_RATIO = 2.5
 #: Logarithms of the radius between which the modelled curve is sampled.
 _REACH = 250.0
 #: How far, relatively, from a corner or the end of the profile the curve is looked at next to it.
@@ -75,8 +75,9 @@ _NEXT = 1e-9
 _STEEPER, _LIKE_A_ROOT = 1e-3, 10.0
 #: Share of the tolerance that the control may be off.
 _SHARE = 0.02
-#: Errors of the radius are this times what rates to some digits make of those of the control.
-_SAFETY = 1.5
+#: Safety factor of the error of a radius, which is that of the control over its rate: the rate is
+#: known to some digits only.
+_RADIUS_SAFETY = 1.5
 #: A control that changes with the logarithm of the radius by less than this share of its size is
 #: next to a fold.
 _NEAR_FOLD = 0.3
@@ -234,12 +235,13 @@ class LocalCurve:
         """Return the absolute errors of the derivatives of an order."""
         t = self.offset(radius)
         powers = chebyshev.chebder(np.eye(_NODES), order)
-        row = chebyshev.chebval(t, powers) @ self._to_terms / self._half**order
+        # the derivative is the sum of the values at the nodes with these weights
+        weights = chebyshev.chebval(t, powers) @ self._to_terms / self._half**order
         # The slope of the first term left out is at most its degree over sqrt(1 - t**2), by
         # Bernstein's inequality.
         steepest = _NODES / max(sqrt(1.0 - min(t**2, 1.0)), 1.0 / _NODES)
         slopes = self._left_out * (2.0 * steepest / self._half) ** order
-        errors = np.abs(row) @ self._errors + slopes + self._power**order * self._profile_errors
+        errors = np.abs(weights) @ self._errors + slopes + self._power**order * self._profile_errors
         return Rates(float(errors[0]), float(errors[1]))
 
     def fold(self, control: Control, radius: float) -> float | None:
@@ -360,17 +362,17 @@ class AdhesiveCurve:
             If the profile ends before.
         """
         radius = self._modelled_top(control, value)
-        flat, reach = self.profile.flat_part, self.profile.reach
-        for _ in range(_STEPS):
+        flat_part, reach = self.profile.flat_part, self.profile.reach
+        for _ in range(_MOST_STEPS):
             one = self.values_only(radius)
             stable = control.rate(self.rates(one)) > 0.0 and control.value(one) > value
             at_end = not isinf(reach) and reach - radius <= _NEXT * reach
-            if stable and (at_end or one.approach + one.pull >= _MARGIN * one.pull):
+            if stable and (at_end or one.approach + one.pull >= _STABLE_RATIO * one.pull):
                 return radius
             if at_end:
                 break
             if isinf(reach):
-                radius = flat + exp(_STEP) * (radius - flat)
+                radius = flat_part + exp(_STEP) * (radius - flat_part)
             else:
                 radius = reach - exp(-_STEP) * (reach - radius)
         raise NoState(0)
@@ -381,12 +383,12 @@ class AdhesiveCurve:
         Its stiffness is that of the half-space, 8 a, and of a layer alone, pi a / c, in series; the
         approach without adhesion is the mean of both, weighted by their softness.
         """
-        flat, reach = self.profile.flat_part, self.profile.reach
+        rim, reach = self.profile.flat_part, self.profile.reach
         v = np.arange(-_REACH, _REACH, _STEP / 2.0)
         with np.errstate(all="ignore"):
-            a = flat + np.exp(v) if isinf(reach) else flat + (reach - flat) / (1.0 + np.exp(-v))
+            a = rim + np.exp(v) if isinf(reach) else rim + (reach - rim) / (1.0 + np.exp(-v))
             # nearer to its end radii round to it
-            a = a[(a > flat) & (a < reach * (1.0 - _NEXT))]
+            a = a[(a > rim) & (a < reach * (1.0 - _NEXT))]
             c = self.compliance / a
             softness = 1.0 / 8.0 + c / pi
             half = self.profile._transform(a) / 16.0
@@ -398,7 +400,7 @@ class AdhesiveCurve:
             gained = stiffness[1:] * np.diff(unpulled)
             load = np.concatenate([[0.0], np.cumsum(gained)]) - stiffness * pull
             held = control.of_load * load + control.of_approach * (unpulled - pull)
-            enough = (unpulled >= _MARGIN * pull) & (held > value)
+            enough = (unpulled >= _STABLE_RATIO * pull) & (held > value)
         return float(a[np.argmax(enough)] if enough.any() else a[-1])
 
     def _downward(self, radius: float) -> Iterator[float]:
@@ -407,12 +409,12 @@ class AdhesiveCurve:
         Where the curve may have several folds, their places are between these radii.
         """
         bends = turning_radii(self.profile, radius)[::-1]
-        for one in self._steps(radius):
+        for one in self._radii_in_steps(radius):
             while bends and bends[-1] > one:
                 yield bends.pop()
             yield one
 
-    def _steps(self, radius: float) -> Iterator[float]:
+    def _radii_in_steps(self, radius: float) -> Iterator[float]:
         """Yield the radii of `_downward` but for those of the turns.
 
         Steps towards a corner become longer: what happens there does so on a scale of logarithms.
@@ -420,7 +422,7 @@ class AdhesiveCurve:
         ends = [b for b in (0.0, *self.corners) if b < radius]
         for base in reversed(ends):
             distance, step = radius - base, _STEP
-            for k in range(_STEPS):
+            for k in range(_MOST_STEPS):
                 distance *= exp(-step)
                 if distance < _NEXT * base:
                     break
@@ -464,11 +466,12 @@ class AdhesiveCurve:
 
     def _settled(self, control: Control, radius: float) -> bool:
         """Return whether the control changes no more to smaller radii, but for rounding."""
-        flat = self.profile.flat_part
+        flat_part = self.profile.flat_part
         # at one radius alone it may be that of a fold
-        states = map(self.values_only, (radius, flat + exp(-_STEP) * (radius - flat)))
+        states = map(self.values_only, (radius, flat_part + exp(-_STEP) * (radius - flat_part)))
         return all(
-            abs(control.rate(self.rates(one))) <= _ROUNDED * control.size(one) for one in states
+            abs(control.rate(self.rates(one))) <= _RATE_ROUNDING * control.size(one)
+            for one in states
         )
 
     def _fold(self, control: Control, high: float, low: float) -> Fold:
@@ -481,8 +484,8 @@ class AdhesiveCurve:
             return below * control.rate(self.rates(self.values_only(radius)))
 
         # between breaks the curve is smooth in the logarithm of the distance from the lower one
-        while within := [b for b in self.profile.breaks if low < b < high]:
-            b = within[len(within) // 2]
+        while breaks_between := [b for b in self.profile.breaks if low < b < high]:
+            b = breaks_between[len(breaks_between) // 2]
             low, high = (b, high) if sign(b) > 0.0 else (low, b)
         base = max((b for b in self.profile.breaks if b <= low), default=0.0)
         places = log(max(low - base, _NEXT * base)), log(high - base)
@@ -512,7 +515,7 @@ class AdhesiveCurve:
         error = off * (radius - curve.base) / radius + ROUNDING
         return Fold(radius, error, value_of(self.at(radius)), curve)
 
-    def stretch(self, control: Control, value: float, branch: int) -> tuple[float, float]:
+    def bracket(self, control: Control, value: float, branch: int) -> tuple[float, float]:
         """Return two radii between which the control has a value, on a stretch of the curve.
 
         Parameters
@@ -562,10 +565,10 @@ class AdhesiveCurve:
         NoState
             If there is none.
         """
-        low, high = self.stretch(control, value, branch)
+        low, high = self.bracket(control, value, branch)
         root = _Root(self, control, value, low, high)
-        root.run(self.values_only, exact=False)
-        root.run(lambda a: value_of(self.at(a)), exact=True)
+        root.run(self.values_only, with_errors=False)
+        root.run(lambda a: value_of(self.at(a)), with_errors=True)
         found = self.at(root.radius, pointwise=pointwise)
         one = value_of(found)
         off = control.error(one) + abs(control.value(one) - value)
@@ -610,7 +613,7 @@ class AdhesiveCurve:
         error = off / slope if slope > 0.0 else inf
         if bend > 0.0:
             error = min(error, sqrt(2.0 * off / bend))
-        return rates, _SAFETY * error + ROUNDING
+        return rates, _RADIUS_SAFETY * error + ROUNDING
 
 
 def radius_effects(one: Indentation, rates: Rates, error: float) -> dict[str, float]:
@@ -658,22 +661,23 @@ class _Root:
         """The radius that was last."""
         return self._base + exp(self._place)
 
-    def run(self, state_of: Callable[[float], Indentation], *, exact: bool) -> None:
+    def run(self, state_of: Callable[[float], Indentation], *, with_errors: bool) -> None:
         """Step until the control has the value, as far as it is known, or is wanted.
 
         Parameters
         ----------
         state_of : callable
             Returns the state of a radius.
-        exact : bool
-            Whether the states have estimates of their errors.
+        with_errors : bool
+            Whether the states have estimates of their errors. Then the control may be off by a
+            share of the tolerance.
         """
         low, high = self._ends
         before: tuple[float, float] | None = None
-        for _ in range(_STEPS):
+        for _ in range(_MOST_STEPS):
             one = state_of(self.radius)
             off = self._control.value(one) - self._value
-            share = _SHARE * self._curve.tolerance if exact else 0.0
+            share = _SHARE * self._curve.tolerance if with_errors else 0.0
             enough = max(share, ROUNDING) * self._control.size(one)
             if abs(off) <= max(enough, self._control.error(one) / 2.0):
                 return
@@ -699,10 +703,10 @@ def _corners(profile: Profile) -> tuple[float, ...]:
 
     The half-integral rises like a root past a jump of the slope.
     """
-    flat = profile.flat_part
-    found = [flat] if flat > 0.0 else []
+    flat_part = profile.flat_part
+    found = [flat_part] if flat_part > 0.0 else []
     for b in profile.breaks:
-        if b > flat:
+        if b > flat_part:
             # the rate of a profile takes the square of the radius less that of the last break, 0
             # if there is none, without cancellation
             last = max((c for c in profile.breaks if c < b), default=0.0)

@@ -35,7 +35,7 @@ Solver = Callable[[float, float, bool], Contact]
 #: Largest number of steps; largest step of v.
 _MAX_STEPS, _MAX_STEP = 60, 3.0
 #: Approaches with which a search may begin: their squares are doubles.
-_RANGE = 1e-100, 1e100
+_APPROACH_RANGE = 1e-100, 1e100
 #: Two values of v closer than this give the slope of the residual by a secant.
 _SECANT_DISTANCE = 0.5
 #: After a step by a secant the residual is less than this times the product of the last residual
@@ -55,33 +55,33 @@ class RadiusScale:
 
     def radius(self, v: float) -> float:
         """Return the radius of a v."""
-        low, high = self.profile.flat_part, self.profile.reach
-        if isinf(high):
-            return low + exp(v)
+        flat_part, reach = self.profile.flat_part, self.profile.reach
+        if isinf(reach):
+            return flat_part + exp(v)
         return (
-            low + (high - low) / (1.0 + exp(-v))
+            flat_part + (reach - flat_part) / (1.0 + exp(-v))
             if v < 0.0
-            else high - (high - low) / (1.0 + exp(v))
+            else reach - (reach - flat_part) / (1.0 + exp(v))
         )
 
     def place(self, radius: float) -> float:
         """Return the v of a radius."""
-        low, high = self.profile.flat_part, self.profile.reach
-        return log(radius - low) - (0.0 if isinf(high) else log(high - radius))
+        flat_part, reach = self.profile.flat_part, self.profile.reach
+        return log(radius - flat_part) - (0.0 if isinf(reach) else log(reach - radius))
 
-    def slope(self, radius: float) -> float:
+    def derivative(self, radius: float) -> float:
         """Return the derivative of the radius by v."""
-        low, high = self.profile.flat_part, self.profile.reach
-        to_reach = 1.0 if isinf(high) else (high - radius) / (high - low)
-        return (radius - low) * to_reach
+        flat_part, reach = self.profile.flat_part, self.profile.reach
+        to_reach = 1.0 if isinf(reach) else (reach - radius) / (reach - flat_part)
+        return (radius - flat_part) * to_reach
 
 
 def indenter(profile: Profile, compliance: float, max_unknowns: int) -> Solver:
     """Return the solver for normal contact with a linear layer."""
 
     def solve(radius: float, tolerance: float, pointwise: bool) -> Contact:
-        given = profile, radius, compliance, tolerance, max_unknowns
-        return solve_indentation(*given, pointwise=pointwise)
+        arguments = profile, radius, compliance, tolerance, max_unknowns
+        return solve_indentation(*arguments, pointwise=pointwise)
 
     return solve
 
@@ -159,9 +159,9 @@ def _ordinary(profile: Profile) -> float:
     for _ in range(_MAX_STEPS):
         with np.errstate(over="ignore"):
             approach = float(profile._transform(np.array(radius)))
-        if _RANGE[0] <= approach <= _RANGE[1]:
+        if _APPROACH_RANGE[0] <= approach <= _APPROACH_RANGE[1]:
             break
-        radius *= exp(copysign(_MAX_STEP, _RANGE[1] - approach))
+        radius *= exp(copysign(_MAX_STEP, _APPROACH_RANGE[1] - approach))
     return radius
 
 
@@ -232,7 +232,7 @@ class _RadiusSearch:
         try:
             self.last = solve(radius)
         except UnrepresentableError as refused:
-            raise SceneError(*self._given, refused.allowed) from None
+            raise SceneError(*self._given_value, refused.allowed) from None
         contact = value_of(self.last)
         if self.approach is None:
             assert self.load is not None
@@ -244,12 +244,12 @@ class _RadiusSearch:
             given = self.approach - self.origin
             rate = contact.growth
         if value < 0.0:
-            raise SceneError(*self._given, POSITIVE)
+            raise SceneError(*self._given_value, POSITIVE)
         if value == 0.0:
-            raise SceneError(*self._given, REPRESENTABLE)
+            raise SceneError(*self._given_value, REPRESENTABLE)
         residual = log(value / given)
         self.residual_error = self._value_error(contact)
-        self.slope = rate * self.scale.slope(radius) / value
+        self.slope = rate * self.scale.derivative(radius) / value
         # Over a short step the secant is more exact: the growth follows from the pressure at a
         # small distance from the edge, and next to the rim of a sphere the pressure bends closer to
         # the edge than that.
@@ -263,7 +263,7 @@ class _RadiusSearch:
     def rounding(self) -> float:
         """The change of the residual by a rounding of the radius: large next to a corner."""
         radius = self.scale.radius(self.v)
-        return float(np.finfo(float).eps) * radius * self.slope / self.scale.slope(radius)
+        return float(np.finfo(float).eps) * radius * self.slope / self.scale.derivative(radius)
 
     def _value_error(self, contact: Indentation) -> float:
         """Return the relative error of the load or approach at the radius."""
@@ -283,7 +283,7 @@ class _RadiusSearch:
         self.v = v if inside or not isfinite(self.low + self.high) else (self.low + self.high) / 2.0
 
     @property
-    def _given(self) -> tuple[str, float | None]:
+    def _given_value(self) -> tuple[str, float | None]:
         """Name and value of the load or approach that is given."""
         return ("load", self.load) if self.approach is None else ("approach", self.approach)
 
@@ -294,12 +294,12 @@ class _RadiusSearch:
             allowed = (
                 "larger: the contact radius is rounded to that of the flat part of the profile"
             )
-            raise SceneError(*self._given, f"{allowed}, {radius:.6g}")
+            raise SceneError(*self._given_value, f"{allowed}, {radius:.6g}")
         allowed = (
             f"that of a contact radius in ({self.profile.flat_part:.6g}, "
             f"{self.profile.reach:.6g}), the range of the profile; {radius:.6g} is not enough"
         )
-        raise SceneError(*self._given, allowed)
+        raise SceneError(*self._given_value, allowed)
 
     def outcome(self) -> tuple[Contact, float]:
         """Return the contact, with the given load or approach exact, and its radius's error.
@@ -311,7 +311,7 @@ class _RadiusSearch:
         # The error of load or approach at a radius, and twice the residual (the slope has an error,
         # too), are an error of the radius at the given load or approach.
         value_error = self._value_error(contact) + 2.0 * abs(self.residual)
-        per_residual = self.scale.slope(contact.radius) / contact.radius / self.slope
+        per_residual = self.scale.derivative(contact.radius) / contact.radius / self.slope
         error = value_error * per_residual if self.slope > 0.0 else inf
         # by the error of the radius the approach changes by its growth, the load by the stiffness
         # times that, and the work by the load times that
@@ -342,22 +342,24 @@ def _pressure_rate(contact: Indentation, profile: Profile) -> float:
     """Return the largest ``dp/dln a`` at constant ``s = r/a``, relative to the pressure.
 
     Where the pressure is below its mean, it is relative to the mean. The derivative is ``flat
-    ddelta/da + s dp/ds``, where `flat` is the pressure of a flat punch of the approach a; it is
+    ddelta/da + s dp/ds``, where ``flat`` is the pressure of a flat punch of the approach a; it is
     taken by differences between places graded to the edge and to breaks.
     """
     if contact.pressure is None or contact.flat is None:
         return 0.0
     a = contact.radius
     mean = contact.load / (pi * a**2)
-    breaks = [b / a for b in profile.breaks if b < a]
-    near_breaks = [1.0 - b + sign * _DISTANCES for b in breaks for sign in (-1.0, 1.0)]
+    scaled_breaks = [b / a for b in profile.breaks if b < a]
+    near_breaks = [1.0 - b + sign * _DISTANCES for b in scaled_breaks for sign in (-1.0, 1.0)]
     from_edge = np.concatenate([[1.0], _DISTANCES, *near_breaks])
     from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
     s = 1.0 - from_edge
     p = contact.pressure(s, from_edge)
-    flat = contact.flat(s, from_edge)
-    slope = -np.diff(p) / np.diff(from_edge)
-    rate = (contact.growth * (flat[1:] + flat[:-1]) + (s[1:] + s[:-1]) * slope) / 2.0
+    flat_pressure = contact.flat(s, from_edge)
+    dp_ds = -np.diff(p) / np.diff(from_edge)
+    rate = (
+        contact.growth * (flat_pressure[1:] + flat_pressure[:-1]) + (s[1:] + s[:-1]) * dp_ds
+    ) / 2.0
     return float((np.abs(rate) / np.maximum(np.minimum(p[1:], p[:-1]), mean)).max())
 
 

@@ -60,7 +60,7 @@ from spectral_contact.fields.series import (
 from spectral_contact.records import Zone
 from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import gap
+from spectral_contact.spectral.parts import z_difference
 
 #: Least width of the stick at the edge in ``y``; a narrower one is left out. The logit of its
 #: boundary is the largest that a stick radius may have.
@@ -184,7 +184,7 @@ def with_edge_stick(
     assert isinstance(body_displacement, AnnulusSeries)
     edge_displacement = body_displacement.toward_outer.limit
     edge_pressure = solved.pressures[-1]
-    half_width = gap(*solved.system.bounds[-2:]) / 2.0
+    half_width = z_difference(*solved.system.bounds[-2:]) / 2.0
     # C, from the value of the tail at its end, where it is a series in y / half_width
     amplitude = legendre_sum(-1.0, edge_pressure.tail.tolist()) * half_width**-edge_pressure.power
     if not (edge_displacement < 0.0 < amplitude):
@@ -230,8 +230,8 @@ def _with_fields_of_stick(
     width = stick.width
     rim_value = float(np.sqrt(1.0 - width))
     rim = Radius(rim_value, width / (1.0 + rim_value))
-    half_width = gap(inner, EDGE) / 2.0
-    half_slip_width = gap(inner, rim) / 2.0
+    half_width = z_difference(inner, EDGE) / 2.0
+    half_slip_width = z_difference(inner, rim) / 2.0
     inner_pressure = solved.pressures[1]
     outer_pressure = solved.pressures[-1]
     assert isinstance(outcome.pressure, ZonalField)

@@ -48,7 +48,7 @@ from spectral_contact.contact.tuning import (
 from spectral_contact.contact.zone_solution import ZoneSolution
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.contact_system import ContactSystem
-from spectral_contact.spectral.parts import OffsetRadii, gap
+from spectral_contact.spectral.parts import OffsetRadii, z_difference
 from spectral_contact.spectral.transforms import series_of
 from spectral_contact.spectral.tuning import UNCORRECTED_COMPLIANCE
 from spectral_contact.threads import cached_property
@@ -77,7 +77,8 @@ def _field_errors(system: ContactSystem, values: Array, change: Array) -> FieldE
     """Return the errors of the fields, from the change of the top two degrees."""
     root_is_shear = system.parameters.beta > 0.0
     last = len(system.parts) - 1
-    # with one compliance only its field has a square root at an edge that sticks
+    # at an edge that sticks one field has a square root if only its equation has a compliance:
+    # p if that is alpha, the traction if it is beta
     has_root = system.parts[last].sticks and (system.parameters.alpha > 0.0) != root_is_shear
     largest = [0.0, 0.0]  # of p and of q/s
     indicators = [np.zeros(len(part.degrees)) for part in system.parts]
@@ -85,7 +86,8 @@ def _field_errors(system: ContactSystem, values: Array, change: Array) -> FieldE
     for field, relative in zip(system.fields, panel_changes, strict=True):
         panels = field.panels
         if has_root and field.part == last and field.is_shear == root_is_shear:
-            # an error of the tail of the mesh, which no degree of a panel lowers: no indicator
+            # the mesh ends in a tail, polynomial in the distance: its error is lowered by no degree
+            # of a panel, and is no indicator
             at_edge = abs(series_of(panels, field.coefficients(values)).at_ends()[-1])
             tail_change = np.abs(field.coefficients(change)[-panels.tail_terms :]).sum()
             root_error = ROOT_EDGE_SAFETY * float(tail_change / at_edge)
@@ -148,7 +150,7 @@ class ZoneEstimate:
         self.noise = rounding + NEGLIGIBLE_FRACTION * self.remaining
 
     @cached_property
-    def inverse(self) -> Array:
+    def inverse_moduli(self) -> Array:
         """Moduli of the inverse Jacobian, ``|d logit / d residual|``."""
         return np.asarray(np.abs(np.linalg.inv(self.iterate.jacobian)))
 
@@ -160,7 +162,7 @@ class ZoneEstimate:
         the size of `FieldSolution.boundary_perturbation` if that is smaller.
         """
         residual = np.abs(self.solution.boundary_residual)
-        bound = 2.0 * float((self.inverse @ residual).max(initial=0.0))
+        bound = 2.0 * float((self.inverse_moduli @ residual).max(initial=0.0))
         if bound > 2.0 * ROUNDING and self.system.parameters.beta > 0.0:
             perturbation = self.solution.boundary_perturbation
             return min(self.solution.relative_size(perturbation.change), bound)
@@ -173,8 +175,7 @@ class ZoneEstimate:
         Quantities whose error is of second order are given no smaller estimate, even if their
         changes cancel.
         """
-        error = float(self.field_errors.indicators.max()) + self.remaining
-        error += TRACTION_ROUNDING
+        error = float(self.field_errors.indicators.max()) + self.remaining + TRACTION_ROUNDING
         return error * error  # a power would overflow where the traction nearly vanishes
 
     @cached_property
@@ -194,7 +195,8 @@ class ZoneEstimate:
         logits = self.iterate.logits
         if not len(logits):
             return np.zeros(0)
-        errors = self.inverse @ self.residual_bound + float(np.finfo(float).eps) * np.abs(logits)
+        errors = self.inverse_moduli @ self.residual_bound
+        errors += float(np.finfo(float).eps) * np.abs(logits)
         widths = np.concatenate([[inf], np.diff(logits), [inf]])
         narrower = np.minimum(widths[1:], widths[:-1])
         return np.asarray(errors * (1.0 + errors / (JACOBIAN_RANGE * narrower)))
@@ -253,8 +255,8 @@ class ZoneEstimate:
         compliance = self.system.parameters.beta
         if radii:
             compliance /= radii[0].value
-        disk = len(radii) <= (1 if self.system.pressure_known else 0)
-        rigid = disk and compliance < UNCORRECTED_COMPLIANCE
+        is_disk = len(radii) <= (1 if self.system.pressure_known else 0)
+        rigid = is_disk and compliance < UNCORRECTED_COMPLIANCE
         return RIGID_TRACTION_ROUNDING if rigid else TRACTION_ROUNDING
 
     @property
@@ -350,14 +352,16 @@ class ZoneEstimate:
 def _slip_width_error(system: ContactSystem, errors: Sequence[tuple[float, float]]) -> float:
     """Return the largest relative error of ``b^2 - a^2`` for a slip zone between a and b."""
     largest = 0.0
-    end_errors = [0.0, *_square_errors(system.radii, errors), 0.0]
+    end_errors = [0.0, *_errors_of_squares(system.radii, errors), 0.0]
     for i in np.flatnonzero(system.states).tolist():
-        width = gap(*system.bounds[i : i + 2])
+        width = z_difference(*system.bounds[i : i + 2])
         largest = max(largest, sum(end_errors[i : i + 2]) / width if width > 0.0 else inf)
     return largest
 
 
-def _square_errors(radii: Sequence[Radius], errors: Sequence[tuple[float, float]]) -> list[float]:
+def _errors_of_squares(
+    radii: Sequence[Radius], errors: Sequence[tuple[float, float]]
+) -> list[float]:
     """Return the errors of ``b**2`` for boundaries b, from those of b and of ``1 - b``.
 
     The lesser one of both: which is more accurate depends on the end that b is next to.
@@ -373,8 +377,8 @@ def stick_zone_sources(system: ContactSystem, residual: Sequence[Array]) -> list
     parts: dict[int, list[tuple[OffsetRadii, Array]]] = {}
     # E is given up to the outermost part that sticks
     operators = system.operators
-    inputs = zip(system.parts, operators.nodes, operators.shear_weights, residual, strict=False)
-    for part, nodes, weights, values in inputs:
+    by_part = zip(system.parts, operators.nodes, operators.shear_weights, residual, strict=False)
+    for part, nodes, weights, values in by_part:
         if part.state == 0:
             # `shear_weights` are those of t^2 dt / pi. Outside the zone the kernel is smooth: the
             # sum over the nodes becomes a sum over the samples, which are fewer
@@ -390,8 +394,8 @@ def largest_boundary_error(
 
     Infinite where the errors of its ends exceed the width of a zone between boundaries.
     """
-    square_errors = _square_errors(radii, errors)
-    widths = starmap(gap, pairwise(radii))
+    square_errors = _errors_of_squares(radii, errors)
+    widths = starmap(z_difference, pairwise(radii))
     if any(width <= sum(ends) for width, ends in zip(widths, pairwise(square_errors), strict=True)):
         return inf
     return max(map(max, errors), default=0.0)

@@ -43,8 +43,8 @@ from spectral_contact.threads import cached_property
 if TYPE_CHECKING:
     from spectral_contact.spectral.contact_system import ContactSystem
 
-#: Error of the fields from which a Jacobian is taken by differences, so that the step of these is
-#: COARSE_TOL of the width of a zone (`fd_jacobian`).
+#: Error to which fields are corrected before a Jacobian is taken from their differences. The step
+#: of the differences is its cube root, COARSE_TOL, times the width of a zone (`fd_jacobian`).
 JACOBIAN_FIELD_TOL = COARSE_TOL**3
 
 
@@ -99,10 +99,14 @@ class FieldSolution:
         return direct._continuous(direct.values, no_defects)
 
     def _continuous(self, values: Array, defects: Array) -> FieldSolution:
-        """Return fields of these values whose traction is continuous, with the defects for it."""
-        added, values = self.without_jumps(values)
+        """Return fields of these values whose traction is continuous, with the defects for it.
+
+        With tangential compliance the defects for it are added to those that the values had.
+        Without it the values do not depend on defects, and those for it are all of them.
+        """
+        needed, values = self.without_jumps(values)
         rigid = self.system.parameters.beta == 0.0
-        return replace(self, values=values, defects=added if rigid else defects + added)
+        return replace(self, values=values, defects=needed if rigid else defects + needed)
 
     def without_jumps(self, values: Array) -> tuple[Array, Array]:
         """Return the defects that remove the jumps of q from a vector, and the vector without them.

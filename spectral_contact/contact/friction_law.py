@@ -20,7 +20,7 @@ import numpy as np
 from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
 from spectral_contact.contact.tuning import SAMPLES, SLIP_ROUNDING, TRACTION_ROUNDING
 from spectral_contact.fields.series import Array
-from spectral_contact.spectral.parts import gap
+from spectral_contact.spectral.parts import z_difference
 
 if TYPE_CHECKING:
     from spectral_contact.spectral.annulus import Annulus
@@ -80,7 +80,7 @@ def missing_stick(
     starts = np.flatnonzero(wrong & ~np.concatenate([[False], wrong[:-1]]))
     ends = np.flatnonzero(wrong & ~np.concatenate([wrong[1:], [False]]))
 
-    margin = _BOUNDARY_DISTANCE * gap(annulus.inner, annulus.outer)
+    margin = _BOUNDARY_DISTANCE * z_difference(annulus.inner, annulus.outer)
     outermost_y = annulus.outer.rest + margin
     innermost_y = annulus.inner.rest - margin
     intervals: list[Interval] = []

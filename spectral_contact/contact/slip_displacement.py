@@ -49,7 +49,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.graded import FAR_EXPANSION, FAR_NODES
-from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, z_difference
 from spectral_contact.spectral.transforms import sampled_series
 
 if TYPE_CHECKING:
@@ -234,7 +234,9 @@ def largest_displacement(stick_zones: list[StickZone], inner: Radius, outer: Rad
 
     The points are graded toward the inner boundary, where it is largest.
     """
-    points = OffsetRadii(inner, gap(inner, outer) * np.exp(-np.linspace(0.0, EPSILON_DEPTH, 41)))
+    points = OffsetRadii(
+        inner, z_difference(inner, outer) * np.exp(-np.linspace(0.0, EPSILON_DEPTH, 41))
+    )
     total = np.zeros(len(points.offset))
     for zone in _zones_inside(stick_zones, inner):
         total += _integral_at(zone, points)

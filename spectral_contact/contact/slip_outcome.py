@@ -82,8 +82,8 @@ class PartialSlip(ScalarResults):
         The name of a violation beyond the errors, by which the zones are wrong; empty if there is
         none.
     missing : tuple of (float, float)
-        Intervals of y, outward, in which slip has the direction of the traction, so that the
-        surface has to stick there.
+        Where stick is missing: intervals of y, outward, in which slip has the direction of the
+        traction.
     layout : Layout or None
         The zones with which Newton's method can begin in a similar scene; None in full stick and
         full slip, whose boundaries were not solved for.
@@ -295,17 +295,19 @@ def _checked_outcome(
     states = solved.system.states
     bounds = list(pairwise(solved.system.bounds))
     displacement = slip_displacement(solved.stick_zones, slip_zones, pressure, beta, friction)
-    kept = solved.system.displacement
-    slip_of_now = displacement if kept is None else displacement.since(kept, slip_zones)
+    # what slip that is over has left where the surface sticks now
+    memory = solved.system.displacement
+    slip_of_now = displacement if memory is None else displacement.since(memory, slip_zones)
 
     zones: list[Zone] = []
     traction_pieces: list[ZonePiece] = []
     slip_pieces: list[ZonePiece] = []
     displacement_fields = iter(displacement.fields)
     for k, (state, (inner, outer)) in enumerate(zip(states, bounds, strict=True)):
-        displaced = 2 * k in solved.system.displacement_coefficients
+        # part 2 k is the disk, or the outer half of zone k
+        has_memory = 2 * k in solved.system.displacement_coefficients
         kind = "slip" if state else "stick"
-        zones.append(Zone.from_radii(kind, inner, outer, sense=state or 1, memory=displaced))
+        zones.append(Zone.from_radii(kind, inner, outer, sense=state or 1, memory=has_memory))
         if state:
             zone_pressure = (
                 pressure.pieces[k].field if isinstance(pressure, ZonalField) else pressure
@@ -314,16 +316,16 @@ def _checked_outcome(
             slip_pieces.append(ZonePiece(outer, next(displacement_fields)))
         else:
             traction_pieces.append(ZonePiece(outer, stick_tractions.get(k)))
-            piece = kept.on_zone(outer) if kept and displaced else ZonePiece(outer, None)
+            piece = memory.on_zone(outer) if memory and has_memory else ZonePiece(outer, None)
             slip_pieces.append(piece)
 
     absolute_error = solved.residual_error + displacement.unresolved + FIELD_ROUNDING / (2.0 * pi)
-    if beta > 0.0:  # of all radii that slip p is largest at the outermost one
+    if beta > 0.0:  # in slip p is largest at the outer end of the last zone that slips
         last_slip = max(k for k, state in enumerate(states) if state)
         max_pressure = float(pressure.evaluate(np.array(bounds[last_slip][1].rest)))
         absolute_error += beta * friction * max_pressure * solved.pressure_error
-    if kept is not None:
-        absolute_error += kept.error
+    if memory is not None:
+        absolute_error += memory.error
     largest = max(slip_of_now.largest, TINY)
     field_error = inf_if_unresolved(absolute_error / largest)
     boundary_error = slip_error_from_boundaries(solved.slip_width_error)

@@ -26,7 +26,7 @@ from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import gauss_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import DiskPartition, GradedMesh, OffsetRadii, gap
+from spectral_contact.spectral.parts import DiskPartition, GradedMesh, OffsetRadii, z_difference
 from spectral_contact.spectral.transforms import sampled_series, transforms
 from spectral_contact.threads import cached_property
 
@@ -210,7 +210,7 @@ class _KnownPart:
 
     def half_integral_of_density(self, target: OffsetRadii) -> Array:
         """Return ``1/2 int H'(t)/t d(t^2) / sqrt(t^2 - s^2)`` at points s of parts farther in."""
-        distance = gap(target.anchor, self.points.anchor) - target.offset
+        distance = z_difference(target.anchor, self.points.anchor) - target.offset
         kernel = distance[:, None] + self.points.offset
         np.sqrt(kernel, out=kernel)
         np.divide(1.0, kernel, out=kernel)

@@ -232,8 +232,8 @@ class UnloadedSearch(ZoneSearch):
         ------
         NoZonesError
         """
-        tried = "; ".join(trial.text for trial in self._trials)
-        raise NoZonesError(tried or "forward slip is narrower than a ring")
+        verdicts = "; ".join(trial.text for trial in self._trials)
+        raise NoZonesError(verdicts or "forward slip is narrower than a ring")
 
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
@@ -255,6 +255,7 @@ class UnloadedSearch(ZoneSearch):
         """
         zones = solved.layout
         logits = np.array(zones.logits)
+        # its traction jumps by J0 at the ends
         without_memory = FreeBoundaryProblem(self.parameters, zones, COARSE_TOL, known=self.contact)
         try:
             system = without_memory.system(without_memory.spaces(COARSE_TOL, logits), logits)
@@ -296,11 +297,11 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
         y = y[outward]
         ratio = ratio[outward]
         largest = int(np.argmax(np.abs(ratio)))
-        within = np.flatnonzero(np.abs(ratio) <= 1.0)
-        if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(within):
+        obeying = np.flatnonzero(np.abs(ratio) <= 1.0)
+        if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(obeying):
             continue
-        inner_end = within[within < largest][-1:]
-        outer_end = within[within > largest][:1]
+        inner_end = obeying[obeying < largest][-1:]
+        outer_end = obeying[obeying > largest][:1]
         # at the edge the slip has no outer end
         if not len(inner_end) or not (len(outer_end) or zone == len(states) - 1):
             continue
@@ -334,25 +335,27 @@ class Unloading:
 
     Parameters
     ----------
-    search : UncoupledSearch
+    loaded_search : UncoupledSearch
         That for the zones at the largest load.
     loaded : PartialSlip
         Its outcome, on zones that were solved for.
     tolerance : float
-        Bound on the relative errors of states. The tolerance of `search` is tighter; the reverse
-        ratio is solved for to it.
+        Bound on the relative errors of states. The tolerance of `loaded_search` is tighter; the
+        reverse ratio is solved for to it.
     """
 
-    def __init__(self, search: UncoupledSearch, loaded: PartialSlip, tolerance: float) -> None:
-        self._parameters = search.parameters
-        self._contact = search.contact
-        self._stick = search.stick
+    def __init__(
+        self, loaded_search: UncoupledSearch, loaded: PartialSlip, tolerance: float
+    ) -> None:
+        self._parameters = loaded_search.parameters
+        self._contact = loaded_search.contact
+        self._stick = loaded_search.stick
         self._loaded = loaded
-        self._tolerance = search.tolerance
+        self._tolerance = loaded_search.tolerance
         # at looser tolerances a narrow zone of slip back at the edge is not found, as traction may
         # exceed friction there by the error that is allowed
         self._state_tolerance = min(tolerance, COARSE_TOL**2)
-        self._max_unknowns = search.max_unknowns
+        self._max_unknowns = loaded_search.max_unknowns
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
         self._slip_error = loaded.slip_error * float(np.abs(samples).max())
 
@@ -531,7 +534,7 @@ def _unrecorded(name: str, result: Any, begin: float) -> Any:
 
 
 def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
-    """Return ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
+    """Return two rows: ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
 
     The places are `DISTANCES`, and in three passes more around the least ratio: slip back may begin
     between two of `DISTANCES`. Where q exceeds +f p, it does so next to a boundary, to which the
@@ -546,7 +549,7 @@ def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
 
 
 def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array:
-    """Return ``1 - s**2`` and ``q/(f p)`` at depths ``x = -ln d`` in a part.
+    """Return two rows, ``1 - s**2`` and ``q/(f p)``, at depths ``x = -ln d`` in a part.
 
     d is the distance from the boundary of the part, over its extent (`contact.resolution`).
     """

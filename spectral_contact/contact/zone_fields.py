@@ -30,7 +30,7 @@ from spectral_contact.fields.series import (
 )
 from spectral_contact.spectral.contact_system import ContactSystem
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import gap
+from spectral_contact.spectral.parts import z_difference
 
 
 def all_positive(pressures: Sequence[LogSeries]) -> bool:
@@ -174,4 +174,6 @@ def _pressure_at_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries
     if series.power == 0.0 or solved.system.states[-1]:
         return series
     shear = solved.shears[2 * len(solved.system.radii)]
-    return with_asymptotic_tail(series, shear, parameters, gap(*solved.system.bounds[-2:]) / 2.0)[0]
+    return with_asymptotic_tail(
+        series, shear, parameters, z_difference(*solved.system.bounds[-2:]) / 2.0
+    )[0]

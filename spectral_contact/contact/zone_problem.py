@@ -112,13 +112,14 @@ class FreeBoundaryProblem:
     def spaces(self, tolerance: float, logits: Array) -> list[DiscreteSpace]:
         """Return the first spaces of all parts for a tolerance: panels and degrees.
 
-        They depend on the boundaries by the widths of zones over those of layers alone.
+        Of the boundaries only the widths of zones matter, over those of layers. With an unknown
+        pressure the spaces also have its power of y next to the edge.
         """
         radii = tuple(map(Radius.from_logit, logits.tolist()))
         if self._known:
             return known_pressure_spaces(self.parameters, radii, self.states, tolerance)
-        power = edge_power(self.parameters, self.states)
-        return first_spaces(self.parameters, radii, self.states, tolerance, power)
+        pressure_power = edge_power(self.parameters, self.states)
+        return first_spaces(self.parameters, radii, self.states, tolerance, pressure_power)
 
     def system(
         self,
@@ -376,6 +377,7 @@ def solve_given_radius(
     `ZoneSolution.logit_errors` is the error of ``ln f`` here, as the radius has none. Raises
     `NoStickDiskError` if the disk has this radius at no friction.
     """
+    # with a Jacobian, of whatever value, no boundary is looked for (`current_layout`)
     disk = Layout((radius.logit,), (0, 1), np.eye(1))
     problem = _GivenRadius(parameters, disk, tolerance, known=known)
     refinement = refine(problem, tolerance, max_unknowns)

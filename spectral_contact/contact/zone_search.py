@@ -96,14 +96,14 @@ class Candidate:
         Whether boundaries and Jacobian are predicted from scenes that were solved before
         (`solving.sharing`). Newton's method begins with them, and they are given up if it does not
         lead to a verified solution that meets the tolerance.
-    closed_edge : bool
+    closed_form_edge : bool
         Whether narrow stick at a smooth edge is added to them in closed form.
     """
 
     zones: Layout
     reason: str
     predicted: bool = False
-    closed_edge: bool = False
+    closed_form_edge: bool = False
 
 
 class NoZonesError(ArithmeticError):
@@ -489,23 +489,24 @@ class CoupledSearch(ZoneSearch):
                 # first boundaries, from a small space
                 zones = FreeBoundaryProblem(self.parameters, zones, self.tolerance).current_layout()
         except NoStickDiskError as error:
-            if error.at_centre and not candidate.closed_edge:
+            if error.at_centre and not candidate.closed_form_edge:
                 return self._full_slip()
             raise
         refinement = solve_coupled_zones(self.parameters, zones, self.tolerance, self.max_unknowns)
         if not refinement.best.error < 0.5:
             raise NoZonesError("no digit of the fields is known")
-        solved = perf_counter()
+        solve_end = perf_counter()
         with_verdict: Callable[..., PartialSlip] = zones_outcome
-        if candidate.closed_edge:
+        if candidate.closed_form_edge:
             from spectral_contact.contact.edge_stick import with_edge_stick
 
             with_verdict = with_edge_stick
         outcome = with_verdict(refinement.best.value, self.parameters)
         if outcome.consistent:
-            # without the time of the verdict
-            self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solved)
-            self.record(SLIP_FIELD, outcome, solved)
+            # `record` counts the time from a beginning until now: that of the solve is put off by
+            # the time that the verdict took
+            self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solve_end)
+            self.record(SLIP_FIELD, outcome, solve_end)
         return outcome
 
     def _disk_with_edge_stick(self) -> PartialSlip | None:
@@ -522,7 +523,7 @@ class CoupledSearch(ZoneSearch):
         ):
             return None
         reason = "one stick disk, with narrow stick at the edge in closed form"
-        outcome = self._try(Candidate(_WIDE_DISK, reason, closed_edge=True))
+        outcome = self._try(Candidate(_WIDE_DISK, reason, closed_form_edge=True))
         return outcome if outcome is not None and outcome.verified else None
 
     def _full_slip(self) -> PartialSlip:
@@ -559,6 +560,6 @@ class CoupledSearch(ZoneSearch):
         pressure = with_central_asymptote(
             outcome.pressure, Radius(radius, 1.0 - radius), self.parameters
         )
-        coupling = self.parameters.kappa * self.parameters.friction
-        error = coupling * (CENTRAL_ASYMPTOTE_ERROR * radius**2 + CENTRAL_CLEARANCE**-3)
+        kappa_f = self.parameters.kappa * self.parameters.friction
+        error = kappa_f * (CENTRAL_ASYMPTOTE_ERROR * radius**2 + CENTRAL_CLEARANCE**-3)
         return replace(outcome, pressure=pressure, pressure_error=outcome.pressure_error + error)

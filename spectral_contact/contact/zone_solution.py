@@ -35,8 +35,8 @@ class ScalarResults:
     radius_error : float
         Estimate of the relative error of the radius of the central stick disk.
     zones_error : float
-        The largest estimate of the relative error of a boundary: of its distance from the centre or
-        of that from the edge, whichever is larger; infinite if a zone may not exist.
+        The largest estimate of the error of a boundary, relative to its distance from the centre or
+        to that from the edge, whichever makes it larger; infinite if a zone may not exist.
     """
 
     approach: float
@@ -75,7 +75,8 @@ class ZoneSolution(ScalarResults):
         every zone around it; and q/s on those that stick, by the number of the part.
     system : ContactSystem
     solution : ndarray, shape (unknowns, 3)
-        The vector of the system, and the contributions of the top two degrees and of the top one.
+        As columns: the vector of the system, whose series are `pressures` and `shears`; and the
+        contributions to it of the top two degrees of every panel, and of the top one.
     logit_errors : ndarray, shape (boundaries,)
         Estimates of the errors of the logits of the boundaries.
     """
@@ -108,6 +109,7 @@ class ZoneSolution(ScalarResults):
         for zone, state in enumerate(self.system.states):
             if state:
                 annulus = self.system.slip_annulus(zone)
+                # on both halves of the annulus; as columns E and its change
                 residuals = self.system.residual_on_annulus(self.solution[:, :2], annulus)
                 zones.append(SlipZone(annulus, state, [residual[:, 0] for residual in residuals]))
                 changes = (float(np.abs(residual[:, 1]).max()) for residual in residuals)

@@ -46,7 +46,7 @@ from spectral_contact.contact.tuning import COARSE_TOL, FIELD_ROUNDING, LAYER_RE
 from spectral_contact.fields.series import CENTRE, EDGE, LogSeries, Radius
 from spectral_contact.spectral.panels import DiscreteSpace
 from spectral_contact.spectral.parameters import Parameters
-from spectral_contact.spectral.parts import gap
+from spectral_contact.spectral.parts import z_difference
 
 # depths, and what fields are deep down
 
@@ -182,7 +182,7 @@ def first_spaces(
         # with one compliance only its field has a square root at the edge
         return [_full_stick_space(alpha, beta, (alpha == 0.0) != (beta == 0.0), tolerance)]
     bounds = CENTRE, *radii, EDGE
-    extents = [gap(*pair) / 2.0 for pair in pairwise(bounds)]
+    extents = [z_difference(*pair) / 2.0 for pair in pairwise(bounds)]
     extents[0] *= 2.0  # the disk is one part, other zones are two
     spaces = []
     for k, (state, extent) in enumerate(zip(states, extents, strict=True)):

@@ -222,8 +222,9 @@ class _NodesBetween(NamedTuple):
 
     def integral(self, integrand: Callable[[], Array]) -> float:
         """Integrate a function whose values at the nodes `integrand` returns."""
-        # a field that is singular, or that a user wrote wrongly, may overflow or be NaN
-        with np.errstate(over="ignore", invalid="ignore"):
+        # a field that is singular, or that a user wrote wrongly, may overflow or be NaN; weights
+        # next to the ends of intervals underflow
+        with np.errstate(over="ignore", invalid="ignore", under="ignore"):
             by_interval = integrand().reshape(-1, len(_T)) @ _WEIGHT
             return float(np.diff(self.cuts) @ by_interval)
 

@@ -19,7 +19,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.precise.annulus_mesh import AnnulusMesh, Blocks, PreciseAnnulusSeries
 from spectral_contact.precise.between import Between
 from spectral_contact.precise.fixed import Fixed, Ints
-from spectral_contact.spectral.parts import gap
+from spectral_contact.spectral.parts import z_difference
 from spectral_contact.threads import cached_property
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class PreciseLayout:
     def widths(self) -> list[float]:
         """Widths of the zones in ``s**2``."""
         boundaries = [Radius(0.0, 1.0), *self.radii, EDGE]
-        return [gap(a, b) for a, b in pairwise(boundaries)]
+        return [z_difference(a, b) for a, b in pairwise(boundaries)]
 
     def decades(self, alpha: float, beta: float, digits: int, width: float) -> float:
         """Return how many decades below 1 the last digit of the smallest number is."""

@@ -13,8 +13,9 @@ from spectral_contact.profiles.profile_base import Profile
 #: Radii of a piece, between two breaks, at which the rate is taken: so many in even steps, and so
 #: many in even steps of the logarithm of the distance from the break before it.
 _EVEN, _GRADED = 40, 40
-#: Least distance from a break, and from the centre, relative to what is beyond it.
-_LEAST: Final = 1e-9
+#: Least distance of a radius from the break before it, or the centre: as a fraction of the distance
+#: to the next break, and of the radius of the break itself.
+_LEAST_DISTANCE: Final = 1e-9
 #: A change of the rate that is smaller than this, relative, is taken for rounding.
 _ROUNDED: Final = 1e-9
 #: Where, between two turns, there are more radii: fractions of the way from the inner to the outer.
@@ -38,11 +39,11 @@ def turning_radii(profile: Profile, radius: float) -> list[float]:
     radius : float
         Inside its reach.
     """
-    begin = profile.flat_part
-    ends = [begin, *(b for b in profile.breaks if begin < b < radius), radius]
-    pieces = [_on_piece(profile, *piece) for piece in pairwise(ends)]
-    radii = np.concatenate([r for r, _ in pieces])
-    values = np.concatenate([value for _, value in pieces])
+    flat_part = profile.flat_part
+    ends = [flat_part, *(b for b in profile.breaks if flat_part < b < radius), radius]
+    sampled = [_on_piece(profile, low, high) for low, high in pairwise(ends)]
+    radii = np.concatenate([piece_radii for piece_radii, _ in sampled])
+    values = np.concatenate([piece_values for _, piece_values in sampled])
     turns = radii[_turns(values)].tolist()
     found = set(turns)
     for inner, outer in pairwise(turns):
@@ -54,11 +55,12 @@ def _on_piece(profile: Profile, low: float, high: float) -> tuple[Array, Array]:
     """Return radii beyond a break, up to the next one, and the function at them."""
     size = high - low
     even = np.linspace(0.0, 1.0, _EVEN + 1)[1:]
-    distance = size * np.union1d(even, np.geomspace(_LEAST, 1.0, _GRADED))
-    distance = distance[distance >= _LEAST * low]
+    distance = size * np.union1d(even, np.geomspace(_LEAST_DISTANCE, 1.0, _GRADED))
+    distance = distance[distance >= _LEAST_DISTANCE * low]
     radii = low + distance
-    past = distance * (low + radii) if low > 0.0 else np.zeros(len(radii))
-    return radii, np.sqrt(radii) * profile._rate(radii, past)
+    # the square of the radius less that of the break, 0 if there is none
+    past_break = distance * (low + radii) if low > 0.0 else np.zeros(len(radii))
+    return radii, np.sqrt(radii) * profile._rate(radii, past_break)
 
 
 def _turns(values: Array) -> list[int]:
@@ -66,10 +68,11 @@ def _turns(values: Array) -> list[int]:
     found: list[int] = []
     extreme, rises = 0, True
     for k in range(1, len(values)):
-        ahead = values[k] - values[extreme] if rises else values[extreme] - values[k]
-        if ahead >= 0.0:
+        # from the last extreme on, positive in the sense in which the values go
+        change = values[k] - values[extreme] if rises else values[extreme] - values[k]
+        if change >= 0.0:
             extreme = k
-        elif -ahead > _ROUNDED * abs(values[extreme]):
+        elif -change > _ROUNDED * abs(values[extreme]):
             found.append(extreme)
             extreme, rises = k, not rises
     return found

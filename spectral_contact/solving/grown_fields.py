@@ -43,7 +43,7 @@ from spectral_contact.solving.growth import Growth
 from spectral_contact.solving.growth_panel import TINY, Panel
 from spectral_contact.spectral.jacobi import graded_rule
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.parts import GradedMesh, z_difference
 from spectral_contact.spectral.transforms import sampled_series
 
 #: Values of fields at some radii, by name.
@@ -293,7 +293,7 @@ class GrownFields:
         for low, high in pairwise(ends):
             halves = []
             for boundary, sign in ((low, 1), (high, -1)):
-                reach = gap(low, high) / 2.0
+                reach = z_difference(low, high) / 2.0
                 panels = self.history.panels(boundary, reach, self._panel_count)
                 mesh = GradedMesh(boundary, sign, reach, panels)
                 series = self._series(values, mesh, power)

@@ -46,8 +46,10 @@ from spectral_contact.threads import one_thread
 _FEWEST, _MOST = 2, 100_000
 #: One of so many points of a cycle is on the unstable part, at radii below that of pull-off.
 _UNSTABLE = 4
-#: Radius at which that part ends, over the radius of pull-off.
-_SMALLEST = 0.02
+#: Radius at which that part ends, over the radius of pull-off. Under a profile with a flat part
+#: there is none, and radii are graded to the rim: down to the square of this share of the largest
+#: distance from it.
+_UNSTABLE_END = 0.02
 #: Tolerances of a cycle, which has no fields.
 _TOLERANCES = "in [1e-12, 1e-2]"
 
@@ -191,7 +193,7 @@ def adhesion_cycle(
     # after and before jumps alternate
     energies = [_energy(held, one, curve.adhesion) for one in (landed, *lost)]
     dissipated = sum(energies[1::2]) - sum(energies[::2])
-    doubt = sum(_energy_error(held, one, curve) for one in (landed, *lost))
+    dissipation_error = sum(_energy_error(held, one, curve) for one in (landed, *lost))
     unknown = max(map(curve.profile._relative_error, radii))
     bounded = held.of_approach > 0.0
     return AdhesionCycle(
@@ -203,15 +205,15 @@ def adhesion_cycle(
         np.array([one.load for one in states]),
         np.array(stable),
         max(max(one.load_error, one.approach_error) for one in states) + unknown,
-        (_APART, _state(landed)),
+        (_NO_CONTACT, _state(landed)),
         jump_out,
         dissipated if bounded else None,
-        doubt if bounded else None,
+        dissipation_error if bounded else None,
     )
 
 
 #: No contact, at the approach at which it begins.
-_APART = CycleState(0.0, 0.0, 0.0)
+_NO_CONTACT = CycleState(0.0, 0.0, 0.0)
 
 
 def _held(scene: Scene, control: str, machine_stiffness: float | None) -> Control:
@@ -306,9 +308,9 @@ def _with_errors(found: Solution, curve: AdhesiveCurve, fold: Fold) -> Solution:
     work = abs(fold.state.load * rates.approach) / found.error_scales["indentation_work"]
     added["indentation_work"] = work * fold.error
     for name, change in added.items():
-        known = getattr(found.error, name)
-        if known is not None:
-            more[name] = known + change
+        estimate = getattr(found.error, name)
+        if estimate is not None:
+            more[name] = estimate + change
     return replace(found, error=replace(found.error, **more))
 
 
@@ -332,15 +334,17 @@ def _radii(
 ) -> list[float]:
     """Return the radii of the points, from large contacts to small ones."""
     asked = solve(scene, curve.tolerance, ("contact_radius",), max_unknowns=curve.max_unknowns)
-    largest, least = max(asked.contact_radius, landed.radius), ends[-1][1].radius
+    largest, at_pull_off = max(asked.contact_radius, landed.radius), ends[-1][1].radius
     flat = curve.profile.flat_part
     if flat > 0.0:
         # to the rim of the flat part, where contact ends
-        past = np.geomspace(largest - flat, _SMALLEST * _SMALLEST * (largest - flat), points - 1)
+        past = np.geomspace(
+            largest - flat, _UNSTABLE_END * _UNSTABLE_END * (largest - flat), points - 1
+        )
         return [*(flat + past).tolist(), flat]
     few = points // _UNSTABLE
-    stable = np.geomspace(largest, least, points - few, endpoint=not few)
-    return [*stable.tolist(), *np.geomspace(least, _SMALLEST * least, few).tolist()]
+    stable = np.geomspace(largest, at_pull_off, points - few, endpoint=not few)
+    return [*stable.tolist(), *np.geomspace(at_pull_off, _UNSTABLE_END * at_pull_off, few).tolist()]
 
 
 def _jumps_out(

@@ -18,6 +18,9 @@ kind for ``d delta``. It is solved panel by panel, from the first touch on. The 
 at the nodes of the panel, because this ratio is almost constant, even next to breaks of the
 profile. The equation is required at more points than there are unknowns, in the sense of least
 squares, which makes it stable. A flat part bears no load until the contact grows beyond it.
+
+Radii are given by ``u = ln b``. A panel is a `RadiusStretch`, an interval of u, on which a radius
+is also given by its depth: the distance from the lower end, in the coordinate v of (G.10).
 """
 
 from __future__ import annotations
@@ -47,7 +50,7 @@ if TYPE_CHECKING:
 #: smooth surface the kernel is like a square root there, so the variable of the rule is the root of
 #: the distance from ``r``: loads under a sphere and a cone are off by 1e-13 or less. With the
 #: distance itself and (12, 24, 0.2) they were off by 7e-12, which no estimate covered.
-_GRADED = (14, 16, 0.2)
+_GRADED_ARGUMENTS = (14, 16, 0.2)
 #: Number of Gauss points for a smooth integrand.
 _SMOOTH_POINTS = 20
 #: Distance in ``u`` of ``r`` from a panel, beyond which the integrand on the panel is smooth and
@@ -257,7 +260,7 @@ class VolterraLoads:
 
     def __init__(self, profile: Profile, low: float, first: Solution) -> None:
         self.profile = profile
-        roots, weights = graded_rule(*_GRADED)
+        roots, weights = graded_rule(*_GRADED_ARGUMENTS)
         half_points = roots**2 / 2.0
         half_weights = roots * weights
         #: rules on (0, 1): graded to 0, for smooth integrands, and graded to both ends

@@ -10,7 +10,7 @@ import numpy as np
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.parts import GradedMesh, z_difference
 from spectral_contact.spectral.transforms import transforms
 from spectral_contact.threads import cached_property
 
@@ -36,7 +36,7 @@ class Annulus:
     @cached_property
     def meshes(self) -> tuple[GradedMesh, GradedMesh]:
         """The meshes of the two halves: outside the inner end, inside the outer end."""
-        half = gap(self.inner, self.outer) / 2.0
+        half = z_difference(self.inner, self.outer) / 2.0
         return (
             GradedMesh(self.inner, 1, half, self.toward_inner),
             GradedMesh(self.outer, -1, half, self.toward_outer),

@@ -59,7 +59,7 @@ from spectral_contact.spectral.jacobi import (
     interpolation_points,
 )
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.parts import GradedMesh, z_difference
 
 Array = NDArray[np.float64]
 Degrees: TypeAlias = tuple[int, ...]
@@ -273,7 +273,7 @@ def block(
         unit = _self_block(source.panels, degrees, placement, direction)
     else:
         # from the boundary of the target to that of the source, positive on this side
-        distance = side * gap(target.boundary, source.boundary)
+        distance = side * z_difference(target.boundary, source.boundary)
         if distance < 0.0 or (distance == 0.0 and side != source.sign):
             return None
         if distance == 0.0:

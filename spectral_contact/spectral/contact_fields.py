@@ -124,7 +124,7 @@ class UnknownField(NamedTuple):
     degrees : tuple of int
         Highest degree on every panel.
     functions : ndarray of int
-        The functions of the panels that are in use.
+        The numbers of the functions of the panels that are in use.
     place : slice
         Where the coefficients are in a vector.
     is_shear : bool
@@ -138,10 +138,13 @@ class UnknownField(NamedTuple):
     place: slice
     is_shear: bool
 
-    def coefficients(self, values: Array) -> Array:
-        """Return the coefficients of all functions of the panels, from those in a vector."""
-        coefficients = np.zeros((self.panels.size, *values.shape[1:]))
-        coefficients[self.functions] = values[self.place]
+    def coefficients(self, vector: Array) -> Array:
+        """Return the coefficients of all functions of the panels, from those in a vector.
+
+        Several vectors are columns.
+        """
+        coefficients = np.zeros((self.panels.size, *vector.shape[1:]))
+        coefficients[self.functions] = vector[self.place]
         return coefficients
 
 
@@ -243,11 +246,11 @@ class ContactFields:
         for k, (end, (panels, degrees)) in enumerate(zip(ends, spaces, strict=True)):
             zone = (k + 1) // 2
             state = self.states[zone]
-            boundary = k // 2 if k < 2 * boundaries else -1
+            boundary_number = k // 2 if k < 2 * boundaries else -1
             power = panels.power
             if state == 0:
                 # without compliance the traction is singular at an edge that sticks
-                singular = self.parameters.beta == 0.0 and boundary < 0
+                singular = self.parameters.beta == 0.0 and boundary_number < 0
                 power = -0.5 if singular else 0.0
             # only the traction at the rim of a disk has a tail of roots
             mesh = GradedMesh(*end, replace(panels, root_tail=False))
@@ -260,7 +263,7 @@ class ContactFields:
                 MeshPart(
                     zone,
                     state,
-                    boundary,
+                    boundary_number,
                     mesh,
                     shear_mesh,
                     degrees,
@@ -289,8 +292,8 @@ class ContactFields:
                 self.pressure_maps.append(self._add_unknown(k, part.mesh.panels, is_shear=False))
                 if not part.sticks:
                     ratio = part.state * self.parameters.friction
-                    slip = _over_radius(part, ratio)
-                    self.shear_maps[k] = FieldMap(self.pressure_maps[k].place, slip)
+                    slip_shear = _over_radius(part, ratio)
+                    self.shear_maps[k] = FieldMap(self.pressure_maps[k].place, slip_shear)
         self.pressure_terms = self.unknowns
         for k in self.stick_parts:
             panels = self.parts[k].shear_mesh.panels
@@ -326,8 +329,8 @@ class ContactFields:
             if part.boundary_number >= 0:
                 self.known_variation.append(_expansion(part, variation))
             if not part.sticks:
-                slip = part.state * self.parameters.friction * values / np.sqrt(points.z)
-                self.shear_maps[k] = FieldMap(place, Blockwise([_expansion(part, slip)]))
+                slip_shear = part.state * self.parameters.friction * values / np.sqrt(points.z)
+                self.shear_maps[k] = FieldMap(place, Blockwise([_expansion(part, slip_shear)]))
 
     def _expand_displacement(self, displacement: KnownDisplacement, pressures: int) -> None:
         """Expand the displacement of what sticks around the central disk, which has not slipped.
@@ -345,17 +348,17 @@ class ContactFields:
                 columns = np.vstack([values, errors]) / np.sqrt(points.z)
                 self.displacement_coefficients[k] = part.shear_mesh.expand(columns)[:, functions].T
 
-    def series(self, values: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
+    def series(self, vector: Array) -> tuple[list[LogSeries], dict[int, LogSeries]]:
         """Return the series of p on all parts, and those of u on parts that stick, for a vector."""
         pressures = []
         for k, part in enumerate(self.parts):
             panels = part.mesh.panels
             coefficients = np.zeros(panels.size)
             used = panels.functions(part.pressure_degrees)
-            coefficients[used] = self.pressure_maps[k].apply(values)
+            coefficients[used] = self.pressure_maps[k].apply(vector)
             pressures.append(series_of(panels, coefficients))
         shears = {
-            field.part: series_of(field.panels, field.coefficients(values))
+            field.part: series_of(field.panels, field.coefficients(vector))
             for field in self.fields
             if field.is_shear
         }
@@ -413,9 +416,9 @@ class ContactFields:
 
         The load of all parts has to be 1, and each is taken to have the same relative error.
         """
-        pressure = np.eye(1, self.unknowns)[0]
+        vector = np.eye(1, self.unknowns)[0]  # the known pressure alone
         pairs = zip(self.loads, self.pressure_maps, strict=True)
-        loads = 2.0 * np.pi * np.array([load @ on_part.apply(pressure) for load, on_part in pairs])
+        loads = 2.0 * np.pi * np.array([load @ on_part.apply(vector) for load, on_part in pairs])
         slips = [not part.sticks for part in self.parts]
         in_slip = (self.parameters.friction * loads)[slips].sum()
         return float(in_slip * abs(loads.sum() - 1.0))
@@ -437,9 +440,9 @@ class ContactFields:
                 self.shear_maps[k].add(row, moment)
         return np.asarray(row[0])
 
-    def total_shear(self, values: Array) -> float:
+    def total_shear(self, vector: Array) -> float:
         """Return ``2 pi int q s ds`` of a vector."""
-        return float(self.shear_row @ values)
+        return float(self.shear_row @ vector)
 
     @cached_property
     def jump_rows(self) -> Array:
@@ -451,12 +454,12 @@ class ContactFields:
             if j < 0:
                 continue
             row = rows[j : j + 1]
-            traction = _values_at_boundary(part.shear_mesh.panels, len(self.shear_loads[k]))
-            self.shear_maps[k].add(row, part.mesh.boundary.value * traction)
+            shear = _values_at_boundary(part.shear_mesh.panels, len(self.shear_loads[k]))
+            self.shear_maps[k].add(row, part.mesh.boundary.value * shear)
             # one of the two zones sticks, and its state is 0
-            friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
+            signed_friction = (self.states[j] + self.states[j + 1]) * self.parameters.friction
             pressure = _values_at_boundary(part.mesh.panels, len(self.loads[k]))
-            self.pressure_maps[k].add(row, -friction * pressure)
+            self.pressure_maps[k].add(row, -signed_friction * pressure)
         return rows
 
 
@@ -490,11 +493,11 @@ def _over_radius(part: MeshPart, factor: float) -> Blockwise:
     mesh = part.mesh
     panels = mesh.panels
     points = panels.degree + EXTRA
-    expand = legendre_expansion_matrix(points, panels.degree)
+    expansion = legendre_expansion_matrix(points, panels.degree)
     values = legendre_values(gauss_rule(points)[0], panels.degree)
     ratios = factor / np.sqrt(mesh.points(np.exp(-panels.sampling(points))).z)
     blocks = [
-        expand[: n + 1] @ (values[:, : n + 1] * ratio[:, None])
+        expansion[: n + 1] @ (values[:, : n + 1] * ratio[:, None])
         for ratio, n in zip(ratios, part.pressure_degrees, strict=True)
     ]
     # on the tail s is constant to rounding

@@ -109,12 +109,13 @@ def _add_traction_to_normal(system: ContactSystem, matrix: Array, i: int) -> Non
     coupling = 2.0 * system.parameters.kappa
     for k, j, product in outer.products(inner, weights * t):
         system.shear_maps[j].add(matrix[system.pressure_maps[k].place], coupling * product)
-    # with I(t) the inner integral of q: t I(t) is t I(b) and t times an increment
-    both = coupling * np.column_stack([weights * t, weights])
-    for k, sums in outer.project(both):
+    # with I(t) the inner integral of q: t I(t) is t I(b) and t times an increment. Column 0 of the
+    # sums is for I(b), column 1 for the load ``int q ds``
+    weighted = coupling * np.column_stack([weights * t, weights])
+    for k, sums in outer.project(weighted):
         rows = matrix[system.pressure_maps[k].place]
-        for j, integrals in inner.blocks.items():
-            system.shear_maps[j].add(rows, integrals.scale * sums[:, :1] * integrals.boundary_value)
+        for j, block in inner.blocks.items():
+            system.shear_maps[j].add(rows, block.scale * sums[:, :1] * block.boundary_value)
         for j, shear_load in enumerate(system.shear_loads):
             system.shear_maps[j].add(rows, -sums[:, 1:] * shear_load)
 
@@ -126,11 +127,11 @@ def _add_pressure_to_shear(system: ContactSystem, matrix: Array, i: int) -> None
     factor = system.operators.shear_tests[i] * 2.0 * system.parameters.kappa / system.operators.t[i]
     for k, j, product in outer.products(inner, factor):
         system.pressure_maps[j].add(matrix[system.shear_maps[k].place], -product)
-    falls = factor * system.operators.from_boundary[i] / system.parts[i].mesh.boundary.value
-    for k, sums in outer.project(falls[:, None]):
+    decrements = factor * system.operators.from_boundary[i] / system.parts[i].mesh.boundary.value
+    for k, sums in outer.project(decrements[:, None]):
         rows = matrix[system.shear_maps[k].place]
-        for j, integrals in inner.blocks.items():
-            system.pressure_maps[j].add(rows, integrals.scale * sums * integrals.boundary_value)
+        for j, block in inner.blocks.items():
+            system.pressure_maps[j].add(rows, block.scale * sums * block.boundary_value)
 
 
 def _add_moments(system: ContactSystem, matrix: Array) -> None:
@@ -144,18 +145,18 @@ def _add_moments(system: ContactSystem, matrix: Array) -> None:
     kappa = system.parameters.kappa
     for k, part in enumerate(system.parts):
         nested = kappa * _nested_moments(system, k)
-        load = kappa * system.loads[k][:, None]
-        shear_load = kappa * system.shear_loads[k][:, None]
+        coupled_load = kappa * system.loads[k][:, None]
+        coupled_shear_load = kappa * system.shear_loads[k][:, None]
         if system.operators.unweighted_normal:
             rows = matrix[system.pressure_maps[k].place]
             system.shear_maps[k].add(rows, -nested)
             for j in range(k + 1, len(system.parts)):
-                system.shear_maps[j].add(rows, -load * system.shear_loads[j])
+                system.shear_maps[j].add(rows, -coupled_load * system.shear_loads[j])
         if system.operators.unweighted_shear and part.sticks:
             rows = matrix[system.shear_maps[k].place]
             system.pressure_maps[k].add(rows, -nested.T)
             for j in range(k):
-                system.pressure_maps[j].add(rows, -shear_load * system.loads[j])
+                system.pressure_maps[j].add(rows, -coupled_shear_load * system.loads[j])
 
 
 def _nested_moments(system: ContactSystem, k: int) -> Array:

@@ -208,13 +208,13 @@ class ContactSystem(ContactFields):
             inner = self.operators.inner_pressure[i]
             pressure = {k: self.pressure_maps[k].apply(values) for k in inner.blocks}
             return self._target_increment(i, pressure) - outer.increments(traction)
-        known = self._known_increments[i] @ values[: self.pressure_terms]
+        known_increment = self._known_increments[i] @ values[: self.pressure_terms]
         # with zeros in stick the rest is the response to the known pressure alone
         if not values[self.pressure_terms :].any():
-            return np.asarray(known)
+            return np.asarray(known_increment)
         stick = self.operators.outer_stick[i]
         traction = {k: self.shear_maps[k].apply(values) for k in stick.blocks}
-        return np.asarray(known - stick.increments(traction))
+        return np.asarray(known_increment - stick.increments(traction))
 
     @cached_property
     def _known_increments(self) -> list[Array]:
@@ -234,22 +234,24 @@ class ContactSystem(ContactFields):
         return increments
 
     def _target_increment(self, i: int, pressure: list[Array] | dict[int, Array]) -> Array:
-        """Return ``kappa (R(t) - R(b))`` at the nodes of a part; ``kappa R(t)`` without a b."""
+        """Return ``kappa (R(t) - R(b))`` at the nodes of a part; ``kappa R(t)`` without a b.
+
+        With I(t) the inner integral of p, ``R = 2 I/t``, this is ``(2 kappa/t) [I(t) - I(b) -
+        (t - b) I(b)/b]``.
+        """
         inner = self.operators.inner_pressure[i]
-        boundary = self.parts[i].mesh.boundary.value
-        falls = (
-            self.operators.from_boundary[i][:, None] / boundary * inner.boundary_values(pressure)
-        )
+        b = self.parts[i].mesh.boundary.value
+        decrements = self.operators.from_boundary[i][:, None] / b * inner.boundary_values(pressure)
         t = self.operators.t[i][:, None]
         factor = 2.0 * self.parameters.kappa / t
-        increment = np.asarray(factor * (inner.increments(pressure) - falls))
+        increment = np.asarray(factor * (inner.increments(pressure) - decrements))
         part = self.parts[i]
         if self.pressure_known and part.zone == 0 and part.boundary_number >= 0:
             # Near the centre the increment and the boundary term cancel, and their difference is
             # divided by t. R(t) itself has its digits there.
-            at_boundary = 2.0 * self.parameters.kappa / boundary * inner.boundary_values(pressure)
+            at_boundary = 2.0 * self.parameters.kappa / b * inner.boundary_values(pressure)
             direct = factor * inner.values(pressure) - at_boundary
-            increment = np.where(t < boundary / np.sqrt(2.0), direct, increment)
+            increment = np.where(t < b / np.sqrt(2.0), direct, increment)
         return increment
 
     def residual(self, values: Array, approach: Array, defects: Array) -> Array:

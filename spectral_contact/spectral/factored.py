@@ -61,15 +61,15 @@ class FactoredSystem:
         self._factor = lu_factor(matrix, overwrite_a=True, check_finite=False)
 
     def step(self, right: Array) -> Array:
-        """Return the solutions by the factors for right-hand sides as columns, uncorrected.
+        """Return the solutions by the factors alone for right-hand sides as columns.
 
         With the residual as right-hand side this is a step of iterative refinement.
         """
         scaled = right * self._row_scale[:, None]
-        size = np.maximum(np.abs(scaled).max(axis=0), np.finfo(float).tiny)
-        scaled /= size
+        column_sizes = np.maximum(np.abs(scaled).max(axis=0), np.finfo(float).tiny)
+        scaled /= column_sizes
         solution = lu_solve(self._factor, scaled, overwrite_b=True, check_finite=False)
-        return np.asarray(solution * self.scale[:, None] * size)
+        return np.asarray(solution * self.scale[:, None] * column_sizes)
 
     @cached_property
     def unit_solutions(self) -> Array:
@@ -153,13 +153,13 @@ class CholeskyFactoredSystem(FactoredSystem):
         self.system = system
         #: the matrix of the system over the one that is factored
         self._matrix_ratio = 1.0
-        known = system.pressure_terms if system.pressure_known else 0
+        multipliers = system.pressure_terms if system.pressure_known else 0
         top_degrees = np.concatenate(system.top_degree_indices)
         # the number of the coarser spaces, of two, that lack an unknown
-        lacking = np.bincount(top_degrees, minlength=system.unknowns)[known:]
-        self._order = known + np.argsort(lacking, kind="stable")
+        lacking = np.bincount(top_degrees, minlength=system.unknowns)[multipliers:]
+        self._order = multipliers + np.argsort(lacking, kind="stable")
         self._coarse_unknowns = (int((lacking < 1).sum()), int((lacking < 2).sum()))
-        if known and len(system.stick_parts) == 1:
+        if multipliers and len(system.stick_parts) == 1:
             [field] = system.fields
             radius = system.parts[0].mesh.boundary.value
             space = unit_space(field.panels, field.degrees, shear=True)

@@ -1,4 +1,7 @@
-"""Where functions live: panels graded to a boundary, their points, and the parts of a disk."""
+"""Where functions live: panels graded to a boundary, their points, and the parts of a disk.
+
+Next to the boundary a mesh ends in a *tail*, a panel of polynomials in the distance (`LogPanels`).
+"""
 
 from __future__ import annotations
 
@@ -20,8 +23,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-def gap(a: Radius, b: Radius) -> float:
-    """Return ``b**2 - a**2``, of either sign, without cancellation."""
+def z_difference(a: Radius, b: Radius) -> float:
+    """Return the difference of ``z = s**2`` from a to b, of either sign, without cancellation."""
     difference = a.from_edge - b.from_edge if a.value >= 0.5 else b.value - a.value
     return difference * (a.value + b.value)
 
@@ -34,7 +37,7 @@ class OffsetRadii(NamedTuple):
 
     def before(self, boundary: Radius) -> Array:
         """Return ``boundary**2 - s**2``."""
-        return gap(self.anchor, boundary) - self.offset
+        return z_difference(self.anchor, boundary) - self.offset
 
     @property
     def z(self) -> Array:
@@ -100,8 +103,8 @@ class GradedMesh(NamedTuple):
         table, tail = sampled_coefficients(self.panels, values)
         p = self.panels
         dropped = np.abs(table[:, p.degree + 1 :]).max(axis=1)
-        in_panels = dropped * np.exp(-power * p.width * np.arange(p.count))
-        return float(max(in_panels.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
+        effects = dropped * np.exp(-power * p.width * np.arange(p.count))
+        return float(max(effects.max(), np.abs(tail[p.tail_terms :]).max() * p.end**power))
 
     def expand(self, values: Array) -> Array:
         """Return coefficients, (..., size), through values at the sampling points, (..., n).
@@ -111,8 +114,8 @@ class GradedMesh(NamedTuple):
         table, tail = sampled_coefficients(self.panels, values)
         p = self.panels
         shape = values.shape[:-1]
-        inner = table[..., : p.degree + 1].reshape(*shape, -1)
-        return np.concatenate([inner, tail[..., : p.tail_terms]], axis=-1)
+        on_panels = table[..., : p.degree + 1].reshape(*shape, -1)
+        return np.concatenate([on_panels, tail[..., : p.tail_terms]], axis=-1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +146,7 @@ class DiskPartition:
         for inner, outer in pairwise((CENTRE, *self.breaks, EDGE)):
             is_disk = inner is CENTRE and not self.pointed
             sides = [(outer, -1)] if is_disk else [(inner, 1), (outer, -1)]
-            extent = gap(inner, outer) / len(sides)
+            extent = z_difference(inner, outer) / len(sides)
             self.ends.extend((boundary, sign, extent) for boundary, sign in sides)
             profile_break = profile_break if inner in self.smooth_breaks else inner
             self.profile_breaks.extend([profile_break] * len(sides))
@@ -155,8 +158,8 @@ def sampled_coefficients(panels: LogPanels, values: Array) -> tuple[Array, Array
     Samples are (..., n), and coefficients (..., panels, points) and (..., points of the tail).
     """
     tail_points = panels.tail_points
-    inner = values[..., :-tail_points].reshape(*values.shape[:-1], panels.count, -1)
-    points = inner.shape[-1]
-    expand = legendre_expansion_matrix(points, points - 1)
-    expand_tail = legendre_expansion_matrix(tail_points, tail_points - 1)
-    return inner @ expand.T, values[..., -tail_points:] @ expand_tail.T
+    on_panels = values[..., :-tail_points].reshape(*values.shape[:-1], panels.count, -1)
+    points = on_panels.shape[-1]
+    expansion = legendre_expansion_matrix(points, points - 1)
+    tail_expansion = legendre_expansion_matrix(tail_points, tail_points - 1)
+    return on_panels @ expansion.T, values[..., -tail_points:] @ tail_expansion.T

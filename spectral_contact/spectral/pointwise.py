@@ -25,7 +25,7 @@ class _PanelGroup:
 
     Attributes
     ----------
-    coefficients, samples : slice
+    coefficient_slice, sample_slice : slice
         Where its coefficients are among all, and its sampling points.
     evaluation, expansion : ndarray
         The matrices from the terms of a panel to values at its sampling points, and back.
@@ -34,8 +34,8 @@ class _PanelGroup:
     is_tail : bool
     """
 
-    coefficients: slice
-    samples: slice
+    coefficient_slice: slice
+    sample_slice: slice
     evaluation: Array
     expansion: Array
     used: Array
@@ -43,12 +43,12 @@ class _PanelGroup:
 
     def terms(self, coefficients: Array) -> Array:
         """Return its terms, (..., panels, terms), from all coefficients, (..., size)."""
-        own = coefficients[..., self.coefficients]
+        own = coefficients[..., self.coefficient_slice]
         return own.reshape(*own.shape[:-1], *self.used.shape)
 
     def values(self, values: Array) -> Array:
         """Return its values, (panels, samples), from those at all sampling points."""
-        return values[self.samples].reshape(len(self.used), -1)
+        return values[self.sample_slice].reshape(len(self.used), -1)
 
 
 class Sampling:
@@ -99,21 +99,21 @@ class Sampling:
 
     def values(self, coefficients: Array) -> Array:
         """Return a function at the sampling points, (samples,)."""
-        parts = [group.terms(coefficients) @ group.evaluation.T for group in self._groups]
-        return np.concatenate([part.ravel() for part in parts])
+        pieces = [group.terms(coefficients) @ group.evaluation.T for group in self._groups]
+        return np.concatenate([piece.ravel() for piece in pieces])
 
     def coefficients(self, values: Array) -> Array:
         """Return the coefficients of the function through values, (size,)."""
-        parts = [group.used * (group.values(values) @ group.expansion.T) for group in self._groups]
-        return np.concatenate([part.ravel() for part in parts])
+        pieces = [group.used * (group.values(values) @ group.expansion.T) for group in self._groups]
+        return np.concatenate([piece.ravel() for piece in pieces])
 
     def bounds(self, coefficients: Array) -> Array:
         """Return at every sampling point a bound of a function on its panel, (samples,)."""
-        parts = []
+        pieces = []
         for group in self._groups:
             sums = np.abs(group.terms(coefficients)).sum(axis=1)
-            parts.append(np.repeat(sums, len(group.evaluation)))
-        return np.concatenate(parts)
+            pieces.append(np.repeat(sums, len(group.evaluation)))
+        return np.concatenate(pieces)
 
     def times(self, rows: Array, values: Array) -> Array:
         """Return rows times the matrix by which functions are multiplied with one, (n, size).
@@ -125,17 +125,17 @@ class Sampling:
         values : ndarray, shape (samples,)
             The function that others are multiplied with, at the sampling points.
         """
-        parts = []
+        pieces = []
         for group in self._groups:
             matrices = group.expansion @ (group.values(values)[:, :, None] * group.evaluation)
             product = group.terms(rows).transpose(1, 0, 2) @ matrices
-            parts.append(product.transpose(1, 0, 2).reshape(len(rows), -1))
-        return np.hstack(parts)
+            pieces.append(product.transpose(1, 0, 2).reshape(len(rows), -1))
+        return np.hstack(pieces)
 
     def low(self, degree: int) -> NDArray[np.bool_]:
         """Return which coefficients are those of this degree or a lower one, or of a tail."""
-        parts = []
+        pieces = []
         for group in self._groups:
             count, terms = group.used.shape
-            parts.append(np.tile(group.is_tail | (np.arange(terms) <= degree), count))
-        return np.concatenate(parts)
+            pieces.append(np.tile(group.is_tail | (np.arange(terms) <= degree), count))
+        return np.concatenate(pieces)

@@ -105,7 +105,7 @@ class NodalSpace(ABC):
     def moments(self, density: Array) -> Array:
         """Return the inner products of the half-integrals with a density, in order of `index`.
 
-        The density is given at the nodes, several as rows.
+        The density is a function of t, given by its values at the nodes; several are rows.
         """
         return self.project(self.measure * density)
 
@@ -155,11 +155,11 @@ class Cholesky:
     def solve(self, right: Array) -> Array:
         """Return the solution of a right-hand side (n,), or of several as rows (k, n)."""
         if right.ndim == 1:  # twice as fast as `dpotrs`
-            step, _ = lapack.dtrtrs(self._factor, right, lower=1)
-            step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
+            solution, _ = lapack.dtrtrs(self._factor, right, lower=1)
+            solution, _ = lapack.dtrtrs(self._factor, solution, lower=1, trans=1, overwrite_b=1)
         else:
-            step, _ = lapack.dpotrs(self._factor, right.T, lower=1)
-        return np.asarray(step.T)
+            solution, _ = lapack.dpotrs(self._factor, right.T, lower=1)
+        return np.asarray(solution.T)
 
     def coarse_change(self, solution: Array, coarse_unknowns: int) -> Array:
         """Return the solution in a coarser space less the solution.
@@ -167,16 +167,16 @@ class Cholesky:
         The coarser space has only the first `coarse_unknowns` unknowns, with the same right-hand
         side. No other factorisation is needed, and nothing cancels.
         """
-        last = solution[coarse_unknowns:]
+        dropped = solution[coarse_unknowns:]
         # The triangular systems are those of the whole factor, with zeros for the last unknowns,
         # because LAPACK would take only a copy of its leading block.
-        step = np.zeros(len(solution))
-        step[:coarse_unknowns] = self._factor[:coarse_unknowns, coarse_unknowns:] @ last
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1, overwrite_b=1)
-        step[coarse_unknowns:] = 0.0
-        step, _ = lapack.dtrtrs(self._factor, step, lower=1, trans=1, overwrite_b=1)
-        step[coarse_unknowns:] = -last
-        return np.asarray(step)
+        change = np.zeros(len(solution))
+        change[:coarse_unknowns] = self._factor[:coarse_unknowns, coarse_unknowns:] @ dropped
+        change, _ = lapack.dtrtrs(self._factor, change, lower=1, overwrite_b=1)
+        change[coarse_unknowns:] = 0.0
+        change, _ = lapack.dtrtrs(self._factor, change, lower=1, trans=1, overwrite_b=1)
+        change[coarse_unknowns:] = -dropped
+        return np.asarray(change)
 
 
 class RegularisedProblem:

@@ -184,7 +184,7 @@ class _PressedCurve:
         """
         found = self.curves.where(np.log(given))
         radius = np.array([self.scale.radius(v) for v in found.places.tolist()])
-        slope = np.array([self.scale.slope(r) for r in radius.tolist()])  # da/dv
+        slope = np.array([self.scale.derivative(r) for r in radius.tolist()])  # da/dv
         # a radius is rounded, which is as much as an error of v
         moved = found.moved + ROUNDING * radius / slope
         lost = found.lost + found.slopes * moved[:, None] + ROUNDING

@@ -35,3 +35,8 @@ def test_far_outside_a_load_is_a_point_force():
 def test_the_square_of_a_pressure_on_a_thin_layer_is_resolved(c):
     slope = approach_slope(lambda d: 1.0 / np.sqrt(d + c), edge_layer_breaks(c))
     assert slope == pytest.approx(2.0 * np.pi * ((1.0 + c) * np.log1p(1.0 / c) - 1.0), rel=1e-14)
+
+
+def test_users_may_have_numpy_raise():
+    with np.errstate(all="raise"):  # weights next to the ends of intervals underflow
+        assert approach_slope(uniform, edge_layer_breaks(0.5)) == pytest.approx(np.pi, rel=1e-14)

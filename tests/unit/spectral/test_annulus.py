@@ -11,7 +11,7 @@ from spectral_contact.fields.series import Radius
 from spectral_contact.spectral.abel import moments_on
 from spectral_contact.spectral.annulus import Annulus
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, gap
+from spectral_contact.spectral.parts import GradedMesh, OffsetRadii, z_difference
 from spectral_contact.spectral.transforms import sampled_series, series_of
 
 mp = MPContext()
@@ -48,8 +48,8 @@ def test_gap_has_no_cancellation():
     radii = [r for pair in ANNULI.values() for r in pair]
     for a in radii:
         for b in radii:
-            assert_allclose(gap(a, b), float(square(b) - square(a)), rtol=5e-16)
-    assert gap(Radius(0.3, 0.7), Radius(0.3, 0.7)) == 0.0
+            assert_allclose(z_difference(a, b), float(square(b) - square(a)), rtol=5e-16)
+    assert z_difference(Radius(0.3, 0.7), Radius(0.3, 0.7)) == 0.0
 
 
 def test_the_gap_from_the_centre_is_the_square_to_the_bit():
@@ -57,7 +57,7 @@ def test_the_gap_from_the_centre_is_the_square_to_the_bit():
     values = np.append(np.random.default_rng(3).random(2000), 0.9978117057773813)
     for value in values.tolist():
         b = Radius(value, 1.0 - value)
-        assert gap(Radius(0.0, 1.0), b) == b.square
+        assert z_difference(Radius(0.0, 1.0), b) == b.square
 
 
 def test_points_keep_the_digits_of_their_offsets():
@@ -77,7 +77,7 @@ def test_meshes_meet_in_the_middle(annulus):
     inner, outer = annulus.meshes
     assert (inner.sign, outer.sign) == (1, -1)
     assert inner.extent == outer.extent
-    assert_allclose(2 * inner.extent, gap(annulus.inner, annulus.outer), rtol=1e-15)
+    assert_allclose(2 * inner.extent, z_difference(annulus.inner, annulus.outer), rtol=1e-15)
     ends = inner.points(np.array([0.0, 1.0])), outer.points(np.array([0.0, 1.0]))
     assert_array_equal(ends[0].before(annulus.inner), [0.0, -inner.extent])
     assert_array_equal(ends[1].before(annulus.outer), [0.0, outer.extent])
@@ -111,7 +111,7 @@ OFFSETS = np.array([1e-200, 1e-30, 1e-12, 1e-5, 0.01, 0.2, 0.4999, 0.5, 0.5001, 
 
 def sample(annulus):
     """Return points inside, next to the ends from both sides, and outside."""
-    width = gap(annulus.inner, annulus.outer)
+    width = z_difference(annulus.inner, annulus.outer)
     room = float(square(annulus.inner)) / width  # towards the centre
     beyond = np.array([1e-200, 1e-30, 1e-12, 1e-3, 0.5, 3.0, 1e4, 1e9])
     below = beyond[beyond < room]
@@ -168,7 +168,7 @@ def test_inner_integral(annulus, side):
 
 
 def test_nothing_comes_from_the_far_side(annulus):
-    width = gap(annulus.inner, annulus.outer)
+    width = z_difference(annulus.inner, annulus.outer)
     past = np.array([0.0, 1e-30, 0.1])
     for mesh in annulus.meshes:
         assert not np.any(half_integral(mesh, OffsetRadii(annulus.outer, width * past)))

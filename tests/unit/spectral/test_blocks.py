@@ -10,7 +10,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.blocks import block
 from spectral_contact.spectral.graded import graded_nodes
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.parts import GradedMesh, z_difference
 
 FIRST, SECOND = Radius.from_logit(-1.0), Radius.from_logit(8.0)
 COUNT, DEGREE = 14, 16
@@ -20,7 +20,7 @@ USED, WHOLE = (12,) * COUNT, (DEGREE,) * COUNT
 def meshes(power=0.0):
     """Return the halves of a disk and two annuli to the edge, the last with an endpoint weight."""
     panels = LogPanels(COUNT, 2.0, DEGREE)
-    wide, narrow = gap(FIRST, SECOND) / 2.0, gap(SECOND, EDGE) / 2.0
+    wide, narrow = z_difference(FIRST, SECOND) / 2.0, z_difference(SECOND, EDGE) / 2.0
     return [
         GradedMesh(FIRST, -1, FIRST.square, panels),
         GradedMesh(FIRST, 1, wide, panels),

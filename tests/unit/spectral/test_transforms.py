@@ -6,7 +6,7 @@ from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.abel import abel_left, abel_right
 from spectral_contact.spectral.blocks import abel_integral_on
 from spectral_contact.spectral.panels import LogPanels
-from spectral_contact.spectral.parts import GradedMesh, gap
+from spectral_contact.spectral.parts import GradedMesh, z_difference
 from spectral_contact.spectral.transforms import transforms
 
 
@@ -29,7 +29,7 @@ def test_transforms_are_the_matrices_at_the_sampling_points(count, width):
 def test_across_is_the_integral_past_the_first_panel(count, other, end):
     panels, points, start = LogPanels(count, 2.0, 8), LogPanels(other, 2.0, 10), Radius(0.6, 0.4)
     coefficients = np.random.default_rng(4).standard_normal(panels.size)
-    half = gap(start, end) / 2.0
+    half = z_difference(start, end) / 2.0
     outside, inside = GradedMesh(end, -1, half, panels), GradedMesh(start, 1, half, points)
     matrix = np.sqrt(half) * abel_right(2.0 - points.sampling_distances, count, 2.0, 8)
     values = abel_integral_on(inside, outside, coefficients, 1)
