@@ -37,9 +37,7 @@ Integers = NDArray[np.int_]
 
 
 class RingSystem:
-    """The equations of pressure and traction on rings, scaled by the square roots of their areas.
-
-    The unknowns are p and q times these roots, so that all rows are of like size.
+    """The equations of pressure and traction on rings, integrated over the rings.
 
     Parameters
     ----------
@@ -68,20 +66,17 @@ class RingSystem:
     ) -> None:
         self.rings = rings
         self.friction = parameters.friction
-        self._root_area = np.sqrt(rings.mass)
         self.frozen = np.zeros(len(rings.mass)) + frozen
-        scale = np.outer(self._root_area, self._root_area)
-        identity = np.eye(len(self._root_area))
-        self._normal = rings.normal / scale + parameters.alpha * identity
-        self._tangential = rings.tangential / scale + parameters.beta * identity
-        self._coupling = parameters.kappa * rings.coupling / scale
+        mass = np.diag(rings.mass)
+        self._normal = rings.normal + parameters.alpha * mass
+        self._tangential = rings.tangential + parameters.beta * mass
+        self._coupling = parameters.kappa * rings.coupling
         #: from the traction to the normal displacement
         self._reaction = self._coupling.T * coupled
-        # the load of a pressure, as a row: the frozen displacement is that for unit load
-        load = 2.0 * pi * self._root_area
-        #: from the pressure to what the traction of a ring that sticks is to balance
-        self._loading = self._coupling + np.outer(self._root_area * self.frozen, load)
-        self.self_compliance: Array = self._tangential.diagonal()
+        #: from the pressure to what the traction of a ring that sticks is to balance; the frozen
+        #: displacement is that for unit load, and the load of a pressure is a row
+        self._loading = self._coupling + np.outer(rings.mass * self.frozen, 2.0 * pi * rings.mass)
+        self.self_compliance: Array = self._tangential.diagonal() / rings.mass
 
     def solve(self, states: Integers) -> RingState:
         """Return p, q and u_r for these states, scaled to unit load.
@@ -89,6 +84,7 @@ class RingSystem:
         The unknowns are the pressures of all rings and the tractions of those that stick, for unit
         approach.
         """
+        mass = self.rings.mass
         sticking = np.flatnonzero(states == 0)
         # q/p of the rings that slip
         ratio = np.zeros(len(states))
@@ -99,23 +95,22 @@ class RingSystem:
         matrix[:n, n:] = -self._reaction[:, sticking]
         matrix[n:, :n] = (self._tangential * ratio - self._loading)[sticking]
         matrix[n:, n:] = self._tangential[np.ix_(sticking, sticking)]
-        # On smooth surfaces the diagonal of a small ring is small. It is scaled to 1.
-        diagonal = np.concatenate([self._normal.diagonal(), self.self_compliance[sticking]])
+        # entries grow with the areas of rings: the displacement of a ring by itself is scaled to 1
+        diagonal = np.append(self._normal.diagonal(), self._tangential.diagonal()[sticking])
         scale = 1.0 / np.sqrt(diagonal)
         matrix *= scale
         matrix *= scale[:, None]
-        right = np.concatenate([self._root_area, np.zeros(len(sticking))])
+        right = np.append(mass, np.zeros(len(sticking)))
         unknowns = scale * np.linalg.solve(matrix, scale * right)
         p = unknowns[:n]
         q = ratio * p
         q[sticking] = unknowns[n:]
-        load = 2.0 * pi * float(p @ self._root_area)
+        load = 2.0 * pi * float(p @ mass)
         p = p / load
         q = q / load
-        root = self._root_area
-        displacement = (self._tangential @ q - self._coupling @ p) / root
+        displacement = (self._tangential @ q - self._coupling @ p) / mass
         displacement[sticking] = self.frozen[sticking]
-        return RingState(self, states, 1.0 / load, p / root, q / root, displacement)
+        return RingState(self, states, 1.0 / load, p, q, displacement)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

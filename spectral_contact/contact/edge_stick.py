@@ -34,6 +34,7 @@ import numpy as np
 from scipy.special import beta as beta_function
 from scipy.special import betainc
 
+from spectral_contact.contact.friction_law import violation_text
 from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.stick_radius import MAX_LOGIT
@@ -42,7 +43,6 @@ from spectral_contact.contact.tuning import (
     EDGE_ERROR_OUTSIDE,
     PANEL_WIDTH,
     ROUNDING,
-    SLIP_ROUNDING,
 )
 from spectral_contact.contact.zone_fields import estimated_edge_stick_width
 from spectral_contact.contact.zone_solution import ZoneSolution
@@ -317,7 +317,7 @@ def _with_fields_of_stick(
         zones_error=max(outcome.zones_error, width_error),
         slip_error=slip_error,
         violation=max(outcome.violation, wrong_slip),
-        consistent=outcome.consistent and wrong_slip <= max(slip_error, SLIP_ROUNDING),
+        violation_text=outcome.violation_text or violation_text(0.0, 0.0, wrong_slip, slip_error),
         layout=None,
     )
 

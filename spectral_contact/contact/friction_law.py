@@ -97,8 +97,8 @@ def missing_stick(
     return tuple(intervals)
 
 
-def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
-    """Return whether the friction law holds within the errors.
+def violation_text(excess: float, error: float, wrong: float, slip_error: float) -> str:
+    """Return the name of a violation of the friction law beyond the errors; empty without one.
 
     Parameters
     ----------
@@ -109,9 +109,13 @@ def obeys(excess: float, error: float, wrong: float, slip_error: float) -> bool:
     wrong : float
         The largest slip of the wrong sense, relative to the largest slip.
     slip_error : float
-        Error of the slip, relative to the largest.
+        Error of the slip, relative to the largest; infinite if no digit of it is known.
     """
-    return excess <= excused_excess(error) and wrong <= max(slip_error, SLIP_ROUNDING)
+    if not excess <= excused_excess(error):
+        return "the traction in stick exceeds friction"
+    if not wrong <= max(slip_error, SLIP_ROUNDING):
+        return "the surface slips with the traction"
+    return ""
 
 
 def excused_excess(error: float) -> float:

@@ -20,7 +20,7 @@ from spectral_contact.contact.resolution import (
     first_sign_change,
     sample_depths,
 )
-from spectral_contact.contact.tuning import MAX_RING_WIDTH, ONSET_SAMPLES, RINGS_PER_SPLIT, SAMPLES
+from spectral_contact.contact.tuning import ONSET_SAMPLES, SAMPLES
 from spectral_contact.contact.zone_spaces import leading_depth
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
@@ -105,16 +105,6 @@ def slip_where_exceeded(
     if not exceeds[-1]:
         states.append(0)
     return Layout(tuple(logit_at(boundary) for boundary in boundaries), tuple(states))
-
-
-def is_narrow(zones: Layout) -> bool:
-    """Return whether there is slip, none reaches the edge, and every slip zone is narrow.
-
-    Such zones are narrower than a ring of `active_set` that was split, and may fall between rings.
-    """
-    logit_widths = np.diff(zones.logits)[::2]
-    none_at_edge = len(zones.logits) == 2 * len(logit_widths)
-    return none_at_edge and max(logit_widths, default=inf) < MAX_RING_WIDTH / RINGS_PER_SPLIT
 
 
 def _edge_depth(parameters: Parameters) -> float:

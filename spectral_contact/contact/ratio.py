@@ -12,7 +12,6 @@ from math import exp, inf, log
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.legendre import legder, legroots
 
 from spectral_contact.contact.resolution import EPSILON_DEPTH, sample_depths
 from spectral_contact.contact.tuning import (
@@ -22,19 +21,10 @@ from spectral_contact.contact.tuning import (
     TRACTION_ROUNDING,
 )
 from spectral_contact.fields.series import Array, DiskSeries, PressureField
-from spectral_contact.spectral.jacobi import PANEL_SAMPLES, gauss_rule, legendre_expansion_matrix
 from spectral_contact.spectral.panels import LogPanels
 
 #: Depths of the samples in the tail beyond the panels of q, less the depth of the panels' end.
 _TAIL_DEPTHS = np.linspace(0.0, EPSILON_DEPTH, SAMPLES)[1:]
-#: Nodes of the polynomial that interpolates q/p around its largest sample. The ratio is analytic in
-#: x up to an imaginary part of about pi, so that PANEL_SAMPLES nodes represent it to rounding. That
-#: does not hold next to the centre, where s is the root of x: a maximum between the first two
-#: samples would lose digits that no estimate counts. Maxima lie at x > 0.93, the second sample at
-#: 0.57 at most (alpha = 1e-14).
-_NODES, _ = gauss_rule(PANEL_SAMPLES)
-#: The matrix from values at the nodes to the Legendre coefficients of the derivative.
-_DERIVATIVE = legder(legendre_expansion_matrix(PANEL_SAMPLES, PANEL_SAMPLES - 1))
 
 
 class FullStick(NamedTuple):
@@ -149,9 +139,10 @@ class LargestRatio(NamedTuple):
 def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -> LargestRatio:
     """Return q/p at the edge and its largest modulus, on panels to a depth and in their tail.
 
-    The ratio is sampled; around the largest sample the maximum is a root of the derivative of an
-    interpolating polynomial. The maximum is that at the edge unless a sample exceeds it by more
-    than rounding.
+    The ratio is sampled, and four times more between the neighbours of the largest sample. Each
+    time the distance of samples falls to 1/64, in the end to some 1e-8 in x; the maximum, a
+    parabola there, is then right to rounding. It is that at the edge unless one of the first
+    samples exceeds it by more than rounding.
     """
     series = traction.series
     assert series is not None
@@ -174,16 +165,8 @@ def largest_ratio(pressure: PressureField, traction: DiskSeries, depth: float) -
     i = int(np.argmax(values))
     if values[i] <= abs(edge) * (1.0 + FIELD_ROUNDING):
         return LargestRatio(edge, abs(edge), 0.0)
-    left = float(x[max(i - 1, 0)])
-    right = float(x[min(i + 1, len(x) - 1)])
-    middle = (left + right) / 2.0
-    half_width = (right - left) / 2.0
-    nodes = middle + half_width * _NODES
-    node_values = ratio(nodes)
-    roots = legroots(_DERIVATIVE @ node_values)
-    extrema = middle + half_width * roots[(roots.imag == 0.0) & (np.abs(roots) <= 1.0)].real
-    # the largest of all values that were evaluated, as the ratio may jump between panels
-    candidates = np.concatenate([x, nodes, extrema])
-    candidate_values = np.concatenate([values, node_values, ratio(extrema)])
-    i = int(np.argmax(candidate_values))
-    return LargestRatio(edge, float(candidate_values[i]), float(np.exp(-candidates[i])))
+    for _ in range(4):
+        x = np.linspace(x[max(i - 1, 0)], x[min(i + 1, len(x) - 1)], SAMPLES)
+        values = ratio(x)
+        i = int(np.argmax(values))
+    return LargestRatio(edge, float(values[i]), float(np.exp(-x[i])))

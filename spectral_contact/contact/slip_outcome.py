@@ -28,12 +28,11 @@ from spectral_contact.contact.friction_law import (
     UNRESOLVED_SLIP,
     Interval,
     edge_sense_unknown,
-    excused_excess,
     inf_if_unresolved,
     missing_stick,
-    obeys,
     slip_error_from_boundaries,
     stick_violation,
+    violation_text,
 )
 from spectral_contact.contact.layout import Layout, Trial
 from spectral_contact.contact.normal import NormalContact
@@ -79,10 +78,9 @@ class PartialSlip(ScalarResults):
     wrong_slip : float
         The largest displacement in the direction of the traction, relative to the largest of all.
         It is part of the violation only if the slip error is finite; otherwise it is noise.
-    consistent : bool
-        Whether the violation is within the errors.
     violation_text : str
-        The name of a violation so large that the zones are wrong; empty if there is none.
+        The name of a violation beyond the errors, by which the zones are wrong; empty if there is
+        none.
     missing : tuple of (float, float)
         Where stick is missing: intervals of y, outward, in which slip has the direction of the
         traction.
@@ -100,33 +98,26 @@ class PartialSlip(ScalarResults):
     slip_error: float
     violation: float = 0.0
     wrong_slip: float = 0.0
-    consistent: bool = True
     violation_text: str = ""
     missing: tuple[Interval, ...] = ()
     layout: Layout | None = None
     trials: tuple[Trial, ...] = ()
 
     @property
-    def verified(self) -> bool:
-        """Whether the friction law is known to hold, so that no other zones need be tried.
+    def consistent(self) -> bool:
+        """Whether no violation of the friction law exceeds the errors."""
+        return not self.violation_text
 
-        The text is asked besides `consistent`, because a pressure that is not positive is a
-        violation, too.
-        """
-        return (
-            self.consistent
-            and not self.violation_text
-            and self._sense_is_known
-            and not self.missing
-        )
+    @property
+    def verified(self) -> bool:
+        """Whether the friction law is known to hold, so that no other zones need be tried."""
+        return self.consistent and self._sense_is_known and not self.missing
 
     @property
     def verdict(self) -> str:
         """One line: that the friction law holds, or what is against it."""
         if self.violation_text:
             return self.violation_text
-        if not self.consistent:
-            return f"the friction law is violated by {self.violation:.1e}, more than the errors"
         if not self._sense_is_known:
             return "the sense of the slip is not known"
         if self.missing:
@@ -184,7 +175,9 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
         zones_error=max(radius_error, 1.0),
         slip_error=1.0,
         violation=excess,
-        consistent=excess <= max(UNRESOLVED_SLIP, 2.0 * stick.critical_error),
+        violation_text=violation_text(
+            excess, max(UNRESOLVED_SLIP / 2.0, stick.critical_error), 0.0, 0.0
+        ),
     )
 
 
@@ -372,25 +365,11 @@ def _checked_outcome(
         slip_error=max(slip_error, wrong) * min(largest / max(displacement.largest, TINY), 1.0),
         violation=max(excess, wrong) if slip_error < inf else excess,
         wrong_slip=wrong,
-        consistent=obeys(excess, traction_error, wrong, excused),
-        violation_text=_violation_text(excess, excused_excess(traction_error), wrong, excused),
+        violation_text=violation_text(excess, traction_error, wrong, excused),
         missing=missing,
         layout=solved.layout,
         **scalars,
     )
-
-
-def _violation_text(excess: float, allowed: float, wrong: float, excused: float) -> str:
-    """Return the name of a violation that shows the zones to be wrong, or an empty text.
-
-    An excess up to `allowed` and slip in the wrong sense up to `excused` are within the errors. If
-    no digit of the slip is known, `excused` is infinite: then its sense refutes no zones.
-    """
-    if not excess <= max(UNRESOLVED_SLIP, allowed):
-        return "the traction in stick exceeds friction"
-    if wrong <= max(UNRESOLVED_SLIP, excused):
-        return ""
-    return "the surface slips with the traction"
 
 
 def _uncertain_zone_error(slip_error: float, zones: list[Zone]) -> float:

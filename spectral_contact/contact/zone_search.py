@@ -17,10 +17,9 @@ the logit of a radius is ``ln(s**2/y)``. States of zones are 0 for stick and +1 
 that sign of the traction. Next to the edge of a smooth surface (alpha = 0) with beta > 0 the
 pressure is infinite and the traction is not, so that the edge sticks over some width.
 
-What is said of a solved candidate (`slip_outcome.PartialSlip`), from strict to lenient: it is
-*verified* if the law holds within the errors, the sense of slip is known and no stick is missing;
-*consistent* if no violation exceeds the errors; and *refuted* if it has a `violation_text`, which
-names a violation that only other zones can mend.
+What is said of a solved candidate (`slip_outcome.PartialSlip`): it is *consistent* if no violation
+of the law exceeds the errors, and refuted if one does (its `violation_text`). It is *verified* if,
+besides, the sense of slip is known and no stick is missing.
 """
 
 from __future__ import annotations
@@ -54,9 +53,6 @@ from spectral_contact.contact.stick_radius import (
 from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
     CENTRAL_CLEARANCE,
-    COARSE_TOL,
-    ONSET_BAND,
-    PANEL_WIDTH,
     REFINEMENT_MARGIN,
 )
 from spectral_contact.contact.zone_fields import (
@@ -75,8 +71,6 @@ Record = Callable[[str, Any, float], Any]
 
 #: States of a stick disk in a slip annulus.
 _DISK_STATES = (0, 1)
-#: A stick disk without a radius: the solver chooses where it begins.
-_DISK = Layout((), _DISK_STATES)
 #: A stick disk with a narrow slip annulus around it.
 _WIDE_DISK = Layout((2.0,), _DISK_STATES)
 #: The closed form of the stick at a smooth edge is tried if half of the digits are expected of it:
@@ -101,9 +95,7 @@ class Candidate:
     predicted : bool
         Whether boundaries and Jacobian are predicted from scenes that were solved before
         (`solving.sharing`). Newton's method begins with them, and they are given up if it does not
-        lead to a verified solution that meets the tolerance. Without coupling one stick disk may
-        begin at that of a like scene and count as not predicted: it is kept if it misses the
-        tolerance, because a fresh start finds no better disk.
+        lead to a verified solution that meets the tolerance.
     closed_form_edge : bool
         Whether narrow stick at a smooth edge is added to them in closed form.
     """
@@ -127,13 +119,6 @@ class NoZonesError(ArithmeticError):
     least_wrong: PartialSlip | None = None
 
 
-def _largest_error(outcome: PartialSlip) -> float:
-    """Return the largest of the error estimates that a tolerance bounds."""
-    return max(
-        outcome.approach_error, outcome.shear_error, outcome.pressure_error, outcome.traction_error
-    )
-
-
 @dataclass(eq=False)
 class ZoneSearch(ABC):
     """Solves for one candidate after the other until the friction law holds.
@@ -142,8 +127,8 @@ class ZoneSearch(ABC):
     ----------
     parameters : Parameters
     stick : FullStick
-        Full stick in the same contact: its fields, the critical friction at which slip begins
-        (`critical`), and ``|q|/p`` at the edge (`edge_ratio`).
+        Full stick in the same contact: its fields, and the critical friction at which slip begins
+        (`critical`).
     tolerance : float
         Bound on the relative errors of the fields.
     max_unknowns : int
@@ -175,56 +160,62 @@ class ZoneSearch(ABC):
         return replace(outcome, trials=tuple(self._trials))
 
     def _best(self) -> PartialSlip:
-        """Return the outcome of the search, which does not say yet what was tried."""
+        """Return the outcome of the search, which does not say yet what was tried.
+
+        To a solution that lacks stick it is added, until none is missing or there is no solution.
+        Zones whose states were solved for are not tried again from other boundaries.
+        """
         outcomes: list[PartialSlip] = []
-        trial_states: set[tuple[int, ...]] = set()
-        for candidate in self._candidates():
-            if not candidate.predicted and candidate.zones.states in trial_states:
-                continue
-            for outcome in self._solutions(candidate, trial_states):
+        solved_states: set[tuple[int, ...]] = set()
+        for first_candidate in self._candidates():
+            candidate = first_candidate
+            while candidate.predicted or (
+                candidate.zones.states not in solved_states and self._is_possible(candidate.zones)
+            ):
+                outcome = self._try(candidate)
+                if outcome is None:
+                    break
                 if outcome.verified:
                     return outcome
                 outcomes.append(outcome)
+                solved_states.add(candidate.zones.states)
+                enlarged = outcome.with_missing_stick
+                if enlarged is None:
+                    break
+                candidate = Candidate(enlarged, "the zones before, with the stick missing there")
         return self._least_wrong(outcomes)
 
-    def _solutions(
-        self, candidate: Candidate, trial_states: set[tuple[int, ...]]
-    ) -> Iterator[PartialSlip]:
-        """Yield the solution on a candidate, if there is one, and those with stick added to it.
-
-        Stick is added where its absence refuted the solution before, until none is missing or
-        there is no solution; to predicted zones none is added. `trial_states` takes the states of
-        which no other boundaries are to be tried: those that are solved for, and those that began
-        with boundaries of this scene. A disk without a radius has none yet, and zones with a
-        Jacobian have those of a like scene.
-        """
-        boundaries_given = candidate.zones.logits and candidate.zones.jacobian is None
-        if boundaries_given and not candidate.predicted:
-            trial_states.add(candidate.zones.states)
-        while candidate.predicted or self._is_possible(candidate.zones):
-            outcome = self._try(candidate)
-            if outcome is None:
-                return
-            yield outcome
-            if candidate.predicted:
-                return
-            trial_states.add(candidate.zones.states)
-            enlarged = outcome.with_missing_stick
-            if enlarged is None:
-                return
-            candidate = Candidate(enlarged, "the zones before, with the stick missing there")
-
     def _try(self, candidate: Candidate) -> PartialSlip | None:
-        """Return the solution on a candidate, if there is one, and note the verdict on it."""
+        """Return the solution on a candidate, if there is one, and note the verdict on it.
+
+        On predicted zones it has to be verified and to meet the tolerance, because a fresh start
+        may give a better one.
+        """
         outcome = None
         try:
-            outcome = self._solve(candidate)
-            verdict = outcome.verdict
+            solved = self._solve(candidate)
+            verdict = solved.verdict
+            if not candidate.predicted:
+                outcome = solved
+            elif solved.verified:
+                if solved.slip_error < inf and self._error(solved) <= self.tolerance:
+                    outcome = solved
+                else:
+                    verdict = "the tolerance is not met from these boundaries"
         # LinAlgError: a zone has no width, its boundaries coincide
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             verdict = str(error)
         self._trials.append(Trial(candidate.zones, candidate.reason, verdict))
         return outcome
+
+    def _error(self, outcome: PartialSlip) -> float:
+        """Return the largest of the error estimates that the tolerance bounds."""
+        return max(
+            outcome.approach_error,
+            outcome.shear_error,
+            outcome.pressure_error,
+            outcome.traction_error,
+        )
 
     @property
     def _slip_where_full_stick_violates(self) -> Candidate:
@@ -313,33 +304,23 @@ class UncoupledSearch(ZoneSearch):
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, one disk, what full stick and rings show."""
-        beta = self.parameters.beta
-        start = self.warm_start
-        if start is not None and min(np.diff(start.logits), default=0.0) > COARSE_TOL:
-            yield Candidate(start, "the zones of a like scene", predicted=True)
+        if self.warm_start is not None:
+            yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
+        # a first radius, from the limits of little and of much friction
+        limit = limiting_logit(self.parameters)
         if not self._edge_stick_is_resolvable:
-            if start is not None and start.jacobian is not None and start.states == _DISK_STATES:
-                yield Candidate(start, "one stick disk, about as large as that of a like scene")
-            yield Candidate(_DISK, "one stick disk")
-        if beta == 0.0:
+            yield Candidate(Layout((limit,), _DISK_STATES), "one stick disk")
+        if self.parameters.beta == 0.0:
             return  # one stick disk it is: without a layer q has no other zones
-        from spectral_contact.contact.onset import is_narrow
-
-        violated = self._slip_where_full_stick_violates
-        if is_narrow(violated.zones):  # rings may miss it
-            yield violated
+        # rings take longer, and may miss narrow slip
+        yield self._slip_where_full_stick_violates
         from spectral_contact.contact.active_set import ring_layout
 
         rings = ring_layout(self.parameters, coupled=False)
         zones = rings.zones
         if rings.centre_unresolved:
-            # c -> 2 beta f / kappa as f -> 0
-            centre_radius = 2.0 * beta * self.parameters.friction
-            logit = Radius(centre_radius, 1.0 - centre_radius).logit
-            zones = Layout((logit, *zones.logits), (0, *zones.states))
+            zones = Layout((limit, *zones.logits), (0, *zones.states))
         yield Candidate(self._with_edge_stick(zones), "the zones of an active set on rings")
-        # the pressure on rings is not quite the pressure of the contact
-        yield violated
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones.
@@ -363,13 +344,8 @@ class UncoupledSearch(ZoneSearch):
         return best
 
     def _solve(self, candidate: Candidate) -> PartialSlip:
-        if candidate.predicted:
-            return self._solve_predicted(candidate.zones)
         zones = candidate.zones
         is_disk = zones.states == _DISK_STATES
-        if is_disk and not zones.logits:
-            # a first radius, from the limits of little and of much friction
-            zones = zones._replace(logits=(limiting_logit(self.parameters),))
         begin = perf_counter()
         try:
             refinement = self._refine(zones)
@@ -386,26 +362,8 @@ class UncoupledSearch(ZoneSearch):
             self.record(SLIP_FIELD, outcome, begin)
         return outcome
 
-    def _solve_predicted(self, zones: Layout) -> PartialSlip:
-        """Return the solution on predicted zones if it is verified and meets the tolerance.
-
-        Else a fresh start may give a better one, so that this candidate counts as refuted.
-        """
-        begin = perf_counter()
-        refinement = self._refine(zones)
-        outcome = zones_outcome(refinement.best.value, self.parameters, self.contact)
-        if not outcome.verified:
-            raise NoBoundariesError(outcome.verdict)
-        if outcome.slip_error == inf:
-            raise NoBoundariesError("no digit of the slip is known")
-        if self._error(refinement.best.value) > self.tolerance:
-            raise NoBoundariesError("the tolerance is not met from these boundaries")
-        self.record(ZONE_SEARCH, refinement, begin)
-        return outcome
-
-    def _error(self, solved: ZoneSolution | PartialSlip) -> float:
-        """Return the largest error estimate that the tolerance bounds."""
-        return max(solved.traction_error if self.pointwise else 0.0, solved.shear_error)
+    def _error(self, outcome: PartialSlip) -> float:
+        return max(outcome.traction_error if self.pointwise else 0.0, outcome.shear_error)
 
     def _full_slip(self) -> PartialSlip:
         """Return full slip: the logit of the stick radius is below MIN_LOGIT."""
@@ -458,7 +416,7 @@ class CoupledSearch(ZoneSearch):
         the closed form comes first; the candidates follow if it misses the tolerance.
         """
         closed_form = self._disk_with_edge_stick()
-        if closed_form is not None and _largest_error(closed_form) <= self.tolerance:
+        if closed_form is not None and self._error(closed_form) <= self.tolerance:
             return closed_form
         try:
             best = super()._best()
@@ -466,28 +424,24 @@ class CoupledSearch(ZoneSearch):
             if closed_form is None:
                 raise
             return closed_form
-        if closed_form is not None and _largest_error(closed_form) < _largest_error(best):
+        if closed_form is not None and self._error(closed_form) < self._error(best):
             return closed_form
         return best
 
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
-        from spectral_contact.contact.active_set import ring_layout
-        from spectral_contact.contact.onset import is_narrow
-
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
+        # rings take longer, and may miss narrow slip
         violated = self._slip_where_full_stick_violates
-        if is_narrow(violated.zones):  # rings may miss it or misplace it
-            yield violated
+        yield violated
+        from spectral_contact.contact.active_set import ring_layout
+
         rings = ring_layout(self.parameters, coupled=True)
         decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
         if decided and rings.ring_state.pressure_is_positive:
             zones = self._with_edge_stick(rings.zones)
             yield Candidate(zones, "the zones of an active set on rings")
-        # closer to the onset full stick may stand for slip (`solving.coupled_run`)
-        if 1.0 - self.parameters.friction / self.stick.critical > ONSET_BAND:
-            yield violated
         # up to where full stick exceeds the friction, if it does
         logits = violated.zones.logits[:1] or _WIDE_DISK.logits
         yield Candidate(Layout(logits, _DISK_STATES), "one stick disk")
@@ -512,9 +466,9 @@ class CoupledSearch(ZoneSearch):
         return estimated_stick_radius(self.parameters) ** 2 < exp(-EPSILON_DEPTH)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
-        unrefuted = [outcome for outcome in outcomes if not outcome.violation_text]
-        if unrefuted:
-            return min(unrefuted, key=lambda outcome: outcome.apparent_violation)
+        consistent = [outcome for outcome in outcomes if outcome.consistent]
+        if consistent:
+            return min(consistent, key=lambda outcome: outcome.apparent_violation)
         if self._smooth_edge_sticks and self._stick_disk_below_range:
             with suppress(ArithmeticError):  # the stick at the edge may not be narrow
                 return self._full_slip()
@@ -548,7 +502,7 @@ class CoupledSearch(ZoneSearch):
 
             with_verdict = with_edge_stick
         outcome = with_verdict(refinement.best.value, self.parameters)
-        if not outcome.violation_text:
+        if outcome.consistent:
             # `record` counts the time from a beginning until now: that of the solve is put off by
             # the time that the verdict took
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solve_end)
@@ -571,34 +525,6 @@ class CoupledSearch(ZoneSearch):
         reason = "one stick disk, with narrow stick at the edge in closed form"
         outcome = self._try(Candidate(_WIDE_DISK, reason, closed_form_edge=True))
         return outcome if outcome is not None and outcome.verified else None
-
-    def larger_radii(self, logit: float) -> list[float]:
-        """Return stick radii, larger than that of a solution, that may be solutions as well.
-
-        They are accurate to some percent of their distance from the edge. They are looked for if
-        ``|q|/p`` at the edge is below f in full stick, or the contact would open there
-        (`edge_ratio` is None): in other scenes no second radius is known. Smaller ones do not
-        matter: a contact that grows, or whose friction does, begins at small disks and reaches the
-        smallest one first.
-
-        Parameters
-        ----------
-        logit : float
-            That of the stick radius of the solution.
-        """
-        from spectral_contact.contact.coupled_radii import scan_logits, stick_radii
-
-        ratio = self.stick.edge_ratio
-        if not self._is_possible(_DISK) or (
-            ratio is not None and ratio >= self.parameters.friction
-        ):
-            return []
-        problem = FreeBoundaryProblem(self.parameters, _WIDE_DISK, self.tolerance)
-        # fields change over the width of a panel; on smooth surfaces radii are 10 and more apart
-        step = 2.0 * PANEL_WIDTH
-        logits = scan_logits(problem, logit + step, step)
-        radii = stick_radii(problem, logits, positive_only=True)
-        return [Radius.from_logit(radius.logit).value for radius in radii if radius.admissible]
 
     def _full_slip(self) -> PartialSlip:
         """Return full slip: the stick disk is too small to change the fields around it.

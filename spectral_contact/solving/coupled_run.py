@@ -131,21 +131,14 @@ class CoupledRun(Run):
         if slip is None:
             self._store_unresolved_slip(stick, max_onset_distance)
             return
-        larger_radii = []
-        if slip.layout is not None and slip.zones[0].kind == "stick":
-            larger_radii = search.larger_radii(slip.layout.logits[0])
-        self._store_slip(slip, larger_radii)
+        self._store_slip(slip)
 
-    def _store_slip(self, slip: PartialSlip, larger_radii: list[float]) -> None:
-        """Store partial slip, whose pressure is positive up to the edge, and other stick radii."""
-        # the opening stored so far is that of full stick
+    def _store_slip(self, slip: PartialSlip) -> None:
+        """Store partial slip, whose pressure is positive up to the edge."""
+        # the opening stored so far, and noted with the coupling, is that of full stick
         if "opening" in self.values:
             self.values["opening"] = None
-        reason = "pressure and traction are one system"
-        if larger_radii:
-            radii = ", ".join(f"{radius:.3g}" for radius in larger_radii)
-            reason += f"; a larger stick radius may satisfy the friction law, too: {radii}"
-        self.ran(reason, COUPLING)
+        self.ran("pressure and traction are one system", COUPLING)
         self.store(slip, 1.0)
 
     def _searched_zones(
@@ -200,7 +193,7 @@ class CoupledRun(Run):
             self.skip(self.refusal, PARTIAL_SLIP, ZONE_SEARCH, SLIP_FIELD)
         else:
             violation = best.violation
-            self._store_slip(replace(best, consistent=False), [])
+            self._store_slip(best)
             self.ran(self.refusal, PARTIAL_SLIP)
         for name in self.bounded:
             self.errors[name] += ONSET_ERROR_FACTOR * violation

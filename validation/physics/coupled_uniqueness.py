@@ -1,5 +1,13 @@
 """At how many stick radii coupled partial slip satisfies its condition, over random scenes.
 
+With elastic coupling it is not proved that one stick radius alone satisfies all conditions. So the
+boundary residual of one stick disk is scanned over many stick radii. It is the number that has to
+be added to the tangential equation at the boundary for the traction to be continuous there: where
+it is zero, the traction is continuous without it. The scan solves in spaces of low degree, at the
+tolerance `COARSE_TOL`.
+
+Radii are over the radius of the contact. The logit of a stick radius c is ``ln(c**2/(1 - c**2))``.
+
 Run as ``python validation/physics/coupled_uniqueness.py [--scenes N]``; writes
 validation/results/coupled_uniqueness.json and .md.
 """
@@ -9,20 +17,51 @@ from __future__ import annotations
 import json
 import math
 from collections import Counter
-from dataclasses import asdict
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from itertools import pairwise
 
 import numpy as np
 from common import options, table, write
+from scipy.optimize import brentq
 
 from spectral_contact import Scene, solve
-from spectral_contact.contact.coupled_radii import CandidateRadius, scan_logits, stick_radii
+from spectral_contact.contact.free_boundary import FieldSolution
+from spectral_contact.contact.friction_law import stick_violation
 from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.resolution import CUBIC_TAIL_DEPTH, EPSILON_DEPTH
+from spectral_contact.contact.tuning import COARSE_TOL
+from spectral_contact.contact.zone_fields import all_positive, fields_in_stick
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.spectral.parameters import Parameters
 
 SEED, COUNT = 30, 600
 #: The first radius that is looked at, and how far the others are apart, as logits.
 FIRST, STEP = -24.0, 1.0
+
+
+@dataclass(frozen=True)
+class CandidateRadius:
+    """A stick radius at which the traction is continuous, to `COARSE_TOL`.
+
+    Attributes
+    ----------
+    logit : float
+    excess : float
+        The largest ``|q|/(f p) - 1`` in stick, or 0; infinite if the pressure is not positive
+        everywhere.
+    """
+
+    logit: float
+    excess: float
+
+    @property
+    def admissible(self) -> bool:
+        """Whether pressure and traction obey the friction law in stick, to `COARSE_TOL`.
+
+        Whether slip opposes the traction is not verified.
+        """
+        return self.excess <= COARSE_TOL
 
 
 def draw(number: int) -> Scene:
@@ -43,6 +82,51 @@ def draw(number: int) -> Scene:
     least = min(0.2 * full.kappa, 0.2 * most)
     friction = math.exp(rng.uniform(math.log(least), math.log(most)))
     return Scene(ratio, alpha, beta, friction, coupling=True)
+
+
+def stick_radii(problem: FreeBoundaryProblem, logits: Iterable[float]) -> Iterator[CandidateRadius]:
+    """Yield the stick radii at which the traction is continuous, within the range of the scan.
+
+    Parameters
+    ----------
+    problem : FreeBoundaryProblem
+        The problem of one stick disk.
+    logits : iterable of float
+        Where the scan evaluates the boundary residual, so close to each other that it changes its
+        sign at most once between two.
+    """
+
+    def residual(logit: float) -> float:
+        return float(problem.coarse_solution(logit).boundary_residual[0])
+
+    residuals = ((logit, residual(logit)) for logit in logits)
+    for (left, left_residual), (right, right_residual) in pairwise(residuals):
+        if (left_residual > 0.0) != (right_residual > 0.0):
+            root = float(brentq(residual, left, right, xtol=COARSE_TOL))
+            yield CandidateRadius(root, _stick_excess(problem.coarse_solution(root)))
+
+
+def scan_logits(problem: FreeBoundaryProblem, first: float, step: float) -> list[float]:
+    """Return the logits of a scan, `step` apart.
+
+    Next to the edge fields change over distances like the compliances alpha and beta (boundary
+    layers). The scan ends where slip is narrower than both, or is lost in rounding.
+    """
+    layer_width = min(problem.parameters.alpha, problem.parameters.beta)
+    last = EPSILON_DEPTH
+    if layer_width > 0.0:
+        last = min(last, CUBIC_TAIL_DEPTH - math.log(layer_width))
+    return list(np.arange(first, max(last, first + step) + step, step).tolist())
+
+
+def _stick_excess(solution: FieldSolution) -> float:
+    """Return how far fields break the friction law in stick, see `CandidateRadius`."""
+    system = solution.system
+    pressures, shears = system.series(solution.values)
+    if not all_positive(pressures):
+        return math.inf
+    fields = fields_in_stick(system, pressures, shears)
+    return stick_violation(system.parameters.friction, fields)
 
 
 def radii(scene: Scene) -> list[CandidateRadius]:

@@ -88,7 +88,7 @@ def test_zones_without_width_are_no_zones(monkeypatch):
 def test_zones_that_break_the_law_by_more_than_their_errors_are_no_convergence(monkeypatch):
     own = zone_search.CoupledSearch.outcome
     monkeypatch.setattr(
-        zone_search.CoupledSearch, "outcome", lambda run: replace(own(run), consistent=False)
+        zone_search.CoupledSearch, "outcome", lambda run: replace(own(run), violation_text="wrong")
     )
     solution = solve(Scene(0.1, 0.5, 0.5, 0.1, coupling=True), 1e-2, strict=False)
     assert not solution.converged

@@ -1,6 +1,7 @@
 """The search of the zones: which candidates are tried, in which order, and what is told of them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,10 +69,12 @@ def test_zones_of_an_unlike_scene_are_refuted_and_the_search_goes_on():
     assert last.zones.states == (0, 1)
 
 
-def test_narrow_zones_of_a_like_scene_are_not_tried():
+def test_narrow_zones_of_a_like_scene_are_refuted_and_the_search_goes_on():
     narrow = Layout((1.0, 1.0005), (0, 1, 0))
     outcome = uncoupled(0.5, 0.5, 0.5, warm_start=narrow).outcome()
-    assert [trial.reason for trial in outcome.trials] == ["one stick disk"]
+    predicted, disk = outcome.trials
+    assert predicted.verdict != HOLDS
+    assert disk.reason == "one stick disk"
 
 
 def test_a_disk_that_is_far_off_is_followed_by_one_that_is_not_predicted():
@@ -112,14 +115,18 @@ def test_an_error_tells_what_refuted_each_candidate(monkeypatch):
     assert caught.value.least_wrong is None
 
 
-def test_states_are_tried_once_but_a_disk_without_radius(monkeypatch):
-    """Rings and full stick have the same zones here: they are solved for once."""
+def coupled_with_one_annulus():
+    """Return the search of a scene in which rings and full stick show one disk, too."""
     parameters = Parameters(0.3, 0.2, 0.25, 0.15)
     infinite = parameters._replace(friction=math.inf)
     stick = full_stick(solve_stick(infinite, 1e-4, 5000), None).best.value
     rings = active_set.ring_layout(parameters, coupled=True)
     assert rings.zones.states == (0, 1)
-    search = CoupledSearch(parameters, stick, 1e-4, 5000, value)
+    return CoupledSearch(parameters, stick, 1e-4, 5000, value)
+
+
+def test_states_are_tried_from_other_boundaries_until_there_is_a_solution(monkeypatch):
+    search = coupled_with_one_annulus()
     reasons = []
 
     def refuse(search, candidate):
@@ -129,4 +136,68 @@ def test_states_are_tried_once_but_a_disk_without_radius(monkeypatch):
     monkeypatch.setattr(CoupledSearch, "_solve", refuse)
     with pytest.raises(NoZonesError):
         search.outcome()
-    assert reasons == ["the zones of an active set on rings"]
+    assert reasons == [
+        "slip where full stick exceeds the friction",
+        "the zones of an active set on rings",
+        "one stick disk",
+    ]
+
+
+def test_states_are_solved_for_once(monkeypatch):
+    search = coupled_with_one_annulus()
+    solve_candidate = CoupledSearch._solve
+    monkeypatch.setattr(
+        CoupledSearch,
+        "_solve",
+        lambda search, candidate: replace(solve_candidate(search, candidate), violation_text="no"),
+    )
+    with pytest.raises(NoZonesError) as caught:
+        search.outcome()
+    assert str(caught.value) == "2 zones (slip where full stick exceeds the friction): no"
+    assert caught.value.least_wrong.zones[0].kind == "stick"
+
+
+def test_predicted_zones_that_miss_the_tolerance_are_given_up(monkeypatch):
+    zones = uncoupled(0.05, 1.0, 0.23).outcome().layout
+    search = uncoupled(0.05, 1.0, 0.232, warm_start=zones)
+    solve_candidate = UncoupledSearch._solve
+
+    def solved(search, candidate):
+        outcome = solve_candidate(search, candidate)
+        return replace(outcome, shear_error=1e-3) if candidate.predicted else outcome
+
+    monkeypatch.setattr(UncoupledSearch, "_solve", solved)
+    first, *_, last = search.outcome().trials
+    assert first.verdict == "the tolerance is not met from these boundaries"
+    assert last.verdict == HOLDS
+
+
+def test_a_narrow_annulus_is_the_same_at_every_tolerance():
+    scene = Scene(
+        0.3216563614452209,
+        3.902806546943033,
+        4.804038693556474e-12,
+        14252.653932202149,
+        coupling=True,
+    )
+    finest = solve(scene, 1e-12, ("zones",))
+    for rtol in (1e-3, 1e-6, 1e-9):
+        found = solve(scene, rtol, ("zones",))
+        width, truth = found.zones[-1].inner_from_edge, finest.zones[-1].inner_from_edge
+        assert abs(width / truth - 1.0) <= found.error.zones + finest.error.zones
+
+
+@pytest.mark.parametrize("lack", [1e-5, 1e-7, 1e-9])
+def test_slip_that_begins_at_the_edge_is_found(lack):
+    stick = Scene(0.15, 0.05, 0.004, math.inf, coupling=True)
+    critical = solve(stick, 1e-12, ("critical_friction",)).critical_friction
+    scene = stick.replace(friction=critical * (1.0 - lack))
+    widths = []
+    for rtol in (1e-6, 1e-9, 1e-11):
+        found = solve(scene, rtol)
+        if 3.0 * lack < rtol:  # full stick, with room for it
+            continue
+        assert found.error.zones < 0.1
+        widths.append((found.zones[-1].inner_from_edge, found.error.zones))
+    for width, error in widths[:-1]:
+        assert abs(width / widths[-1][0] - 1.0) <= error + widths[-1][1]
