@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 import numpy as np
 
 from spectral_contact.contact.free_boundary import Iterate
-from spectral_contact.contact.layout import NoBoundariesError
+from spectral_contact.contact.layout import NoBoundariesError, min_zone_width
 from spectral_contact.contact.refine import SpaceSolution
 from spectral_contact.contact.relative_changes import relative_changes
 from spectral_contact.contact.resolution import radius_errors
@@ -159,13 +159,15 @@ class ZoneEstimate:
         """The relative error of the fields by the errors of the boundaries.
 
         It is twice the Newton step of the logits. With the step above rounding and beta > 0 it is
-        the size of `FieldSolution.boundary_perturbation` if that is smaller.
+        twice the step over the width of the narrowest zone, in which the fields may change by their
+        own size, or the size of `FieldSolution.boundary_perturbation` if that is smaller.
         """
         residual = np.abs(self.solution.boundary_residual)
         bound = 2.0 * float((self.inverse_moduli @ residual).max(initial=0.0))
         if bound > 2.0 * ROUNDING and self.system.parameters.beta > 0.0:
             perturbation = self.solution.boundary_perturbation
-            return min(self.solution.relative_size(perturbation.change), bound)
+            size = self.solution.relative_size(perturbation.change)
+            return min(size, bound / min_zone_width(self.iterate.logits))
         return bound
 
     @cached_property

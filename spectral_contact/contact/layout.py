@@ -104,3 +104,8 @@ def fixed_disk(logit: float) -> Layout:
     The derivative in its Jacobian is so large that every step of the boundary rounds to 0.
     """
     return Layout((logit,), (0, 1), np.array([[1.0 / TINY]]))
+
+
+def min_zone_width(logits: NDArray[np.float64]) -> float:
+    """Return the width of the narrowest zone between boundaries, in logits; at most 1."""
+    return float(min([1.0, *np.diff(logits)]))

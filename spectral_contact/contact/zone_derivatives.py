@@ -30,12 +30,12 @@ from numpy.typing import NDArray
 
 from spectral_contact.contact.error_estimate import stick_zone_sources
 from spectral_contact.contact.free_boundary import FieldSolution, correct_to
-from spectral_contact.contact.layout import Layout
+from spectral_contact.contact.layout import Layout, min_zone_width
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.slip_displacement import SlipZone, slip_displacement
 from spectral_contact.contact.tuning import DERIVATIVE_CORRECTIONS, JACOBIAN_RANGE, ROUNDING
 from spectral_contact.contact.zone_fields import stick_tractions
-from spectral_contact.contact.zone_problem import FreeBoundaryProblem, min_zone_width
+from spectral_contact.contact.zone_problem import FreeBoundaryProblem
 from spectral_contact.fields.series import (
     DiskSeries,
     EdgeWeight,

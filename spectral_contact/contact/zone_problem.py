@@ -26,7 +26,7 @@ from spectral_contact.contact.free_boundary import (
     fd_jacobian,
     find_boundaries,
 )
-from spectral_contact.contact.layout import Layout, NoBoundariesError
+from spectral_contact.contact.layout import Layout, NoBoundariesError, min_zone_width
 from spectral_contact.contact.normal import NormalContact
 from spectral_contact.contact.refine import Refinement, SpaceSolution, refine
 from spectral_contact.contact.resolution import concatenate_spaces
@@ -303,11 +303,6 @@ class FreeBoundaryProblem:
         if self._known and not self.pointwise:
             return replace(solution, error=solution.value.shear_error)
         return solution
-
-
-def min_zone_width(logits: Array) -> float:
-    """Return the width of the narrowest zone between boundaries, in logits; at most 1."""
-    return float(min([1.0, *np.diff(logits)]))
 
 
 class _GivenRadius(FreeBoundaryProblem):

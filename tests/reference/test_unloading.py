@@ -206,3 +206,26 @@ def test_slip_back_in_a_narrow_annulus_is_seen():
     from_edge = np.geomspace(1e-4, 0.9, 50_001)
     bound = scene.friction * found.pressure(from_edge=from_edge)
     assert np.abs(found.traction(from_edge=from_edge) / bound).max() <= 1.0 + 1e-8
+
+
+def test_errors_of_boundaries_next_to_a_narrow_zone():
+    """A step of the boundaries is small beside the radius, and not beside the zone's width.
+
+    The traction was off by 2.3 times its estimate.
+    """
+    nu, alpha, beta, friction = -0.727, 258.0026, 10.8508778, 0.015161157790015
+    scene = Scene(nu, alpha, beta, friction, unloaded_to=0.03949945306)
+    asked = "traction", "pressure", "zones"
+    found, exact = solve(scene, 4.9e-5, asked), solve(scene, 1e-9, asked)
+    assert found.converged
+    stick, exact_stick = found.zones[2], exact.zones[2]
+    assert exact_stick.memory
+    assert exact.zones[1].outer - exact.zones[1].inner < 3e-3
+    # at places that the boundary fixes; the error is relative to f p
+    places = np.linspace(0.02, 0.98, 20)
+    radii, exact_radii = (
+        zone.inner + places * (zone.outer - zone.inner) for zone in (stick, exact_stick)
+    )
+    off = np.abs(found.traction(radii) - exact.traction(exact_radii))
+    bound = scene.friction * exact.pressure(exact_radii)
+    assert (off / bound).max() <= found.error.traction + exact.error.traction

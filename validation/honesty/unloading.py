@@ -29,7 +29,9 @@ MESHES = (
 #: The tolerance of the other truth.
 CLOSE = 1e-12
 #: Compliances, in decades; thinner layers take more elements.
-LEAST, MOST = -1.5, 0.5
+LEAST, MOST = -1.5, 2.5
+#: How far loads may be above the shakedown ratio, in decades of the way to the largest load.
+CLOSEST = -3.0
 #: Places in a zone, in the square of the radius.
 PLACES = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
 #: Loads over the turning ratio, in the second stratum: in decades, and the most.
@@ -39,7 +41,7 @@ DEEPEST, HIGHEST = -2.0, 0.999
 def punch(rng: np.random.Generator) -> tuple[Scene, float]:
     """Return a flat punch at its largest load, and its shakedown ratio."""
     alpha = decade(rng, LEAST, MOST)
-    beta = alpha if rng.random() < 0.25 else float(np.clip(alpha * decade(rng, -1, 1), 0.02, 5.0))
+    beta = alpha if rng.random() < 0.25 else float(np.clip(alpha * decade(rng, -1, 1), 0.02, 500.0))
     nu = float(rng.choice([0.0, 0.1, 0.3, 0.45]))
     base = Scene(nu, alpha, beta, np.inf)
     critical = solve(base, 1e-8, ["critical_friction"]).critical_friction
@@ -50,7 +52,8 @@ def punch(rng: np.random.Generator) -> tuple[Scene, float]:
 def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
     """Return a scene and a tolerance."""
     loaded, shakedown = punch(rng)
-    ratio = shakedown + (1.0 - shakedown) * rng.uniform(-0.01, 0.99)
+    distance = decade(rng, CLOSEST, 0.0) if rng.random() < 0.25 else rng.uniform(-0.01, 0.99)
+    ratio = shakedown + (1.0 - shakedown) * distance
     return loaded.replace(unloaded_to=float(ratio)), decade(rng, -9.0, -2.0)
 
 
