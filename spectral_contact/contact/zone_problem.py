@@ -33,8 +33,8 @@ from spectral_contact.contact.resolution import concatenate_spaces
 from spectral_contact.contact.stick_radius import (
     MIN_LOGIT,
     NoStickDiskError,
-    enclosed_root,
     min_logit,
+    secant_root,
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
@@ -195,6 +195,10 @@ class FreeBoundaryProblem:
         system = self.system(self.spaces(COARSE_TOL, logits), logits)
         return correct_to(FieldSolution.first(factored(system)), COARSE_TOL).fields
 
+    def coarse_residual(self, logit: float) -> float:
+        """Return the boundary residual of `coarse_solution`."""
+        return float(self.coarse_solution(logit).boundary_residual[0])
+
     def current_layout(self) -> Layout:
         """Return the boundaries to begin with in a space, and their Jacobian.
 
@@ -227,11 +231,7 @@ class FreeBoundaryProblem:
     def _initial_disk(self, guess: float) -> Layout:
         """Return the boundary of one stick disk, and the slope of its residual."""
         least = MIN_LOGIT if self._known else min_logit(self.parameters)
-
-        def residual(logit: float) -> float:
-            return float(self.coarse_solution(logit).boundary_residual[0])
-
-        logit, slope = enclosed_root(residual, guess, COARSE_TOL, least=least)
+        logit, slope = secant_root(self.coarse_residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def jacobian(self, logits: Array, tolerance: float = JACOBIAN_FIELD_TOL) -> Array:

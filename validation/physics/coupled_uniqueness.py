@@ -95,14 +95,10 @@ def stick_radii(problem: FreeBoundaryProblem, logits: Iterable[float]) -> Iterat
         Where the scan evaluates the boundary residual, so close to each other that it changes its
         sign at most once between two.
     """
-
-    def residual(logit: float) -> float:
-        return float(problem.coarse_solution(logit).boundary_residual[0])
-
-    residuals = ((logit, residual(logit)) for logit in logits)
+    residuals = ((logit, problem.coarse_residual(logit)) for logit in logits)
     for (left, left_residual), (right, right_residual) in pairwise(residuals):
         if (left_residual > 0.0) != (right_residual > 0.0):
-            root = float(brentq(residual, left, right, xtol=COARSE_TOL))
+            root = float(brentq(problem.coarse_residual, left, right, xtol=COARSE_TOL))
             yield CandidateRadius(root, _stick_excess(problem.coarse_solution(root)))
 
 
