@@ -34,7 +34,7 @@ import numpy as np
 from scipy.special import beta as beta_function
 from scipy.special import betainc
 
-from spectral_contact.contact.friction_law import violation_text
+from spectral_contact.contact.friction_law import named_violation
 from spectral_contact.contact.resolution import EPSILON_DEPTH
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.stick_radius import MAX_LOGIT
@@ -317,7 +317,7 @@ def _with_fields_of_stick(
         zones_error=max(outcome.zones_error, width_error),
         slip_error=slip_error,
         violation=max(outcome.violation, wrong_slip),
-        violation_text=outcome.violation_text or violation_text(0.0, 0.0, wrong_slip, slip_error),
+        violation_text=outcome.violation_text or named_violation(0.0, 0.0, wrong_slip, slip_error),
         layout=None,
     )
 

@@ -30,8 +30,8 @@ Interval: TypeAlias = tuple[float, float]
 #: Distance from a boundary, over the width of the zone, at which slip is as small as its rounding,
 #: because it grows like the distance to the power 3/2.
 _BOUNDARY_DISTANCE = float(np.cbrt(SLIP_ROUNDING)) ** 2
-#: A violation of the friction law that is smaller counts as none. The stick radius where slip is
-#: about to start has at least this relative error: an annulus opens like the root of
+#: A violation of the friction law by full stick that is smaller counts as none. The stick radius
+#: where slip is about to start has at least this relative error: an annulus opens like the root of
 #: ``1 - f/f_crit``, which has the rounding of the traction.
 UNRESOLVED_SLIP = sqrt(TRACTION_ROUNDING)
 #: Distances in y from the boundary of a part, over the extent of the part, at which stick is
@@ -97,7 +97,7 @@ def missing_stick(
     return tuple(intervals)
 
 
-def violation_text(excess: float, error: float, wrong: float, slip_error: float) -> str:
+def named_violation(excess: float, error: float, wrong: float, slip_error: float) -> str:
     """Return the name of a violation of the friction law beyond the errors; empty without one.
 
     Parameters

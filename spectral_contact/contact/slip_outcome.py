@@ -30,9 +30,9 @@ from spectral_contact.contact.friction_law import (
     edge_sense_unknown,
     inf_if_unresolved,
     missing_stick,
+    named_violation,
     slip_error_from_boundaries,
     stick_violation,
-    violation_text,
 )
 from spectral_contact.contact.layout import Layout, Trial
 from spectral_contact.contact.normal import NormalContact
@@ -175,7 +175,8 @@ def full_stick_outcome(stick: FullStick, parameters: Parameters) -> PartialSlip:
         zones_error=max(radius_error, 1.0),
         slip_error=1.0,
         violation=excess,
-        violation_text=violation_text(
+        # `named_violation` excuses twice an error, and so UNRESOLVED_SLIP
+        violation_text=named_violation(
             excess, max(UNRESOLVED_SLIP / 2.0, stick.critical_error), 0.0, 0.0
         ),
     )
@@ -365,7 +366,7 @@ def _checked_outcome(
         slip_error=max(slip_error, wrong) * min(largest / max(displacement.largest, TINY), 1.0),
         violation=max(excess, wrong) if slip_error < inf else excess,
         wrong_slip=wrong,
-        violation_text=violation_text(excess, traction_error, wrong, excused),
+        violation_text=named_violation(excess, traction_error, wrong, excused),
         missing=missing,
         layout=solved.layout,
         **scalars,

@@ -7,10 +7,11 @@ edge are as easy as others.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import copysign, log, log1p, pi, sqrt
+from functools import cache
+from math import copysign, log, log1p, pi
 
 from spectral_contact.contact.resolution import EPSILON_DEPTH, TINY
-from spectral_contact.contact.tuning import MAX_STEPS, ROUNDING
+from spectral_contact.contact.tuning import JACOBIAN_RANGE, ROUNDING
 from spectral_contact.spectral.parameters import Parameters
 
 #: Range of logits of stick radii c. The matrix of a disk scales like ``c**5`` (docs/theory), which
@@ -34,7 +35,7 @@ class NoStickDiskError(ArithmeticError):
         self.at_centre = at_centre
 
 
-def secant_root(
+def enclosed_root(
     function: Callable[[float], float],
     guess: float,
     error: float,
@@ -43,8 +44,8 @@ def secant_root(
 ) -> tuple[float, float]:
     """Return a root in the logit of c, and the slope there.
 
-    It is found by the secant method. Every step goes to the side of the root, which the sign of the
-    value tells, and none is longer than 1 and twice the last one.
+    From the guess on, steps that double enclose the root by a change of sign; a bracketing method
+    finds it.
 
     Parameters
     ----------
@@ -59,25 +60,29 @@ def secant_root(
     Raises
     ------
     NoStickDiskError
-        If no root is found; `at_centre` is true if it lies below the least logit.
+        If there is no root; `at_centre` is true if it lies below the least logit.
     """
-    x = guess
-    value = function(x)
-    step = copysign(sqrt(error), -value)
-    for _ in range(MAX_STEPS):
-        other = min(max(x + step, least), MAX_LOGIT)
+    from scipy.optimize import toms748
+
+    function = cache(function)  # the bracketing method begins with values at ends that are known
+    x = other = guess
+    value = other_value = function(guess)
+    step = 0.5
+    # from x to the other end the function has not changed its sign yet
+    while other_value * value > 0.0:
+        x = other
+        value = other_value
+        step *= 2.0
+        # the root lies below x where the value is positive
+        other = min(max(x + copysign(step, -value), least), MAX_LOGIT)
         if other == x:
             raise NoStickDiskError(at_centre=value > 0.0)
         other_value = function(other)
-        slope = (other_value - value) / (other - x)
-        x = other
-        value = other_value
-        # rounding may make the slope zero or negative, as at both ends of the range
-        length = min(1.0 + 2.0 * abs(step), abs(value) / max(slope, TINY))
-        step = copysign(length, -value)
-        if length < error:
-            return x + step, slope
-    raise NoStickDiskError(at_centre=x < 0.0)
+    root = toms748(function, min(x, other), max(x, other), xtol=error) if x != other else x
+    difference = function(root + JACOBIAN_RANGE) - function(root - JACOBIAN_RANGE)
+    if difference <= 0.0:  # a change of sign by noise, as at both ends of the range
+        raise NoStickDiskError(at_centre=root < 0.0)
+    return root, difference / (2.0 * JACOBIAN_RANGE)
 
 
 def min_logit(parameters: Parameters) -> float:

@@ -33,8 +33,8 @@ from spectral_contact.contact.resolution import concatenate_spaces
 from spectral_contact.contact.stick_radius import (
     MIN_LOGIT,
     NoStickDiskError,
+    enclosed_root,
     min_logit,
-    secant_root,
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
@@ -231,7 +231,7 @@ class FreeBoundaryProblem:
     def _initial_disk(self, guess: float) -> Layout:
         """Return the boundary of one stick disk, and the slope of its residual."""
         least = MIN_LOGIT if self._known else min_logit(self.parameters)
-        logit, slope = secant_root(self.coarse_residual, guess, COARSE_TOL, least=least)
+        logit, slope = enclosed_root(self.coarse_residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 
     def jacobian(self, logits: Array, tolerance: float = JACOBIAN_FIELD_TOL) -> Array:

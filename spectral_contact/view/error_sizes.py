@@ -79,7 +79,9 @@ class ErrorSizes:
             if name == "pressure":
                 sizes = np.hypot(p, q_over_s)
             else:
-                sizes = s * np.hypot(q_over_s, scene.kappa * p)
+                both = s * np.hypot(q_over_s, scene.kappa * p)
+                # next to a smooth edge that sticks p is infinite, and the traction is not
+                sizes = np.where(np.isfinite(both), both, sizes)
         return np.where(sizes == 0.0, largest, sizes)
 
     def mean(self, name: str) -> float:

@@ -148,14 +148,17 @@ class _Row:
     value: float | None
     unit: str
     error: float | None
-    #: the scale of the error over the modulus of the value: 1 if the error is relative to that
-    scale: float = 1.0
+    #: the scale of the error over the modulus of the value: 1 if the error is relative to that;
+    #: None if it is not known
+    scale: float | None = 1.0
     #: if the value is not known: the quantity that would have to be asked for
     takes: str = ""
 
     @property
     def own_error(self) -> float | None:
         """The error relative to the value."""
+        if self.scale is None:
+            return None
         return self.error * self.scale if self.error else self.error
 
 
@@ -236,11 +239,11 @@ def _edge_value(source: Solution | PhysicalSolution, name: str) -> float:
     return float(getattr(source, name)(from_edge=0.0))
 
 
-def _error_scale_at(name: str, solution: Solution, from_edge: float) -> float:
+def _error_scale_at(name: str, solution: Solution, from_edge: float) -> float | None:
     """Return what the error of a field is relative to, over the modulus of its value there.
 
-    It is 1 where the value is 0 or not finite, and where it would take a field that was not asked
-    for.
+    It is 1 where the value is 0 or not finite, and None where it would take a field that was not
+    asked for.
     """
 
     def field(name: str) -> Callable[[Array], Array]:
@@ -253,7 +256,7 @@ def _error_scale_at(name: str, solution: Solution, from_edge: float) -> float:
     try:
         size = ErrorSizes(solution.scene, solution, field).at(name, value, places)
     except NotComputedError:
-        return 1.0
+        return None
     return float(size[0] / abs(value[0]))
 
 

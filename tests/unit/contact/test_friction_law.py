@@ -8,8 +8,8 @@ import pytest
 from spectral_contact.contact.friction_law import (
     inf_if_unresolved,
     missing_stick,
+    named_violation,
     slip_error_from_boundaries,
-    violation_text,
 )
 from spectral_contact.fields.series import EDGE, Radius
 from spectral_contact.spectral.annulus import Annulus
@@ -28,7 +28,7 @@ from spectral_contact.spectral.panels import LogPanels
     ],
 )
 def test_the_law_holds_to_the_errors_or_to_rounding(excess, error, wrong, slip_error, expected):
-    assert (not violation_text(excess, error, wrong, slip_error)) is expected
+    assert (not named_violation(excess, error, wrong, slip_error)) is expected
 
 
 def test_no_digit_is_infinite():

@@ -348,3 +348,8 @@ def test_a_traction_that_keeps_its_sign_below_the_largest_load_is_compared_relat
 def test_what_a_flat_punch_does_not_have_is_called_by_its_name():
     with pytest.raises(NotComputedError, match="load not computed: the punch is flat"):
         sc.compare(STEEL, load=5.0)
+
+
+def test_a_wrong_traction_is_seen_where_the_pressure_is_infinite():
+    scene = Scene(0.3, 0.0, 0.5, 0.05, coupling=True)  # the smooth edge sticks
+    assert sc.compare(scene, from_edge=[0.0], traction=[0.3]).agreements[0].error > 1.0

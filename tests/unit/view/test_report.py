@@ -214,3 +214,10 @@ def test_the_stiffness_next_to_pull_off_has_an_error_relative_to_itself():
     [line] = [one for one in report(solution).splitlines() if "on branch" in one]
     # A rounding of the load alone moves this stiffness by eps / (2e-8), about 1e-8, of itself.
     assert max(off, 1e-8) < float(line.split()[-1]) < 1e-5
+
+
+def test_traction_where_a_smooth_edge_sticks_and_the_pressure_is_infinite():
+    scene = Scene(0.3, 0.0, 0.5, 0.05, coupling=True)
+    solution = solve(scene, 1e-4, ["traction", "pressure"])
+    row = next(line for line in report(solution).splitlines() if "traction, edge" in line)
+    assert float(row.split()[-1]) == pytest.approx(solution.error.traction, rel=0.1)
