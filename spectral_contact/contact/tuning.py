@@ -126,7 +126,8 @@ DERIVATIVE_CORRECTIONS = 4
 MIN_SAMPLE_DEPTH = 1e-3
 #: Radii of each step of the search for a change of sign; and of each of three looks for the largest
 #: q/p: on the panels, in the tail beyond them, and around the radius of the maximum of the first
-#: two, where the set that violates the friction law may be tiny.
+#: two, where the set that violates the friction law may be tiny. The largest q/p of full stick is
+#: looked for in four steps more, each between the neighbours of the largest sample.
 SAMPLES = 129
 #: Points over the whole depth at which q/p of full stick is compared with the friction.
 ONSET_SAMPLES = 4001

@@ -250,10 +250,10 @@ def _error_scale_at(name: str, solution: Solution, from_edge: float) -> float | 
         return lambda places: np.asarray(getattr(solution, name)(from_edge=places))
 
     places = np.array([from_edge])
-    value = field(name)(places)
-    if not np.isfinite(value[0]) or value[0] == 0.0:
-        return 1.0
     try:
+        value = field(name)(places)
+        if not np.isfinite(value[0]) or value[0] == 0.0:
+            return 1.0
         size = ErrorSizes(solution.scene, solution, field).at(name, value, places)
     except NotComputedError:
         return None
