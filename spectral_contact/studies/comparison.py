@@ -21,7 +21,7 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.studies.truth import PLACES, estimate_of
 from spectral_contact.testing.solution_checks import by_distance, field_of
-from spectral_contact.view.error_sizes import OF_MEAN, ErrorSizes, unloaded
+from spectral_contact.view.error_sizes import OF_MEAN_PRESSURE, ErrorSizes, unloaded
 from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
@@ -263,7 +263,7 @@ def _truth(scene: Scene, given: dict[str, Any]) -> Solution:
         needed |= {"zones"}
     if _SURFACE in needed:
         needed = needed - {_SURFACE} | {"pressure", "traction"}
-    needed |= {*OF_MEAN} if scene.profile is not None else set()
+    needed |= {*OF_MEAN_PRESSURE} if scene.profile is not None else set()
     return solve(scene, _RTOL, tuple(needed), strict=False)
 
 

@@ -19,7 +19,7 @@ Field = Callable[[Array], Array]
 #: Number of rings of equal area on which the mean and the largest size of a field are taken.
 _RINGS: Final = 64
 #: Quantities from which the mean pressure under a profile is computed.
-OF_MEAN: Final = ("load", "contact_radius")
+OF_MEAN_PRESSURE: Final = ("load", "contact_radius")
 
 
 def unloaded(scene: Scene) -> bool:
@@ -50,6 +50,7 @@ class ErrorSizes:
         Parameters
         ----------
         name : str
+            Pressure, traction or slip.
         values : ndarray
             Of the field, dimensionless.
         places : ndarray
@@ -57,8 +58,8 @@ class ErrorSizes:
         """
         scene = self._scene
         # the largest value is that over the whole contact, wherever values are given
-        moduli = np.append(self._on_rings(name), np.abs(values[np.isfinite(values)]))
-        largest = np.max(moduli, initial=0.0) or 1.0
+        known_sizes = np.append(self._on_rings(name), np.abs(values[np.isfinite(values)]))
+        largest = np.max(known_sizes, initial=0.0) or 1.0
         if name == "slip":
             return np.full(len(values), largest)
         sizes = np.abs(values)
@@ -73,6 +74,8 @@ class ErrorSizes:
                 return np.full(len(values), largest)
             sizes = np.maximum(sizes, self._mean_pressure())
         if scene.couples:
+            # p or q may change sign: the error of each is relative to the two together, as
+            # q/s and kappa p act on each other (docs/coupling)
             s = 1.0 - places
             p, q = (self._field(one)(places) for one in ("pressure", "traction"))
             q_over_s = np.divide(q, s, out=np.zeros_like(q), where=s > 0.0)
@@ -97,7 +100,9 @@ class ErrorSizes:
     def _mean_pressure(self) -> float:
         """Return the mean pressure over the contact of a profile."""
         try:
-            load, a = (checks.scalar(f"truth.{of}", getattr(self._solution, of)) for of in OF_MEAN)
+            load, a = (
+                checks.scalar(f"truth.{of}", getattr(self._solution, of)) for of in OF_MEAN_PRESSURE
+            )
         except NotComputedError:
             if endless(self._scene):  # there is no edge, within which a mean could be taken
                 raise
