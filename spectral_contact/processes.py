@@ -18,17 +18,6 @@ from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-__all__ = [
-    "PROGRAM",
-    "VERSION",
-    "Terminated",
-    "end_with_parent",
-    "failed",
-    "guarded",
-    "quiet_imports",
-    "workers",
-]
-
 PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
@@ -66,8 +55,7 @@ def guarded(run: Callable[[], int]) -> int:
 def failed(message: str, status: int) -> int:
     """Say on one line of stderr what went wrong, and return the exit status."""
     try:
-        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")
-        sys.stderr.flush()
+        print(f"{PROGRAM}: {' '.join(message.split())}", file=sys.stderr, flush=True)
     except OSError:  # the status says it as well
         _silence(sys.stderr)
     return status
@@ -139,15 +127,14 @@ def workers(count: int) -> Iterator[Executor | None]:
     if count == 1:
         yield None
         return
-    import multiprocessing  # not before the first Ctrl-C can be answered
+    # not before the first Ctrl-C can be answered
     from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import active_children, get_context
 
-    others = multiprocessing.active_children()
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, context, end_with_parent, (os.getpid(),))
+    others = active_children()
+    pool = ProcessPoolExecutor(count, get_context("spawn"), end_with_parent, (os.getpid(),))
     with _handled({signal.SIGINT: signal.SIG_IGN}):  # which processes inherit
-        for _ in range(count):
-            pool.submit(int)  # starts a process, as long as all others are busy
+        pool.map(int, range(count))  # each task starts a process, as long as all others are busy
     try:
         yield pool
     except BaseException:
@@ -158,7 +145,7 @@ def workers(count: int) -> Iterator[Executor | None]:
         # pool must not be collected.
         _STOPPED.append(pool)
         pool.shutdown(wait=False, cancel_futures=True)
-        for process in {*multiprocessing.active_children()}.difference(others):
+        for process in {*active_children()}.difference(others):
             process.terminate()
         raise
     finally:
@@ -176,8 +163,7 @@ def end_with_parent(number: int) -> None:
     """
     from multiprocessing import parent_process
 
-    parent = parent_process()
-    if parent is not None and parent.pid == number:
+    if (parent := parent_process()) is not None and parent.pid == number:
         _follow(parent)
 
 
