@@ -13,15 +13,14 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
-from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
+__all__ = ["PROGRAM", "VERSION", "end_with_parent", "failed", "guarded", "quiet_imports", "workers"]
 
 PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
-class Terminated(KeyboardInterrupt):
+class _Terminated(KeyboardInterrupt):
     """Somebody sent TERM: everything that an interrupt ends is ended in the same way."""
 
 
@@ -34,14 +33,13 @@ def guarded(run: Callable[[], int]) -> int:
     Ctrl-C and TERM end it in one line, and a stdout that is closed ends it in silence.
     """
     # a process that was started without stdout or stderr has None
-    sys.stdout = sys.stdout or _nowhere()
-    sys.stderr = sys.stderr or _nowhere()
+    sys.stdout, sys.stderr = (stream or _nowhere() for stream in (sys.stdout, sys.stderr))
     status = 0
     with _handled({signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate}):
         try:
             status = run()
             sys.stdout.flush()
-        except Terminated:
+        except _Terminated:
             return failed("terminated", 143)
         except KeyboardInterrupt:
             return failed("interrupted", 130)
@@ -55,7 +53,7 @@ def guarded(run: Callable[[], int]) -> int:
 def failed(message: str, status: int) -> int:
     """Say on one line of stderr what went wrong, and return the exit status."""
     try:
-        print(f"{PROGRAM}: {' '.join(message.split())}", file=sys.stderr, flush=True)
+        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")  # a line is flushed
     except OSError:  # the status says it as well
         _silence(sys.stderr)
     return status
@@ -106,19 +104,19 @@ def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
 
 
 def _terminate(*_: object) -> NoReturn:
-    raise Terminated
+    raise _Terminated
 
 
 # --- workers --------------------------------------------------------------------------------------
 
 
 #: Pools that an error or an interrupt has stopped.
-_STOPPED: list[Executor] = []
+_STOPPED: list[Any] = []
 
 
 @contextmanager
-def workers(count: int) -> Iterator[Executor | None]:
-    """Yield an executor of so many processes, None for a single one.
+def workers(count: int) -> Iterator[Any]:
+    """Yield a `ProcessPoolExecutor` of so many processes, None for a single one.
 
     The processes do not survive this one, however it ends, and ignore Ctrl-C, which a terminal
     sends to all of them. If an error or an interrupt leaves the context, their work is not waited

@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from typing import Any, Final, TypeVar
 
+__all__ = ["cached_property", "one_thread"]
+
 T = TypeVar("T")
 
 
