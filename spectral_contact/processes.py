@@ -18,21 +18,12 @@ from typing import TYPE_CHECKING, Any, NoReturn, TextIO
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-__all__ = [
-    "PROGRAM",
-    "VERSION",
-    "Terminated",
-    "end_with_parent",
-    "failed",
-    "guarded",
-    "quiet_imports",
-    "workers",
-]
+__all__ = ["PROGRAM", "VERSION", "end_with_parent", "failed", "guarded", "quiet_imports", "workers"]
 
 PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
-class Terminated(KeyboardInterrupt):
+class _Terminated(KeyboardInterrupt):
     """Somebody sent TERM: everything that an interrupt ends is ended in the same way."""
 
 
@@ -52,7 +43,7 @@ def guarded(run: Callable[[], int]) -> int:
         try:
             status = run()
             sys.stdout.flush()
-        except Terminated:
+        except _Terminated:
             return failed("terminated", 143)
         except KeyboardInterrupt:
             return failed("interrupted", 130)
@@ -66,8 +57,7 @@ def guarded(run: Callable[[], int]) -> int:
 def failed(message: str, status: int) -> int:
     """Say on one line of stderr what went wrong, and return the exit status."""
     try:
-        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")
-        sys.stderr.flush()
+        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")  # a line is flushed
     except OSError:  # the status says it as well
         _silence(sys.stderr)
     return status
@@ -118,7 +108,7 @@ def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
 
 
 def _terminate(*_: object) -> NoReturn:
-    raise Terminated
+    raise _Terminated
 
 
 # --- workers --------------------------------------------------------------------------------------
@@ -139,15 +129,14 @@ def workers(count: int) -> Iterator[Executor | None]:
     if count == 1:
         yield None
         return
-    import multiprocessing  # not before the first Ctrl-C can be answered
+    # not before the first Ctrl-C can be answered
     from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import active_children, get_context
 
-    others = multiprocessing.active_children()
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, context, end_with_parent, (os.getpid(),))
+    others = active_children()
+    pool = ProcessPoolExecutor(count, get_context("spawn"), end_with_parent, (os.getpid(),))
     with _handled({signal.SIGINT: signal.SIG_IGN}):  # which processes inherit
-        for _ in range(count):
-            pool.submit(int)  # starts a process, as long as all others are busy
+        pool.map(int, range(count))  # each task starts a process, as long as all others are busy
     try:
         yield pool
     except BaseException:
@@ -158,7 +147,7 @@ def workers(count: int) -> Iterator[Executor | None]:
         # pool must not be collected.
         _STOPPED.append(pool)
         pool.shutdown(wait=False, cancel_futures=True)
-        for process in {*multiprocessing.active_children()}.difference(others):
+        for process in {*active_children()}.difference(others):
             process.terminate()
         raise
     finally:
