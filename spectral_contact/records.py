@@ -207,7 +207,8 @@ class ErrorEstimates:
     With a profile, `pressure` is relative to the larger of the pressure and its mean, and
     `traction` to its largest value. The pressure on a smooth surface is infinite at a tip or corner
     of the profile. Its estimate holds at radii r for which ``|r**2 - b**2|`` is more than some
-    1e-17 of the squared contact radius, with the radius b of the corner, 0 at a tip.
+    1e-17 of the squared contact radius, with the radius b of the corner, 0 at a tip. Over a contact
+    radius that is not given, a corner is only known to the error of that radius.
 
     Below the largest load the traction changes sign where the surface sticks with memory; its error
     there is relative to ``f p``.

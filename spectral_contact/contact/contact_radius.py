@@ -135,14 +135,18 @@ def find_radius(
         search.run(first or at_tolerance(tolerance, False), residual_tolerance, rough=True)
     search.run(at_tolerance(tolerance, pointwise), residual_tolerance)
     contact, error = search.outcome()
-    if search.rate * error > _RADIUS_FRACTION * tolerance:
+    on_smooth_surface = pointwise and value_of(contact).flat is None
+    if on_smooth_surface or search.rate * error > _RADIUS_FRACTION * tolerance:
         # where the pressure depends strongly on the radius, as next to a corner, the radius has to
-        # be more exact
-        tighter = max(residual_tolerance / search.rate, ROUNDING)
+        # be more exact; on a smooth surface the pressure is infinite there, and so is the rate
+        tighter = max(residual_tolerance / (search.rate or inf), ROUNDING)
         search.run(at_tolerance(tolerance, pointwise), tighter)
         contact, error = search.outcome()
-    space_converged = isinstance(contact, Refinement) and contact.ending is Ending.CONVERGED
-    if space_converged and value_of(contact).largest_error(pointwise=pointwise) > tolerance:
+    if (
+        isinstance(contact, Refinement)
+        and contact.ending is Ending.CONVERGED
+        and contact.best.value.largest_error(pointwise=pointwise) > tolerance
+    ):
         # errors at a fixed radius meet the tolerance, but not with those that the radius adds
         search.run(at_tolerance(tolerance / 4, pointwise), residual_tolerance)
         contact, error = search.outcome()
@@ -192,7 +196,7 @@ class _RadiusSearch:
         self.residual = inf
         self.residual_error = 0.0
         self.slope = 1.0
-        #: relative change of the pressure over that of the radius
+        #: relative change of the pressure over that of the radius; 0 on a smooth surface
         self.rate = 0.0
         self.last_v: float | None = None
 
@@ -277,10 +281,10 @@ class _RadiusSearch:
             self.high = min(self.high, self.v)
         else:
             self.low = max(self.low, self.v)
-        step = -self.residual / self.slope if self.slope > 0.0 else -self.residual
+        step = -self.residual / (self.slope if self.slope > 0.0 else 1.0)
         v = self.v + max(min(step, _MAX_STEP), -_MAX_STEP)
-        inside = self.low < v < self.high
-        self.v = v if inside or not isfinite(self.low + self.high) else (self.low + self.high) / 2.0
+        middle = (self.low + self.high) / 2.0
+        self.v = v if self.low < v < self.high or not isfinite(middle) else middle
 
     @property
     def _given_value(self) -> tuple[str, float | None]:
@@ -328,11 +332,19 @@ class _RadiusSearch:
         )
         if self.approach is None:
             assert self.load is not None
-            approach_error = contact.approach_error + approach_change / contact.approach_size
-            best = replace(best, load=self.load, load_error=0.0, approach_error=approach_error)
+            best = replace(
+                best,
+                load=self.load,
+                load_error=0.0,
+                approach_error=contact.approach_error + approach_change / contact.approach_size,
+            )
         else:
-            load_error += contact.load_error
-            best = replace(best, approach=self.approach, approach_error=0.0, load_error=load_error)
+            best = replace(
+                best,
+                approach=self.approach,
+                approach_error=0.0,
+                load_error=load_error + contact.load_error,
+            )
         if isinstance(self.last, Refinement):
             return replace(self.last, best=replace(self.last.best, value=best)), error
         return best, error
@@ -341,7 +353,8 @@ class _RadiusSearch:
 def _pressure_rate(contact: Indentation, profile: Profile) -> float:
     """Return the largest ``dp/dln a`` at constant ``s = r/a``, relative to the pressure.
 
-    Where the pressure is below its mean, it is relative to the mean. The derivative is ``flat
+    On a smooth surface it has no bound next to a corner, and is left out: 0. Where the pressure is
+    below its mean, it is relative to the mean. The derivative is ``flat
     ddelta/da + s dp/ds``, where ``flat`` is the pressure of a flat punch of the approach a; it is
     taken by differences between places graded to the edge and to breaks.
     """
@@ -349,8 +362,9 @@ def _pressure_rate(contact: Indentation, profile: Profile) -> float:
         return 0.0
     a = contact.radius
     mean = contact.load / (pi * a**2)
-    scaled_breaks = [b / a for b in profile.breaks if b < a]
-    near_breaks = [1.0 - b + sign * _DISTANCES for b in scaled_breaks for sign in (-1.0, 1.0)]
+    near_breaks = [
+        1.0 - b / a + sign * _DISTANCES for b in profile.breaks if b < a for sign in (-1.0, 1.0)
+    ]
     from_edge = np.concatenate([[1.0], _DISTANCES, *near_breaks])
     from_edge = np.unique(from_edge[(from_edge >= 0.0) & (from_edge <= 1.0)])
     s = 1.0 - from_edge

@@ -109,19 +109,18 @@ def _errors(
 ) -> Array:
     """Return estimates of relative errors on the pieces, in the order of `ContactHistory`."""
     panels, own = [one.panel for one in pieces], _left_out(pieces, rows)
-    if known is not None:
-        known += max(one.node_loads.node_error for one in panels)
     flats = {name: np.array([_worst(one, name) for one in panels]) for name in _OF_FLATS}
     grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # where all flat punches are alike, Q/P up to the first piece is exact and has no error
     shear = own["shears"] + _carried(pieces, rows["loads"], 0.0 if panels[0].alike else 1.0)
     shear += _FLATS_COUNT * (grown["total_shear"] + grown["approach"])
-    load, approach = np.full((2, len(panels)), known or 0.0)
     if known is None:
-        history = _carried(pieces, rows["approaches"], 1.0)
-        history += _FLATS_COUNT * (grown["pressure"] + grown["approach"])
-        load, approach = load + history, approach + history
-    load, approach = load + own["loads"], approach + own["approaches"]
+        common = _carried(pieces, rows["approaches"], 1.0)
+        common += _FLATS_COUNT * (grown["pressure"] + grown["approach"])
+    else:
+        known += max(one.node_loads.node_error for one in panels)
+        common = np.full(len(panels), known)
+    load, approach = common + own["loads"], common + own["approaches"]
     return np.stack([load, approach, shear + load, own["sticks"] + flats["stick_radius"]], axis=1)
 
 

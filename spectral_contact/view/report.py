@@ -465,8 +465,10 @@ def _csv_comments(solution: Solution) -> list[str]:
         value = "none" if row.value is None else repr(row.value)
         if row.takes:
             value = f"not known without {row.takes}"
+        # an error may be known, and not what it is relative to
+        known = row.value is not None and row.own_error is not None
         error = f"relative error {row.own_error:.1e}" if row.own_error else "exact"
-        estimate = "" if row.error is None or row.value is None else f" ({error})"
+        estimate = f" ({error})" if known else ""
         lines.append(f"{row.label} = {value}{unit}{estimate}")
     if "zones" in solution.plan.quantities:
         for zone in solution.zones:

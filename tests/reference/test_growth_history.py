@@ -94,6 +94,23 @@ def test_it_ends_with_the_solution_and_follows_the_stick_radius():
     assert share[-1] == pytest.approx(solution.stick_radius, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    "profile",
+    [profiles.Sum(PARABOLA, profiles.Cone(1.4)), profiles.Sphere(1.0)],
+    ids=["cone and parabola", "sphere"],
+)
+def test_its_first_loads_are_those_of_normal_contact(profile):
+    """The power that load and approach begin with was that at the first radius, not that at 0."""
+    scene = Scene(1.0, 1.0, 0.1).replace(profile=profile, contact_radius=0.3)
+    history = solve(scene, 1e-5, NAMES).history
+    normal = scene.replace(friction=None, tangential_compliance=0.0)
+    for b in np.exp(np.linspace(*history.ends[:2], 5)):
+        truth = solve(normal.replace(contact_radius=float(b)), 1e-11, NAMES[:2])
+        for name in NAMES[:2]:
+            off = abs(getattr(history, name)(b) / getattr(truth, name) - 1.0)
+            assert off <= history.error(name, b) + getattr(truth.error, name), name
+
+
 @pytest.mark.parametrize("given", ["load", "approach"])
 def test_its_end_is_not_known_better_than_the_solution(given):
     """Whatever is given, the error of the other one is that of normal contact, at all radii.

@@ -146,10 +146,12 @@ def error_near_boundaries(points: BodyPoints, solution: Solution) -> Array:
     Next to a boundary loads are evaluated at rounded radii, and the boundary itself is only known
     to its own error. At distances above the width of the tangential layer, loads vary there like
     the root of the distance. At a corner they vary like the logarithm of the distance, and the
-    place of the corner over the contact radius is rounded, too. A point at the corner itself has no
-    such error. Distances are over that of the boundary from the centre or the edge, the lesser.
+    place of the corner over the contact radius is rounded, too, and has the error of that radius. A
+    point at the corner itself has no such error. Distances are over that of the boundary from the
+    centre or the edge, the lesser.
     """
     found = np.zeros(len(points.r))
+    of_radius = solution.error.contact_radius or 0.0
     corners = singular(solution)
     scene = solution.scene
     flat = scene.profile is None
@@ -159,7 +161,8 @@ def error_near_boundaries(points: BodyPoints, solution: Solution) -> Array:
         away = distance(points, place)
         if place in corners:
             ratio = np.maximum(away / size, _ROUNDING)
-            found += np.where(away > 0.0, _AT_INFINITE * _ROUNDING / ratio, 0.0)
+            moved = _AT_INFINITE * _ROUNDING + of_radius * place.value / size
+            found += np.where(away > 0.0, moved / ratio, 0.0)
         else:
             of_boundary = _BY_BOUNDARY * min(solution.error.zones or 0.0, 1.0)
             moved = _AT_OTHERS * _ROUNDING + of_boundary

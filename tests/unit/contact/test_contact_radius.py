@@ -90,3 +90,20 @@ def test_a_slope_below_its_error_is_said_to_be_too_small(given):
     with pytest.raises(SceneError, match="slope of the profile is too small there") as refused:
         solve(Scene(0.0, profile=steep, **given))
     assert refused.value.parameter in given
+
+
+@pytest.mark.parametrize("given", ["load", "approach"])
+def test_next_to_a_corner_on_a_smooth_surface_the_radius_is_as_exact_as_the_pressure(given):
+    """The radius was found to a hundredth of the tolerance, which moved the corner in r/a."""
+    cone = profiles.TruncatedCone(flat_radius=6.0, half_angle=0.2)
+    truth = solve(Scene(0.3, profile=cone, contact_radius=8.25), 1e-12)
+    scene = Scene(0.3, profile=cone, **{given: getattr(truth, given)})
+    solution = solve(scene, 1e-4)
+    assert abs(solution.contact_radius / 8.25 - 1.0) <= solution.error.contact_radius < 1e-14
+    s = np.array([-0.1, -0.01, -1e-3, 1e-3, 0.01, 0.1]) + 6.0 / 8.25
+    mean = truth.load / (math.pi * 8.25**2)
+    size = np.maximum(truth.pressure(s), mean)
+    assert np.all(np.abs(solution.pressure(s) - truth.pressure(s)) <= 1e-12 * size)
+    # the stress next to the corner has the error of the radius
+    stress, true = (one.inside.stress(s, 0.0) for one in (solution, truth))
+    assert np.all(np.abs(stress.zz - true.zz) <= stress.error * true.norm)

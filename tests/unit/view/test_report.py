@@ -143,6 +143,15 @@ def test_a_traction_that_unloading_cancels_has_an_error_relative_to_the_friction
     assert float(line.split()[-1]) == pytest.approx(solution.error.traction * size, rel=0.1)
 
 
+def test_csv_calls_no_value_exact_whose_error_takes_a_field_that_was_not_asked_for(tmp_path):
+    # with coupling the error of the pressure is relative to pressure and traction together
+    solution = solve(Scene(0.2, 0.5, 0.5, math.inf, coupling=True), 1e-4, ["pressure"])
+    assert solution.error.pressure > 0.0
+    solution.to_csv(tmp_path / "fields.csv")
+    lines = (tmp_path / "fields.csv").read_text().splitlines()
+    assert f"# pressure, centre = {float(solution.pressure(0.0))!r}" in lines
+
+
 def test_an_approach_that_a_clearance_cancels_has_few_digits(tmp_path):
     # the pressure begins at a gap of 0.04: at this load the approach is 0 but for rounding
     layer, cone = layers.Exponential(3.0, 0.04), profiles.Cone(1.4)
