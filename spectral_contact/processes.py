@@ -13,26 +13,14 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
-from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
-if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
-__all__ = [
-    "PROGRAM",
-    "VERSION",
-    "Terminated",
-    "end_with_parent",
-    "failed",
-    "guarded",
-    "quiet_imports",
-    "workers",
-]
+__all__ = ["PROGRAM", "VERSION", "end_with_parent", "failed", "guarded", "quiet_imports", "workers"]
 
 PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
-class Terminated(KeyboardInterrupt):
+class _Terminated(KeyboardInterrupt):
     """Somebody sent TERM: everything that an interrupt ends is ended in the same way."""
 
 
@@ -45,14 +33,13 @@ def guarded(run: Callable[[], int]) -> int:
     Ctrl-C and TERM end it in one line, and a stdout that is closed ends it in silence.
     """
     # a process that was started without stdout or stderr has None
-    sys.stdout = sys.stdout or _nowhere()
-    sys.stderr = sys.stderr or _nowhere()
+    sys.stdout, sys.stderr = (stream or _nowhere() for stream in (sys.stdout, sys.stderr))
     status = 0
     with _handled({signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate}):
         try:
             status = run()
             sys.stdout.flush()
-        except Terminated:
+        except _Terminated:
             return failed("terminated", 143)
         except KeyboardInterrupt:
             return failed("interrupted", 130)
@@ -66,8 +53,7 @@ def guarded(run: Callable[[], int]) -> int:
 def failed(message: str, status: int) -> int:
     """Say on one line of stderr what went wrong, and return the exit status."""
     try:
-        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")
-        sys.stderr.flush()
+        sys.stderr.write(f"{PROGRAM}: {' '.join(message.split())}\n")  # a line is flushed
     except OSError:  # the status says it as well
         _silence(sys.stderr)
     return status
@@ -118,19 +104,19 @@ def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
 
 
 def _terminate(*_: object) -> NoReturn:
-    raise Terminated
+    raise _Terminated
 
 
 # --- workers --------------------------------------------------------------------------------------
 
 
 #: Pools that an error or an interrupt has stopped.
-_STOPPED: list[Executor] = []
+_STOPPED: list[Any] = []
 
 
 @contextmanager
-def workers(count: int) -> Iterator[Executor | None]:
-    """Yield an executor of so many processes, None for a single one.
+def workers(count: int) -> Iterator[Any]:
+    """Yield a `ProcessPoolExecutor` of so many processes, None for a single one.
 
     The processes do not survive this one, however it ends, and ignore Ctrl-C, which a terminal
     sends to all of them. If an error or an interrupt leaves the context, their work is not waited
@@ -139,15 +125,14 @@ def workers(count: int) -> Iterator[Executor | None]:
     if count == 1:
         yield None
         return
-    import multiprocessing  # not before the first Ctrl-C can be answered
+    # not before the first Ctrl-C can be answered
     from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import active_children, get_context
 
-    others = multiprocessing.active_children()
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, context, end_with_parent, (os.getpid(),))
+    others = active_children()
+    pool = ProcessPoolExecutor(count, get_context("spawn"), end_with_parent, (os.getpid(),))
     with _handled({signal.SIGINT: signal.SIG_IGN}):  # which processes inherit
-        for _ in range(count):
-            pool.submit(int)  # starts a process, as long as all others are busy
+        pool.map(int, range(count))  # each task starts a process, as long as all others are busy
     try:
         yield pool
     except BaseException:
@@ -158,7 +143,7 @@ def workers(count: int) -> Iterator[Executor | None]:
         # pool must not be collected.
         _STOPPED.append(pool)
         pool.shutdown(wait=False, cancel_futures=True)
-        for process in {*multiprocessing.active_children()}.difference(others):
+        for process in {*active_children()}.difference(others):
             process.terminate()
         raise
     finally:
@@ -176,8 +161,7 @@ def end_with_parent(number: int) -> None:
     """
     from multiprocessing import parent_process
 
-    parent = parent_process()
-    if parent is not None and parent.pid == number:
+    if (parent := parent_process()) is not None and parent.pid == number:
         _follow(parent)
 
 

@@ -11,8 +11,8 @@ import functools
 import os
 import threading
 from collections import defaultdict
-from collections.abc import Callable
-from contextlib import ContextDecorator, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from typing import Any, Final, TypeVar
 
 __all__ = ["cached_property", "one_thread"]
@@ -52,53 +52,39 @@ def _set(library: Any, number: int) -> None:
     Newer versions of threadpoolctl let only the first thread that sets it do so again, until that
     is cleared.
     """
-    if number == library.num_threads:
-        return
-    if free := getattr(library, "clear_controlling_thread", None):
-        free(force=True)
-    library.set_num_threads(number)
-    if free:
-        free(force=True)
+    if number != library.num_threads:
+        clear = getattr(library, "clear_controlling_thread", lambda **_: None)
+        clear(force=True)
+        library.set_num_threads(number)
+        clear(force=True)
 
 
-class _Hold(ContextDecorator):
-    """BLAS at one thread from the first thread that comes to the last one that goes.
+_LOCK: Final = threading.Lock()
+#: The numbers before each entry of `one_thread` that still lasts, the oldest first.
+_BEFORE: Final[defaultdict[tuple[Any, int], list[int]]] = defaultdict(list)
+if hasattr(os, "register_at_fork"):
+    _unlock = _LOCK.release
+    os.register_at_fork(before=_LOCK.acquire, after_in_parent=_unlock, after_in_child=_unlock)
 
-    By threadpoolctl alone, threads that overlap leave BLAS with one thread behind.
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Hold BLAS to one thread, and give back what was: for ``with``, or to decorate a function.
+
+    It may be entered again, and by several threads: the last one to leave gives back. By
+    threadpoolctl alone, threads that overlap leave BLAS with one thread behind.
     """
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        #: The numbers before each entry that still lasts, the oldest first.
-        self._before: defaultdict[tuple[Any, int], list[int]] = defaultdict(list)
-
-    def __enter__(self) -> None:
-        """Put BLAS to one thread."""
-        with self._lock:
-            for place in map(_place, _libraries()):
-                self._before[place].append(place[0].num_threads)
-                _set(place[0], 1)
-
-    def __exit__(self, *_: object) -> None:
-        """Give back the numbers of this thread, and those of the process with the last thread."""
-        with self._lock:
+    with _LOCK:
+        for place in map(_place, _libraries()):
+            _BEFORE[place].append(place[0].num_threads)
+            _set(place[0], 1)
+    try:
+        yield
+    finally:
+        with _LOCK:
             for place in map(_place, _libraries()):
                 # Entries of threads that overlap may end in any order: all but the oldest number
                 # are 1, unless a number was set in between.
-                _set(place[0], self._before[place].pop())
-                if not self._before[place]:  # threads come and go
-                    del self._before[place]
-
-
-_HOLD: Final = _Hold()
-if hasattr(os, "register_at_fork"):
-    _unlock = _HOLD._lock.release
-    os.register_at_fork(before=_HOLD._lock.acquire, after_in_parent=_unlock, after_in_child=_unlock)
-
-
-def one_thread() -> _Hold:
-    """Hold BLAS to one thread, and give back what was: for ``with``, or to decorate a function.
-
-    It may be entered again, and by several threads: the last one to leave gives back.
-    """
-    return _HOLD
+                _set(place[0], _BEFORE[place].pop())
+                if not _BEFORE[place]:  # threads come and go
+                    del _BEFORE[place]

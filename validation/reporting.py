@@ -37,7 +37,8 @@ def options(
     parser = argparse.ArgumentParser(description=(doc or "").partition("\n")[0])
     for name, default in defaults.items():
         kind = {"action": "store_true"} if default is False else {"type": type(default)}
-        parser.add_argument(f"--{name}", default=default, help=f"default: {default}", **kind)
+        flag = f"--{name.replace('_', '-')}"
+        parser.add_argument(flag, default=default, help=f"default: {default}", **kind)
     return parser.parse_args(arguments)
 
 

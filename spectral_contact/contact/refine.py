@@ -83,15 +83,27 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     No space of more than `max_unknowns` coefficients on its panels is tried, unless even the lowest
     degrees exceed that. The refinement ends in `Ending.ROUNDING` if two spaces in a row do not
     lower the estimate, or if no degree can be raised: MAX_DEGREE may be too low for a field that is
-    not smooth inside a panel, and no panel is split.
+    not smooth inside a panel, and no panel is split. It also ends so if the problem has a solution
+    in one space and none in a finer one, where rounding hides its boundaries.
+
+    Raises
+    ------
+    ArithmeticError, LinAlgError
+        If the problem has no solution in the first space.
     """
     space = within_budget(problem.start(), max_unknowns)
     history: list[RefinementStep] = []
     best: SpaceSolution[T] | None = None
+    best_space = space
     stalled = 0  # spaces since the estimate was lowest
     while True:
         begin = perf_counter()
-        solution = problem.attempt(space)
+        try:
+            solution = problem.attempt(space)
+        except (ArithmeticError, np.linalg.LinAlgError):
+            if best is None:
+                raise
+            return Refinement(best, best_space, Ending.ROUNDING, tuple(history))
         step = RefinementStep(
             solution.unknowns, max(space.degrees), solution.error, perf_counter() - begin
         )

@@ -8,6 +8,10 @@ import pytest
 
 from spectral_contact import NotComputedError, Scene, gold, solve
 from spectral_contact.equations.bounds import CoupledTraction, approach_bounds
+from spectral_contact.fields.series import PressureField
+from spectral_contact.spectral.panels import LogPanels
+from spectral_contact.spectral.spaces import unit_space
+from spectral_contact.spectral.transforms import series_of
 
 #: Digits of `precise.reference`.
 TRUE = {
@@ -40,6 +44,22 @@ def test_bad_pressures_widen_it_by_the_square_of_their_error(alpha):
         widths.append(upper / lower - 1.0)
     assert widths[0] >= 1e-7
     assert 1e3 <= widths[0] / widths[1] <= 1e5
+
+
+def width_of_degree(alpha, degree):
+    """Return the relative width with one degree on all panels, which reach through the layer."""
+    panels = LogPanels(math.ceil((30.0 - math.log(alpha)) / 2.0), 2.0, 10)
+    space = unit_space(panels, (degree,) * panels.count)
+    unit = space.factor(alpha).solve(2.0)
+    approach = 1.0 / (4.0 * math.pi * float(space.constant_moments @ unit[space.index]))
+    pressure = PressureField(None, series_of(panels, unit * approach))
+    lower, upper = approach_bounds(alpha, approach, pressure)
+    return upper / lower - 1.0
+
+
+def test_the_bracket_closes_with_the_degree():
+    widths = [width_of_degree(1e-4, degree) for degree in (1, 2, 3, 4, 5)]
+    assert widths == pytest.approx([2.6e-2, 9.4e-5, 2.8e-7, 5.6e-10, 1.3e-12], rel=0.3)
 
 
 def coupled(alpha=0.5, beta=0.5):

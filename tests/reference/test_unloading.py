@@ -113,6 +113,35 @@ def test_without_partial_slip_all_is_proportional_to_the_load(friction, complian
         _ = unloaded.reverse_ratio
 
 
+def shear_of_rings(loads, count, radii=()):
+    """Return ``Q/kappa`` after loads one after another, on rings with ends at some radii."""
+    rings = load_history.Rings(0.5, 0.5, 0.1 / KAPPA, load_history.even_ends(radii, count))
+    for load in loads:
+        rings.move_to(float(load))
+    return rings.total_shear
+
+
+@pytest.mark.parametrize("ratio", [0.8, 0.2205])
+def test_it_is_the_limit_of_rings_whose_ends_are_those_of_the_zones(ratio):
+    scenes = LOADED, LOADED.replace(unloaded_to=ratio)
+    largest, unloaded = (solve(scene, 1e-10, ["zones", "total_shear"]) for scene in scenes)
+    radii = [zone.outer for one in (largest, unloaded) for zone in one.zones[:-1]]
+    coarse, fine = (shear_of_rings([1.0, ratio], count, radii) for count in (200, 400))
+    known = unloaded.total_shear / KAPPA
+    assert 1e-8 < abs(fine - known) < 1e-6
+    # rings are of second order
+    assert abs(fine + (fine - coarse) / 3.0 - known) <= 1e-8
+
+
+def test_increments_approach_the_shear_below_the_turning_ratio_without_saying_so():
+    one, few, more, many = (
+        shear_of_rings(np.linspace(1.0, 0.1, steps + 1), 200) for steps in (1, 8, 32, 128)
+    )
+    assert [abs(found / many - 1.0) for found in (one, few, more)] == pytest.approx(
+        [0.05, 0.009, 0.0005], rel=0.1
+    )
+
+
 def slip_back_begins(compliance, count):
     """Return the load ratio below which the outermost of some rings slips back, to 1e-4."""
     ends = 1.0 - np.linspace(1.0, 0.0, count + 1) ** 2

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from spectral_contact.processes import Terminated, guarded, workers
+from spectral_contact.processes import _Terminated, guarded, workers
 
 MODULE = (sys.executable, "-m", "spectral_contact")
 #: The time of imports is spent where it can be found.
@@ -134,7 +134,7 @@ def call_off_what_waits():
         wait_until(futures[1].running)
         # two run, and up to three more wait where they can no longer be called off
         assert [one.cancel() for one in futures][-4:] == [True] * 4
-        raise Terminated
+        raise _Terminated
 
 
 def test_what_is_called_off_and_loses_its_worker_is_no_error(monkeypatch):
@@ -146,7 +146,7 @@ def test_what_is_called_off_and_loses_its_worker_is_no_error(monkeypatch):
 
     monkeypatch.setattr(threading, "excepthook", complaints.append)
     monkeypatch.setattr(ProcessPoolExecutor, "shutdown", late)
-    with pytest.raises(Terminated):
+    with pytest.raises(_Terminated):
         call_off_what_waits()
     assert not complaints
 
@@ -161,7 +161,7 @@ def test_what_is_called_off_is_dropped_after_the_pool_was_left(monkeypatch):
 
     monkeypatch.setattr(threading, "excepthook", complaints.append)
     monkeypatch.setattr(_ExecutorManagerThread, "flag_executor_shutting_down", late)
-    with pytest.raises(Terminated):
+    with pytest.raises(_Terminated):
         call_off_what_waits()
     for thread in threading.enumerate():
         if isinstance(thread, _ExecutorManagerThread):
@@ -207,7 +207,7 @@ def test_ctrl_c_that_is_ignored_stays_ignored():
 
 @pytest.mark.parametrize(
     ("error", "status", "said"),
-    [(KeyboardInterrupt, 130, "interrupted"), (Terminated, 143, "terminated")],
+    [(KeyboardInterrupt, 130, "interrupted"), (_Terminated, 143, "terminated")],
 )
 def test_what_is_stopped_says_so(capsys, error, status, said):
     def run():

@@ -22,7 +22,7 @@ from spectral_contact.solving.solver import Continuation
 from spectral_contact.sweeps import chunk, sweep, sweep_run
 from spectral_contact.sweeps.request import Rows, requested
 from spectral_contact.sweeps.sweep_parameters import listed
-from spectral_contact.threads import _Hold, one_thread
+from spectral_contact.threads import one_thread
 
 SCENE = Scene(0.1, 0.5)
 
@@ -155,7 +155,7 @@ class OfThread:
 
 
 def test_numbers_of_threads_are_given_back_by_each(monkeypatch):
-    hold, library = _Hold(), OfThread()
+    library, of_other = OfThread(), one_thread()
     monkeypatch.setattr(threads, "_libraries", lambda: [library])
 
     def number():
@@ -163,11 +163,11 @@ def test_numbers_of_threads_are_given_back_by_each(monkeypatch):
 
     with ThreadPoolExecutor(1) as other:
         library.set_num_threads(2)
-        with hold:
-            other.submit(hold.__enter__).result()
+        with one_thread():
+            other.submit(of_other.__enter__).result()
             assert (number(), other.submit(number).result()) == (1, 1)
         assert (number(), other.submit(number).result()) == (2, 1)
-        other.submit(hold.__exit__).result()
+        other.submit(of_other.__exit__, None, None, None).result()
         assert (number(), other.submit(number).result()) == (2, 4)
 
 

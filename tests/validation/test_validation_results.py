@@ -5,16 +5,13 @@ import json
 import math
 import re
 from collections import defaultdict
-from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
 import pytest
 from oracles.whole_spaces import ordered, whole_space
 from scipy.stats import chi2
 
-from spectral_contact import Scene, gold, solve
-from spectral_contact.calibration import RoughnessFit
+from spectral_contact import Scene, gold
 from spectral_contact.spectral.panels import LogPanels
 from spectral_contact.studies import OwnSolver, load, truth_of
 
@@ -41,10 +38,8 @@ def record(study):
         ("honesty_thresholds", "scenes", 2_000),
         ("honesty", "scenes", 7_400),
         ("honesty_coupled", "scenes", 1_000),
-        ("interior", "scenes", 300),
         ("mutants", "mutants", 50),
         ("projections", "count", 300),
-        ("roughness_fit", "count", 40),
         ("sharpness", "scenes", 113),
     ],
 )
@@ -73,30 +68,20 @@ def test_no_estimate_of_a_stratum_was_too_small(path):
     assert all(violations == "0" and float(largest) <= 1.0 for largest, violations in rows)
 
 
-def test_strata_of_coupled_slip_are_of_full_size():
-    for name, least in (("coupled_slip", 120), ("coupled_annuli", 60)):
+def test_strata_are_of_full_size():
+    for name, least in (("coupled_slip", 120), ("coupled_annuli", 60), ("interior", 600)):
         text = (RESULTS / f"honesty_{name}.md").read_text(encoding="utf-8")
         assert int(re.search(r"^(\d+) random scenes", text, re.MULTILINE)[1]) >= least
 
 
-def test_no_estimate_inside_the_body_was_too_small():
-    found = record("interior")
-    assert found["exceeded"] == 0
-    assert len(found["rows"]["sticking"]) >= 50  # in mpmath
-
-
-@pytest.mark.parametrize(
-    ("study", "least"), [("honesty_thresholds", 2_000), ("thresholds_precise", 100)]
-)
-def test_no_scene_at_a_threshold_was_wrong(study, least):
-    rows = record(study)["rows"]
-    assert len(rows) >= least
+def test_no_scene_next_to_a_threshold_was_wrong_against_many_digits():
+    rows = record("thresholds_precise")["rows"]
+    assert len(rows) >= 100
     assert all(row["verdict"] != "wrong" for row in rows)
 
 
 def test_no_coupled_scene_had_two_stick_radii_that_may_be_contacts():
-    for row in record("coupled_uniqueness")["rows"]:
-        assert sum(radius["possible"] for radius in row["radii"]) <= 1
+    assert record("coupled_uniqueness")["several"] == []
 
 
 def test_flat_punches_were_compared_in_ten_thousand_scenes_some_to_twenty_digits():
@@ -114,7 +99,9 @@ def test_some_truths_of_coupled_full_stick_have_twenty_digits():
     assert record("honesty_coupled")["by_reference"] >= 20
 
 
-@pytest.mark.parametrize("study", ["bad_inputs", "honesty", "honesty_coupled"])
+@pytest.mark.parametrize(
+    "study", ["bad_inputs", "honesty", "honesty_coupled", "honesty_thresholds"]
+)
 def test_results_are_without_violations(study):
     assert record(study)["violations"] == []
 
@@ -186,28 +173,14 @@ def test_studies_that_documentation_shows_are_fresh(name):
             assert true.errors(own, study.quantities) == pytest.approx(point.errors, abs=16 * EPS)
 
 
-def test_fits_scatter_as_their_errors_say():
-    found = record("roughness_fit")
-    fits = [RoughnessFit.from_json(json.dumps(row["fit"])) for row in found["rows"]]
-    distance = 0.0
-    for one in fits:
-        offset = np.log([p.value / found["truth"][p.name] for p in one.parameters])
-        distance += offset @ np.linalg.solve(np.array(one.covariance), offset)
-    freedom = sum(one.degrees_of_freedom for one in fits)
-    for value, count in ((distance, 3 * len(fits)), (sum(f.chi_square for f in fits), freedom)):
-        low, high = chi2.interval(0.999, count)
-        assert low < value < high
-
-
-def test_what_was_fitted_is_what_solve_gives_today():
-    found = record("roughness_fit")
-    start = Scene.from_dict(found["rows"][0]["fit"]["scene"])
-    for i, radius in enumerate(found["radii"]):
-        known = asdict(start.physical) | {"radius": radius} | found["truth"]
-        punch = Scene.from_physical(poisson_ratio=start.poisson_ratio, **known)
-        today = solve(punch, quantities=["approach", "stick_radius"]).physical
-        for name in ("approach", "stick_radius"):
-            assert getattr(today, name) == pytest.approx(found["exact"][name][i], rel=1e-9)
+@pytest.mark.parametrize("name", ["fits", "adhesive_fits", "roughness_fits"])
+def test_fits_scatter_as_their_errors_say(name):
+    text = (RESULTS / f"honesty_{name}.md").read_text(encoding="utf-8")
+    count = int(re.search(r"(\d+) (?:noisy curves|experiments)", text)[1])
+    found = re.findall(r"^\| [^|]+ \| `\w+` \| [^|]+ \| ([0-9.]+) \|", text, re.MULTILINE)
+    assert len(found) >= 3
+    low, high = chi2.interval(0.999, count)
+    assert all(low <= count * float(size) ** 2 <= high for size in found)
 
 
 def test_projections_agree_and_are_certified():

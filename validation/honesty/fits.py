@@ -1,8 +1,9 @@
 """Pulls of fitted parameters: whether their standard deviations cover the truth.
 
-Run as ``python validation/honesty/fits.py [--adhesion] [--curves N] [--seed N]``; writes
-validation/results/honesty_fits.md, or with adhesion honesty_adhesive_fits.md. Noisy curves of 400
-points, sigma estimated from the baseline; a pull is (fitted - true) / standard deviation, whose
+Run as ``python validation/honesty/fits.py [--adhesion | --roughness] [--curves N] [--seed N]``;
+writes validation/results/honesty_fits.md, with adhesion honesty_adhesive_fits.md, and with
+roughness, whose experiments are in roughness_fits.py, honesty_roughness_fits.md. Noisy curves of
+400 points, sigma estimated from the baseline; a pull is (fitted - true) / standard deviation, whose
 root mean square is to be 1; that of N curves is known to 1/sqrt(2 N). With adhesion they are
 retractions up to the largest tension, where a soft spring lets go. Loads of the smooth sphere are
 by the formulas of Hertz, or of Johnson, Kendall and Roberts; those through a layer by `solve`, one
@@ -13,13 +14,14 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1]))
 
 import numpy as np
+import roughness_fits
 from reporting import options, table, write
 
 from spectral_contact import Scene, fit, profiles, pull_off, solve
@@ -120,10 +122,10 @@ def pulls(study: Study, layer: bool, curves: int, seed: int) -> dict[str, np.nda
     return found
 
 
-def rows(study: Study, curves: int, seed: int) -> Iterator[tuple[str, ...]]:
-    """Yield the rows of the table."""
-    for layer, contact in enumerate(("smooth sphere", "linear layer")):
-        for parameter, some in pulls(study, bool(layer), curves, seed).items():
+def rows(samples: Iterable[tuple[str, dict[str, np.ndarray]]]) -> Iterator[tuple[str, ...]]:
+    """Yield the rows of the table: of each contact those of its parameters."""
+    for contact, found in samples:
+        for parameter, some in found.items():
             size, beyond = np.sqrt(np.mean(some**2)), np.mean(np.abs(some) > 1.96)
             cells = f"{some.mean():+.3f}", f"{size:.3f}", f"{beyond:.1%}"
             yield contact, f"`{parameter}`", *cells, f"{np.abs(some).max():.2f}"
@@ -131,17 +133,25 @@ def rows(study: Study, curves: int, seed: int) -> Iterator[tuple[str, ...]]:
 
 def main() -> None:
     """Fit all curves, and write the table."""
-    asked = options(__doc__, adhesion=False, curves=0, seed=1)
+    asked = options(__doc__, adhesion=False, roughness=False, curves=0, seed=1)
     study = ADHESIVE if asked.adhesion else PLAIN
-    curves = asked.curves or study.curves
+    name, curves = study.name, asked.curves or study.curves
+    samples: Iterable[tuple[str, dict[str, np.ndarray]]] = (
+        (contact, pulls(study, bool(layer), curves, asked.seed))
+        for layer, contact in enumerate(("smooth sphere", "linear layer"))
+    )
+    what = f"{curves} noisy curves of {POINTS} points each, sigma estimated from the baseline"
+    if asked.roughness:
+        name, curves = "honesty_roughness_fits", asked.curves or roughness_fits.EXPERIMENTS
+        samples = [("flat punches", roughness_fits.pulls(curves, asked.seed))]
+        what = f"{curves} experiments of {roughness_fits.VALUES} noisy values each"
     known = 1.0 / math.sqrt(2.0 * curves)
     about = (
-        f"{curves} noisy curves of {POINTS} points each, sigma estimated from the baseline. A pull "
-        "is (fitted - true) over the standard deviation. The root mean square of correct "
-        f"deviations is 1; that of {curves} curves has a standard error of {known:.3f}."
+        f"{what}. A pull is (fitted - true) over the standard deviation. The root mean square of "
+        f"correct deviations is 1; that of {curves} fits has a standard error of {known:.3f}."
     )
     heading = "contact | parameter | mean pull | root mean square | beyond 1.96 | largest"
-    write(study.name, f"{about}\n\n{table(heading, rows(study, curves, asked.seed))}")
+    write(name, f"{about}\n\n{table(heading, rows(samples))}")
 
 
 if __name__ == "__main__":

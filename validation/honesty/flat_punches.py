@@ -16,20 +16,17 @@ of the scenes is of two elastic bodies with negative kappa.
 
 from __future__ import annotations
 
-import json
-import tempfile
 from collections import defaultdict
 from collections.abc import Sequence
 from functools import partial
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from honesty_errors import EPS, violates
 from honesty_scenes import by_reference, outcome
-from reporting import RESULTS, json_lines, options, picture, sources, table, write
-from strata import in_order
-
-from spectral_contact.view.progress import ProgressLine
+from reporting import RESULTS, options, picture, table, write
+from strata import kept_rows, store_of
 
 
 def violations_of(row: dict) -> list[dict]:
@@ -49,37 +46,6 @@ def undecided(row: dict) -> bool:
     """Return whether an error is above its estimate by no more than its truth may be off."""
     found = row.get("errors", {}).values()
     return not violations_of(row) and any(violates(error, bound, 0.0) for error, bound, _ in found)
-
-
-def study(
-    count: int, seed: int, workers: int, store: Path, *, coupled: bool, references: int
-) -> list[dict]:
-    """Run what the store does not hold yet, and return the rows of all scenes.
-
-    The truths of the first `references` scenes that may have them have many digits.
-    """
-    current = sources()
-    exact = frozenset([n for n in range(count) if by_reference(seed, n)][:references])
-    work = partial(outcome, seed=seed, coupled=coupled, exact=exact)
-    rows = {
-        row["number"]: row
-        for row in json_lines(store)
-        if (row["seed"], row["sources"]) == (seed, current)
-        and row["number"] < count
-        and row.get("by_reference", False) == (row["number"] in exact)
-    }
-    missing = [number for number in range(count) if number not in rows]
-    violations = sum(len(violations_of(row)) for row in rows.values())
-    store.parent.mkdir(parents=True, exist_ok=True)
-    with store.open("a", encoding="utf-8") as file, ProgressLine(None) as tell:
-        for row in in_order(work, missing, workers):
-            row |= {"seed": seed, "sources": current}
-            file.write(json.dumps(row) + "\n")
-            file.flush()
-            rows[row["number"]] = row
-            violations += len(violations_of(row))
-            tell(f"{len(rows)} of {count} scenes, {violations} violations", len(rows) / count)
-    return [rows[number] for number in sorted(rows)]
 
 
 def collected(rows: list[dict]) -> dict[str, np.ndarray]:
@@ -176,18 +142,15 @@ def draw(rows: list[dict], path: Path) -> None:
 
 def main(stratum: str, arguments: Sequence[str]) -> bool:
     """Run, or go on, write the results, and return whether an estimate failed."""
-    name = "honesty_coupled" if stratum == "coupled" else "honesty"
-    store = Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl"
+    coupled = stratum == "coupled"
+    name = "honesty_coupled" if coupled else "honesty"
     counts = {"scenes": 10_000, "seed": 1, "workers": 1, "references": 200}
-    asked = options(__doc__, arguments, **counts, store=str(store), name=name)
-    rows = study(
-        asked.scenes,
-        asked.seed,
-        asked.workers,
-        Path(asked.store),
-        coupled=stratum == "coupled",
-        references=asked.references,
-    )
+    asked = options(__doc__, arguments, **counts, store=store_of(name), name=name)
+    among = (number for number in range(asked.scenes) if by_reference(asked.seed, number))
+    exact = frozenset(islice(among, asked.references))
+    work = partial(outcome, seed=asked.seed, coupled=coupled, exact=exact)
+    made_with = {"seed": asked.seed, "references": asked.references}
+    rows = kept_rows(work, asked.scenes, asked.workers, asked.store, **made_with)
     record = record_of(rows, asked.seed)
     write(asked.name, page(record), record, version=2)
     draw(rows, RESULTS / f"{asked.name}.png")

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 import multiprocessing
 import signal
 import sys
+import tempfile
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -23,6 +25,7 @@ import numpy as np
 import reporting
 
 from spectral_contact import ConvergenceError, NotComputedError, SceneError
+from spectral_contact.view.progress import ProgressLine
 
 RESULTS = reporting.RESULTS
 REFUSALS = {
@@ -107,6 +110,35 @@ def in_order(work: Callable[[int], Any], numbers: Iterable[int], workers: int) -
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context) as pool:
         yield from pool.map(work, numbers, chunksize=CHUNK)
+
+
+def store_of(name: str) -> str:
+    """Return the file that keeps the rows of a stratum, unless another one is asked for."""
+    return str(Path(tempfile.gettempdir()) / f"spectral_contact_{name}.jsonl")
+
+
+def kept_rows(
+    work: Callable[[int], dict[str, Any]], count: int, workers: int, store: str, **made_with: Any
+) -> list[dict[str, Any]]:
+    """Return what becomes of scenes; a file keeps each that is done as a line.
+
+    A run that was stopped goes on where it was. What other sources of the library gave, or other
+    values in `made_with`, is not taken.
+    """
+    made_with |= {"sources": reporting.sources()}
+    rows = {
+        row["number"]: row
+        for row in reporting.json_lines(Path(store))
+        if made_with.items() <= row.items() and row["number"] < count
+    }
+    missing = [number for number in range(count) if number not in rows]
+    with open(store, "a", encoding="utf-8") as file, ProgressLine(None) as tell:
+        for row in in_order(work, missing, workers):
+            rows[row["number"]] = row | made_with
+            file.write(json.dumps(rows[row["number"]]) + "\n")
+            file.flush()
+            tell(f"{len(rows)} of {count} scenes", len(rows) / count)
+    return [rows[number] for number in range(count)]
 
 
 def run(stratum: Stratum, scenes: int, seed: int, workers: int = 1) -> bool:

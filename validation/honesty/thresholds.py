@@ -1,13 +1,13 @@
 """Whether solutions at thresholds obey the friction law within their estimates.
 
-Strata of honesty.py: ``thresholds`` writes validation/results/honesty_thresholds.json and .md and,
-with the same library and seed, goes on where it was stopped; ``thresholds_precise``, of some twenty
-seconds of CPU a scene, writes thresholds_precise.json and .md. Scenes of the first lie at relative
-distances of 10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and
-from the second threshold, at which the edge begins to slip, too. The law is evaluated with the
-elliptic kernels, which share nothing with the solver, on both sides of all boundaries; a zone that
-must be there is looked for. A broken law that no estimate explains is wrong, and so is an infinite
-estimate of the slip that a closer tolerance makes finite.
+Strata of honesty.py: ``thresholds`` writes validation/results/honesty_thresholds.json and .md, and
+its store keeps the scenes that are done; ``thresholds_precise``, of some twenty seconds of CPU a
+scene, writes thresholds_precise.json and .md. Scenes of the first lie at relative distances of
+10^-2 ... 10^-14 from the friction at which slip begins, at the edge or inside, and from the second
+threshold, at which the edge begins to slip, too. The law is evaluated with the elliptic kernels,
+which share nothing with the solver, on both sides of all boundaries; a zone that must be there is
+looked for. A broken law that no estimate explains is wrong, and so is an infinite estimate of the
+slip that a closer tolerance makes finite.
 
 Precise scenes lie below the friction at which slip begins, at the edge or inside, by relative
 distances of 10^-9 ... 10^-14, nearer than doubles can judge; `reference` takes its zones from the
@@ -24,14 +24,14 @@ import json
 import math
 from collections import Counter
 from collections.abc import Sequence
-from time import monotonic, process_time
+from time import process_time
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from honesty_errors import unexplained, zones_alike, zones_error
-from reporting import options, sources, stored, table, unit, write
-from strata import PAUSE, in_order
+from reporting import options, stored, table, unit, write
+from strata import kept_rows, store_of
 
 from spectral_contact import ConvergenceError, NotComputedError, Scene, Solution, reference, solve
 from spectral_contact.testing.solution_checks import _zone_checks, field_of
@@ -188,25 +188,6 @@ def counts_table(rows: list[Record], seed: int) -> str:
     )
 
 
-def judged_rows(scenes: int, seed: int, workers: int) -> list[Record]:
-    """Judge so many scenes; their record is written from time to time."""
-    made_with = {"seed": seed, "sources": sources()}
-    kept = stored("honesty_thresholds")
-    same = all(kept.get(key) == value for key, value in made_with.items())
-    rows: list[Record] = kept["rows"][:scenes] if same else []
-    written = monotonic()
-    work = functools.partial(judged, seed=seed)
-    for row in in_order(work, range(len(rows), scenes), workers):
-        rows.append(row)
-        if row["verdict"] == "wrong":
-            print(json.dumps(row), flush=True)
-        if len(rows) == scenes or monotonic() > written + PAUSE:
-            record = {**made_with, "scenes": len(rows), "rows": rows}
-            write("honesty_thresholds", counts_table(rows, seed), record)
-            written = monotonic()
-    return rows
-
-
 # --- against `reference` --------------------------------------------------------------------------
 
 
@@ -279,8 +260,14 @@ def precise_rows(scenes: int) -> list[Record]:
 def main(stratum: str, arguments: Sequence[str]) -> bool:
     """Run a stratum, and return whether a solution is wrong."""
     if stratum == "thresholds":
-        asked = options(__doc__, arguments, scenes=COUNT, seed=1, workers=1)
-        rows = judged_rows(asked.scenes, asked.seed, asked.workers)
+        counts = {"scenes": COUNT, "seed": 1, "workers": 1}
+        asked = options(__doc__, arguments, **counts, store=store_of("honesty_thresholds"))
+        work, made_with = functools.partial(judged, seed=asked.seed), {"seed": asked.seed}
+        rows = kept_rows(work, asked.scenes, asked.workers, asked.store, **made_with)
+        violations = [row for row in rows if row["verdict"] == "wrong"]
+        record = made_with | {"scenes": len(rows), "violations": violations}
+        write("honesty_thresholds", counts_table(rows, asked.seed), record, version=2)
+        print(*violations, sep="\n")
     else:
         rows = precise_rows(options(__doc__, arguments, scenes=SCENES).scenes)
     return any(row["verdict"] == "wrong" for row in rows)

@@ -27,7 +27,6 @@ import os
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 os.environ["OMP_NUM_THREADS"] = "1"
 
-import argparse
 import subprocess
 import sys
 from dataclasses import dataclass
@@ -144,22 +143,18 @@ def record(commit: str) -> None:
 
 def main() -> int:
     """Run everything, print it, and return how the process ends."""
-    parser = argparse.ArgumentParser(description="Does a change of the solver keep everything?")
-    parser.add_argument("--quick", action="store_true", help="a part of it, in a minute")
-    parser.add_argument("--scenes-only", action="store_true", help="no times")
-    parser.add_argument("--rebase", metavar="COMMIT", help="compare with COMMIT from now on")
-    options = parser.parse_args()
-    if options.rebase:
-        rebase(options.rebase)
+    asked = reporting.options(__doc__, quick=False, scenes_only=False, rebase="")
+    if asked.rebase:
+        rebase(asked.rebase)
         return 0
     begin = perf_counter()
     before = net_baseline.load()
     found: list[Section] = []
     rows: list[Row] = []
-    for name, findings in sections(net_kept.load(), PART if options.quick else 1):
+    for name, findings in sections(net_kept.load(), PART if asked.quick else 1):
         found.append(Section(name, findings, before))
         progress(f"{perf_counter() - begin:4.0f} s  {name}: {found[-1].counts()}")
-    for row in [] if options.scenes_only else speed(before.commit, options.quick):
+    for row in [] if asked.scenes_only else speed(before.commit, asked.quick):
         rows.append(row)
         limit = "" if row.passed else f", SLOWER than its limit {row.limit:g}"
         progress(f"{perf_counter() - begin:4.0f} s  {row.case}, {row.mode}: {row.ratio:.2f}{limit}")

@@ -14,11 +14,10 @@ validation/results/coupled_uniqueness.json and .md.
 
 from __future__ import annotations
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -142,29 +141,22 @@ def shares(counts: list[int]) -> tuple[int, ...]:
 
 def main(count: int) -> None:
     """Look at all scenes, print and store."""
-    rows = []
+    every = []
     for number in range(count):
-        scene = draw(number)
-        found = [
-            {
-                "logit": round(one.logit, 3),
-                "positive": one.excess < math.inf,
-                "possible": one.admissible,
-            }
-            for one in radii(scene)
-        ]
-        rows.append({"number": number, "scene": asdict(scene), "radii": found})
-        print(json.dumps(rows[-1]), flush=True)
+        every.append(radii(draw(number)))
+        print(number, *every[-1], flush=True)
     cells = []
-    for number in sorted({len(row["radii"]) for row in rows}):
-        own = [row["radii"] for row in rows if len(row["radii"]) == number]
-        kinds = ([sum(r[key] for r in one) for one in own] for key in ("positive", "possible"))
-        cells.append((number, len(own), *(share for kind in kinds for share in shares(kind))))
+    for size in sorted({len(one) for one in every}):
+        own = [one for one in every if len(one) == size]
+        positive = shares([sum(radius.excess < math.inf for radius in one) for one in own])
+        possible = shares([sum(radius.admissible for radius in one) for one in own])
+        cells.append((size, len(own), *positive, *possible))
     heading = "radii | scenes | with positive pressure: none | one | more | "
     heading += "within friction, too: none | one | more"
-    about = f"{len(rows)} scenes; radii at which the traction is continuous:\n\n"
-    record = {"seed": SEED, "scenes": len(rows), "rows": rows}
-    write("coupled_uniqueness", about + table(heading, cells), record)
+    about = f"{count} scenes; radii at which the traction is continuous:\n\n"
+    several = [number for number, one in enumerate(every) if sum(r.admissible for r in one) > 1]
+    record = {"seed": SEED, "scenes": count, "several": several}
+    write("coupled_uniqueness", about + table(heading, cells), record, version=2)
 
 
 if __name__ == "__main__":

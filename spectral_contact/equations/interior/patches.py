@@ -152,11 +152,9 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Itera
 def narrow_intervals(places: Sequence[Radius]) -> Array:
     """Return the ends, in tau, of the intervals between boundaries, shape (intervals, 2).
 
-    Those that end at the centre or at the edge are left out. At the centre loads are smooth, or
-    singular in a way that nodes farther away show, and towards the edge tau resolves all widths.
+    The one that ends at the edge is left out, as tau resolves all widths towards it.
     """
-    inner = places[1:-1]
-    taus = [np.log1p(4.0 * place.value / place.from_edge**2) / 2.0 for place in inner]
+    taus = [np.log1p(4.0 * place.value / place.from_edge**2) / 2.0 for place in places[:-1]]
     return np.array(list(pairwise(taus))).reshape(-1, 2)
 
 

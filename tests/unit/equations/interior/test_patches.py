@@ -23,3 +23,20 @@ def test_slip_in_an_annulus_that_is_narrower_than_the_nodes_are_apart(share):
         for part in ("rr", "tt", "zz", "rz"):
             apart = np.abs(getattr(found, part)[some] - getattr(exact, part)) / exact.norm
             assert np.all(apart <= found.error[some])
+
+
+@pytest.mark.parametrize(
+    ("scene", "rtol"),
+    [(Scene(0.1, 1e-4, 1e-4, 0.05), 1e-6), (Scene(-0.28, 1.3e-4, 8e-6, 0.096), 1e-4)],
+)
+def test_a_stick_disk_that_is_narrower_than_the_nodes_are_apart(scene, rtol):
+    solution = solve(scene, 1e-10)
+    assert solution.stick_radius < 0.01
+    random = np.random.default_rng(1)
+    r, z = 10.0 ** random.uniform(-6.0, -0.5, 1500), 10.0 ** random.uniform(-12.0, -2.0, 1500)
+    some, body = slice(0, 1500, 20), solution.inside
+    found = body.displacement(r, z, rtol=rtol)
+    exact = body.displacement(r[some], z[some])
+    for part in ("r", "z"):
+        apart = np.abs(getattr(found, part)[some] - getattr(exact, part)) / exact.modulus
+        assert np.all(apart <= found.error[some])
