@@ -13,7 +13,10 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from threading import Thread, current_thread, main_thread
-from typing import Any, NoReturn, TextIO
+from typing import TYPE_CHECKING, Any, NoReturn, TextIO
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 __all__ = ["PROGRAM", "VERSION", "end_with_parent", "failed", "guarded", "quiet_imports", "workers"]
 
@@ -33,7 +36,8 @@ def guarded(run: Callable[[], int]) -> int:
     Ctrl-C and TERM end it in one line, and a stdout that is closed ends it in silence.
     """
     # a process that was started without stdout or stderr has None
-    sys.stdout, sys.stderr = (stream or _nowhere() for stream in (sys.stdout, sys.stderr))
+    sys.stdout = sys.stdout or _nowhere()
+    sys.stderr = sys.stderr or _nowhere()
     status = 0
     with _handled({signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate}):
         try:
@@ -111,12 +115,12 @@ def _terminate(*_: object) -> NoReturn:
 
 
 #: Pools that an error or an interrupt has stopped.
-_STOPPED: list[Any] = []
+_STOPPED: list[Executor] = []
 
 
 @contextmanager
-def workers(count: int) -> Iterator[Any]:
-    """Yield a `ProcessPoolExecutor` of so many processes, None for a single one.
+def workers(count: int) -> Iterator[Executor | None]:
+    """Yield an executor of so many processes, None for a single one.
 
     The processes do not survive this one, however it ends, and ignore Ctrl-C, which a terminal
     sends to all of them. If an error or an interrupt leaves the context, their work is not waited
@@ -161,7 +165,8 @@ def end_with_parent(number: int) -> None:
     """
     from multiprocessing import parent_process
 
-    if (parent := parent_process()) is not None and parent.pid == number:
+    parent = parent_process()
+    if parent is not None and parent.pid == number:
         _follow(parent)
 
 
