@@ -8,6 +8,7 @@ and kappa are the normal and the tangential compliance and the coupling of docs/
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import inf, log
 
 import numpy as np
@@ -52,7 +53,11 @@ def unresolved_slip(full_stick: FullStick, parameters: Parameters) -> float:
 
 
 def slip_where_exceeded(
-    full_stick: FullStick, parameters: Parameters, friction: float | None = None
+    full_stick: FullStick,
+    parameters: Parameters,
+    friction: float | None = None,
+    traction: Callable[[Array, Array], Array] | None = None,
+    depths: Sequence[float] = (),
 ) -> Layout:
     """Return zones that slip where full stick has ``|q| > f p``, and stick elsewhere.
 
@@ -63,9 +68,14 @@ def slip_where_exceeded(
     parameters : Parameters
     friction : float, optional
         The friction f, if not that of the parameters.
+    traction : callable, optional
+        The traction as a function of s and ``1 - s``, if not that of full stick.
+    depths : sequence of float
+        Depths x around which slip may be narrow, besides that of the largest ``|q|/p`` of full
+        stick.
     """
     pressure = full_stick.pressure
-    traction = full_stick.traction
+    traction = traction or full_stick.traction
     assert pressure is not None
     assert traction is not None
     f = parameters.friction if friction is None else friction
@@ -86,10 +96,11 @@ def slip_where_exceeded(
 
     # the set may be tiny: the grid is fine around the radius of the largest ratio
     peak = -log(full_stick.critical_y) if full_stick.critical_y > 0.0 else edge_depth
-    offsets = np.exp(-sample_depths(EPSILON_DEPTH, SAMPLES))
-    around_peak = peak + np.concatenate([-offsets, [0.0], offsets])
-    around_peak = around_peak[(around_peak > 0.0) & (around_peak < edge_depth)]
-    x = np.unique(np.concatenate([sample_depths(edge_depth, ONSET_SAMPLES), around_peak]))
+    distances = np.exp(-sample_depths(EPSILON_DEPTH, SAMPLES))
+    offsets = np.concatenate([-distances, [0.0], distances])
+    fine = np.add.outer([peak, *depths], offsets).ravel()
+    fine = fine[(fine > 0.0) & (fine < edge_depth)]
+    x = np.unique(np.concatenate([sample_depths(edge_depth, ONSET_SAMPLES), fine]))
 
     exceeds = excess(x) > 0.0
     brackets = np.flatnonzero(exceeds[1:] != exceeds[:-1]).tolist()

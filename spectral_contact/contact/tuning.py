@@ -102,9 +102,8 @@ JACOBIAN_RANGE = 0.1
 #: The matrix is factored anew when a correction is more than this fraction of the one before. Its
 #: cost: validation/cost/bench.py coupled.
 MAX_CONTRACTION = 0.2
-#: Most steps of the boundaries, most corrections of the fields at given boundaries, and most
-#: systems of one active set on rings: random scenes took 12 of the last, or 33 where friction and
-#: coupling are strong.
+#: Most steps of the boundaries, and most corrections of the fields at given boundaries: not
+#: measured again.
 MAX_STEPS = 40
 #: Broyden's update drops combinations of steps whose singular value is below this fraction of the
 #: largest one: steps that are nearly parallel show one derivative only. Not measured again.
@@ -160,26 +159,6 @@ DISPLACEMENT_SMOOTHING = 16.0
 #: resolved. The relative error of the fields is then this factor times ``1 - f/f_crit``.
 #: `python validation/honesty/honesty.py thresholds` checks the estimates.
 ONSET_ERROR_FACTOR = 3.0
-
-# .. active set on rings (contact/active_set.py)
-#
-# Chosen by how many of 60 random scenes had the right zones, by systems solved and time, with
-# several numbers of rings and splits; that study, ring_zones.py, is in the history at commit
-# c76b04f. tests/unit/contact/test_active_set.py compares the zones with those of `solve`.
-
-#: Rings of the first grid, without those next to the centre and the edge.
-FIRST_RINGS = 60
-#: Changes of all wrong rings at once that may fail to lower their number before one ring is changed
-#: at a time.
-RING_PATIENCE = 4
-#: The distances 1 - s of the boundaries of n rings from the edge are ``(k/n)**RING_GRADING``. With
-#: 3 or 5 the approach is as good (a relative error of 1e-5 with 60 rings); rings that are equally
-#: wide in the logit all the way err 60 times as much.
-RING_GRADING = 4
-#: Width in the logit of the widest rings; 25 scenes have the same zones with 0.75 and with 3.
-MAX_RING_WIDTH = 1.5
-#: Number of rings into which a ring next to a boundary is split.
-RINGS_PER_SPLIT = 4
 
 # .. slip everywhere under little friction (contact/little_friction.py)
 

@@ -50,6 +50,7 @@ from spectral_contact.contact.free_boundary import JACOBIAN_FIELD_TOL
 from spectral_contact.contact.friction_law import DISTANCES, excused_excess
 from spectral_contact.contact.layout import Layout, NoBoundariesError, logit_at
 from spectral_contact.contact.normal import NormalContact
+from spectral_contact.contact.onset import slip_where_exceeded
 from spectral_contact.contact.refine import Refinement, refine
 from spectral_contact.contact.slip_outcome import PartialSlip, zones_outcome
 from spectral_contact.contact.tuning import (
@@ -106,6 +107,8 @@ class UnloadedSearch(ZoneSearch):
     ----------
     contact : NormalContact
         Normal contact, whose pressure is known.
+    loaded : PartialSlip
+        The state at the largest load.
     before : KnownDisplacement
         The slip displacement at the largest load, divided by the load ratio. It counts
         where the surface sticks with memory.
@@ -114,46 +117,48 @@ class UnloadedSearch(ZoneSearch):
     """
 
     contact: NormalContact
+    loaded: PartialSlip
     before: KnownDisplacement
     load_ratio: float
     #: the latest solution, refuted or not: `_candidates` goes on from it, after `_solve` has set it
     solved: ZoneSolution | None = field(default=None, init=False)
 
-    @cached_property
-    def _zones_on_rings(self) -> Layout:
-        """The zones by an active set on rings, at this load ratio or at 3/4 if the ratio is larger.
+    @property
+    def _slip_where_stick_violates(self) -> Layout:
+        """Slip where the law would be violated if the surface stuck everywhere as the load falls.
 
-        At larger ratios the zone of forward slip is narrower than a ring. Where it is at this one,
-        the ratio is halved, down to the ratio at which cycles shake down.
+        Then the traction falls by that of full stick, in proportion to the load.
         """
-        from spectral_contact.contact.active_set import ring_layout
+        stick_traction = self.stick.traction
+        assert stick_traction is not None
 
-        load_ratio = min(self.load_ratio, 0.75)
-        least = shakedown(self.stick.critical, 0.0, self.parameters.friction).ratio
-        while True:
-            rings = ring_layout(self.parameters, coupled=False, splits=3, unloaded_to=load_ratio)
-            if self._is_possible(rings.zones) or load_ratio <= least:
-                return rings.zones
-            load_ratio = max(load_ratio / 2.0, least)
+        def traction(s: Array, from_edge: Array) -> Array:
+            change = (self.load_ratio - 1.0) * stick_traction(s, from_edge)
+            return (self.loaded.traction(s, from_edge) + change) / self.load_ratio
+
+        # forward slip begins at the boundaries of the slip at the largest load
+        assert self.loaded.layout is not None
+        depths = np.logaddexp(0.0, self.loaded.layout.logits).tolist()
+        return slip_where_exceeded(self.stick, self.parameters, traction=traction, depths=depths)
+
+    @property
+    def forward_zones(self) -> Layout:
+        """The same without slip back, which begins where the surface sticks with memory."""
+        return _without_reverse_slip(self._slip_where_stick_violates)
 
     def _candidates(self) -> Iterator[Candidate]:
-        """Yield candidates: the zones at a similar load, and those that rings show."""
+        """Yield candidates: the zones at a similar load, and slip where stick violates the law."""
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones at similar loads", predicted=True)
         for zones, reason in (
-            (self._zones_on_rings, "the zones of an active set on rings"),
-            (self.forward_zones, "the zones on rings, without slip back"),
+            (self._slip_where_stick_violates, "slip where sticking would exceed the friction"),
+            (self.forward_zones, "the same without slip back"),
         ):
             yield Candidate(zones, reason)
             if self.solved and (missing := _with_missing_slip(self.solved)):
                 yield Candidate(
                     missing, "the zones solved last, with slip where friction is exceeded"
                 )
-
-    @property
-    def forward_zones(self) -> Layout:
-        """The zones on rings without slip back, to begin with."""
-        return _without_reverse_slip(self._zones_on_rings)
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: at least three, with stick at the centre.
@@ -233,7 +238,7 @@ class UnloadedSearch(ZoneSearch):
         NoZonesError
         """
         verdicts = "; ".join(trial.text for trial in self._trials)
-        raise NoZonesError(verdicts or "forward slip is narrower than a ring")
+        raise NoZonesError(verdicts or "forward slip is too narrow to be seen")
 
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
@@ -378,14 +383,7 @@ class Unloading:
             If the friction law holds on no zones that are tried.
         """
         search = self._search(load_ratio, record, start=start, tolerance=self._state_tolerance)
-        try:
-            outcome = search.outcome()
-        except NoZonesError:
-            zones = self._zones_at_less_load(load_ratio)
-            if zones is None:
-                raise
-            search = self._search(load_ratio, record, start=zones, tolerance=self._state_tolerance)
-            outcome = search.outcome()
+        outcome = search.outcome()
         assert search.solved is not None
         growth = search.growth(search.solved)
         if growth.least >= -growth.error:
@@ -401,19 +399,6 @@ class Unloading:
                 )
             turning = f"the turning ratio {ratio.value:.7g}"
         raise HistoryError(f"below {turning} it depends on the loads in between")
-
-    def _zones_at_less_load(self, load_ratio: float) -> Layout | None:
-        """Return zones found at a lower load: its forward slip is wider, and easier to begin with.
-
-        None if there are none either.
-        """
-        for share in (0.75, 0.5):
-            with suppress(NoZonesError):
-                search = self._search(share * load_ratio)
-                search.outcome()
-                assert search.solved is not None
-                return search.solved.layout
-        return None
 
     def _search(
         self,
@@ -434,6 +419,7 @@ class Unloading:
             self._max_unknowns,
             record or _unrecorded,
             self._contact,
+            self._loaded,
             before,
             load_ratio,
             warm_start=start,

@@ -86,10 +86,10 @@ def estimated_stick_radius(parameters: Parameters) -> float:
     """Return the stick radius of a smooth surface under little friction, to a factor of 2.
 
     It is estimated by the sum of its asymptotes: ``4 exp(-2 kappa/f)`` without tangential
-    compliance, and ``2 beta f`` with much of it.
+    compliance, and ``2 beta f/kappa`` with much of it.
     """
-    friction = parameters.friction
-    return 4.0 * exp(-2.0 * parameters.kappa / friction) + 2.0 * parameters.beta * friction
+    ratio = parameters.friction / parameters.kappa
+    return 4.0 * exp(-2.0 / ratio) + 2.0 * parameters.beta * ratio
 
 
 def estimated_edge_stick_width(parameters: Parameters, theta: float) -> float:

@@ -49,6 +49,7 @@ from spectral_contact.contact.stick_radius import (
     MAX_LOGIT,
     NoStickDiskError,
     limiting_logit,
+    min_logit,
 )
 from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
@@ -57,7 +58,6 @@ from spectral_contact.contact.tuning import (
 )
 from spectral_contact.contact.zone_fields import (
     estimated_edge_stick_width,
-    estimated_stick_radius,
     with_central_asymptote,
 )
 from spectral_contact.contact.zone_problem import FreeBoundaryProblem, solve_coupled_zones
@@ -71,8 +71,6 @@ Record = Callable[[str, Any, float], Any]
 
 #: States of a stick disk in a slip annulus.
 _DISK_STATES = (0, 1)
-#: A stick disk with a narrow slip annulus around it.
-_WIDE_DISK = Layout((2.0,), _DISK_STATES)
 #: The closed form of the stick at a smooth edge is tried if half of the digits are expected of it:
 #: panels leave an error of 1e-9 at a width of 1e-20 in ``y``, of 4e-7 at 1e-24
 #: (`python validation/physics/edge_stick.py`).
@@ -240,15 +238,24 @@ class ZoneSearch(ABC):
         """Whether the stick zone at a smooth edge is wide enough to be represented."""
         return self._smooth_edge_sticks and self._edge_stick_width >= exp(-MAX_LOGIT)
 
-    def _with_edge_stick(self, zones: Layout) -> Layout:
-        """Return zones on rings, with stick at a smooth edge that slips on rings.
+    @property
+    def _disk_logit(self) -> float:
+        """The logit of a first stick radius, from the limits of little and of much friction."""
+        ratio = self.parameters.friction / self.parameters.kappa
+        return limiting_logit(self.parameters._replace(friction=ratio))
 
-        The stick is narrower than any ring, and is added if it can be represented.
+    def _disk(self, logit: float) -> Candidate:
+        """Return one stick disk with slip around it, and with stick at a smooth edge.
+
+        The stick at the edge is as wide as is estimated, and is added if it can be represented.
         """
-        if not self._edge_stick_is_resolvable or zones.states[-1] == 0:
-            return zones
-        # next to the edge the logit is -ln y
-        return Layout((*zones.logits, -log(self._edge_stick_width)), (*zones.states, 0))
+        if not self._edge_stick_is_resolvable:
+            return Candidate(Layout((logit,), _DISK_STATES), "one stick disk")
+        # next to the edge the logit is -ln y; under much friction, for which it is not made, the
+        # estimate may reach into the disk
+        edge_logit = -log(self._edge_stick_width)
+        zones = Layout((min(logit, edge_logit - 1.0), edge_logit), (*_DISK_STATES, 0))
+        return Candidate(zones, "one stick disk, and stick at the edge")
 
     @abstractmethod
     def _candidates(self) -> Iterator[Candidate]:
@@ -303,24 +310,12 @@ class UncoupledSearch(ZoneSearch):
         return best
 
     def _candidates(self) -> Iterator[Candidate]:
-        """Yield candidates: a like scene's zones, one disk, what full stick and rings show."""
+        """Yield candidates: a like scene's zones, one disk, what full stick shows."""
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
-        # a first radius, from the limits of little and of much friction
-        limit = limiting_logit(self.parameters)
-        if not self._edge_stick_is_resolvable:
-            yield Candidate(Layout((limit,), _DISK_STATES), "one stick disk")
-        if self.parameters.beta == 0.0:
-            return  # one stick disk it is: without a layer q has no other zones
-        # rings take longer, and may miss narrow slip
-        yield self._slip_where_full_stick_violates
-        from spectral_contact.contact.active_set import ring_layout
-
-        rings = ring_layout(self.parameters, coupled=False)
-        zones = rings.zones
-        if rings.centre_unresolved:
-            zones = Layout((limit, *zones.logits), (0, *zones.states))
-        yield Candidate(self._with_edge_stick(zones), "the zones of an active set on rings")
+        yield self._disk(self._disk_logit)
+        if self.parameters.beta > 0.0:  # without a layer q has no other zones
+            yield self._slip_where_full_stick_violates
 
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones.
@@ -429,22 +424,21 @@ class CoupledSearch(ZoneSearch):
         return best
 
     def _candidates(self) -> Iterator[Candidate]:
-        """Yield candidates: a like scene's zones, what full stick and rings show, one disk."""
+        """Yield candidates: a like scene's zones, one disk and what full stick shows.
+
+        If the edge must stick, the disk comes first, since full stick oscillates. Else it reaches
+        to where full stick exceeds the friction.
+        """
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
-        # rings take longer, and may miss narrow slip
+        if self._disk_is_below_range:
+            return
+        if self._smooth_edge_sticks:
+            yield self._disk(self._disk_logit)
         violated = self._slip_where_full_stick_violates
         yield violated
-        from spectral_contact.contact.active_set import ring_layout
-
-        rings = ring_layout(self.parameters, coupled=True)
-        decided = (rings.converged or self._smooth_edge_sticks) and not rings.centre_unresolved
-        if decided and rings.ring_state.pressure_is_positive:
-            zones = self._with_edge_stick(rings.zones)
-            yield Candidate(zones, "the zones of an active set on rings")
-        # up to where full stick exceeds the friction, if it does
-        logits = violated.zones.logits[:1] or _WIDE_DISK.logits
-        yield Candidate(Layout(logits, _DISK_STATES), "one stick disk")
+        if not self._smooth_edge_sticks:
+            yield self._disk(*violated.zones.logits[:1] or [self._disk_logit])
 
     @property
     def _edge_stick_width(self) -> float:
@@ -461,15 +455,18 @@ class CoupledSearch(ZoneSearch):
         return len(zones.states) > 2 and self.parameters.beta > 0.0
 
     @property
-    def _stick_disk_below_range(self) -> bool:
-        """Whether the stick disk is smaller than any that is solved for."""
-        return estimated_stick_radius(self.parameters) ** 2 < exp(-EPSILON_DEPTH)
+    def _disk_is_below_range(self) -> bool:
+        """Whether the edge must stick, and the stick disk is smaller than any that is solved for.
+
+        Where the edge need not stick, the search for the boundary of one disk tells that.
+        """
+        return self._smooth_edge_sticks and self._disk_logit < min_logit(self.parameters)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         consistent = [outcome for outcome in outcomes if outcome.consistent]
         if consistent:
             return min(consistent, key=lambda outcome: outcome.apparent_violation)
-        if self._smooth_edge_sticks and self._stick_disk_below_range:
+        if self._disk_is_below_range:
             with suppress(ArithmeticError):  # the stick at the edge may not be narrow
                 return self._full_slip()
         unresolved = (
@@ -518,12 +515,14 @@ class CoupledSearch(ZoneSearch):
 
         if (
             not self._smooth_edge_sticks
-            or self._stick_disk_below_range
+            or self._disk_is_below_range
             or expected_error(self.parameters) > EDGE_MATCHING_ERROR
         ):
             return None
         reason = "one stick disk, with narrow stick at the edge in closed form"
-        outcome = self._try(Candidate(_WIDE_DISK, reason, closed_form_edge=True))
+        outcome = self._try(
+            Candidate(Layout((self._disk_logit,), _DISK_STATES), reason, closed_form_edge=True)
+        )
         return outcome if outcome is not None and outcome.verified else None
 
     def _full_slip(self) -> PartialSlip:

@@ -43,7 +43,6 @@ LAYERED = PROFILE | {
     "layered_setting",
     "layered_spaces",
 }
-RINGS = {"active_set"}
 ALPHAS = (0.0, 1e-8, 0.5, 1e4)
 
 
@@ -148,7 +147,7 @@ def test_above_critical_friction_imports_nothing_of_slip(friction):
     assert imported_by(f"Scene(0.1, 0.5, 0.5, {friction})") == FULL_STICK
 
 
-def test_slip_imports_nothing_coupled_and_no_rings_where_one_disk_tells_the_zones():
+def test_slip_imports_nothing_coupled():
     assert imported_by("Scene(0.1, 0.5, 0.2, 0.1)") == SLIP
     assert imported_by("Scene(0.3, 0.05, 1.0, 0.0328)", 1e-2) == SLIP
 
@@ -179,9 +178,8 @@ def test_every_module_is_loaded_by_something():
     coupled = imported_by("Scene(0.3, 0.05, 1.0, 0.0328, coupling=True)", 1e-2)
     # derivatives are for fits and sensitivities
     others = {"little_friction", "tuning", "zone_derivatives"}
-    assert coupled.isdisjoint(RINGS)
     unloaded = imported_by("Scene(0.1, 0.5, 0.5, 0.1, unloaded_to=0.9)", 1e-2)
-    assert unloaded == SLIP | RINGS | {"unloading"}
+    assert unloaded == SLIP | {"onset", "unloading"}
     assert coupled | unloaded | LAYERED | ADHESION | others == CONTACT
 
 

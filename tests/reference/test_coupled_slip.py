@@ -270,7 +270,7 @@ def test_a_stick_disk_that_single_precision_cannot_hold():
     assert check_solution(solution, scene, 8.5e-6).passed
 
 
-def test_a_smooth_edge_sticks_where_rings_do_not_settle():
+def test_a_smooth_edge_sticks_under_strong_friction():
     scene = Scene(-0.11, 0.0, 2e-6, 1.4, coupling=True)
     loose, tight = solve(scene, 1e-3), solve(scene, 1e-4)
     assert [zone.kind for zone in loose.zones] == ["stick", "slip", "stick"]
