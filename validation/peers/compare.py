@@ -1,8 +1,8 @@
 """Measure this library beside what one would take instead: python validation/peers/compare.py.
 
 Needs the extra ``peers``. Writes validation/results/peers_normal, peers_full_stick and
-peers_partial_slip, each as .md (the times to reach an accuracy) and .png (work against
-precision).
+peers_partial_slip, each as .json (a study to be loaded), .md (the times to reach an accuracy) and
+.png (work against precision).
 """
 
 from __future__ import annotations
@@ -146,6 +146,7 @@ def main() -> None:
     for name in chosen:
         study = measured(name, asked.small)
         path = folder / f"peers_{name}"
+        study.save(path.with_suffix(".json"))
         study.plot(path.with_suffix(".png"))
         path.with_suffix(".md").write_text(tables(study, packages[name]), encoding="utf-8")
 
