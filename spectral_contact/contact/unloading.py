@@ -14,8 +14,8 @@ From the centre outward there are these zones:
 - *forward* slip in the sense of loading, q = +f p. In the slip at the largest load q equals f p. If
   the surface stuck everywhere as the load falls, q would fall by the traction of full stick; where
   that is less than f p, f p falls faster, and the surface slips on. So this zone reaches from the
-  boundary of slip at the largest load, or a little inside of it, to about where the traction of
-  full stick is f p;
+  boundary of slip at the largest load, or a little inside of it, to somewhat beyond the radius at
+  which the traction of full stick is f p;
 - stick with memory, where the surface has slipped under growing load;
 - below the *reverse ratio* of loads, slip back, q = -f p: at the edge, or in an annulus with stick
   on both sides.
