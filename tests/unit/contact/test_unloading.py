@@ -217,7 +217,7 @@ def test_a_zone_whose_growth_is_unknown_is_refused(from_largest_load, monkeypatc
 
 
 def test_thick_layers_slip_on_in_a_narrow_zone():
-    """It was refused: slip was 1e-3 of the radius wide, and looked for on wider rings."""
+    """It was refused, as slip is but 1e-3 of the radius wide."""
     scene = Scene(0.45, 26.5, 26.5, 9.34e-5, unloaded_to=0.85)
     found, closer = (solve(scene, rtol, ["total_shear", "zones"]) for rtol in (1e-4, 1e-8))
     assert [zone.kind for zone in found.zones] == ["stick", "slip", "stick"]
