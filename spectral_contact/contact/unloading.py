@@ -125,7 +125,7 @@ class UnloadedSearch(ZoneSearch):
     #: the latest solution, refuted or not: `_candidates` goes on from it, after `_solve` has set it
     solved: ZoneSolution | None = field(default=None, init=False)
 
-    @property
+    @cached_property
     def _slip_where_stick_violates(self) -> Layout:
         """Slip where the law would be violated if the surface stuck everywhere as the load falls.
 

@@ -251,8 +251,8 @@ class ZoneSearch(ABC):
         """
         if not self._edge_stick_is_resolvable:
             return Candidate(Layout((logit,), _DISK_STATES), "one stick disk")
-        # next to the edge the logit is -ln y; under much friction, for which it is not made, the
-        # estimate may reach into the disk
+        # next to the edge the logit is -ln y; the estimate is not made for much friction, where it
+        # may reach into the disk
         edge_logit = -log(self._edge_stick_width)
         zones = Layout((min(logit, edge_logit - 1.0), edge_logit), (*_DISK_STATES, 0))
         return Candidate(zones, "one stick disk, and stick at the edge")
@@ -427,7 +427,7 @@ class CoupledSearch(ZoneSearch):
         """Yield candidates: a like scene's zones, one disk and what full stick shows.
 
         If the edge must stick, the disk comes first, since full stick oscillates. Else it reaches
-        to where full stick exceeds the friction.
+        to where full stick exceeds the friction, if it does.
         """
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
@@ -438,7 +438,7 @@ class CoupledSearch(ZoneSearch):
         violated = self._slip_where_full_stick_violates
         yield violated
         if not self._smooth_edge_sticks:
-            yield self._disk(*violated.zones.logits[:1] or [self._disk_logit])
+            yield self._disk((*violated.zones.logits, self._disk_logit)[0])
 
     @property
     def _edge_stick_width(self) -> float:

@@ -63,7 +63,7 @@ _POWER_CHANGE = 0.05
 #: Radius over the first one at which the power of the first touch is taken. A power p in place of n
 #: leaves ``(n - p) ln b`` to be interpolated, which is singular at 0, and which the coefficients of
 #: a panel do not show if it is small. With the power at the first radius itself, loads there were
-#: off by up to 27 times their estimates, and with 0.01 by up to 6 times.
+#: off by up to 27 times their estimates, and with that at 0.01 of it by up to 6 times.
 _NEARER = 1e-4
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
