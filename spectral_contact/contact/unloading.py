@@ -11,9 +11,11 @@ the displacement that is kept is ``1/lambda`` times that at the largest load.
 From the centre outward there are these zones:
 
 - stick, where the surface has never slipped, and q follows the load;
-- *forward* slip in the sense of loading, q = +f p. This zone is narrow and lies around the boundary
-  of slip at the largest load: q equals f p at that boundary, and f p falls with the load faster
-  than q;
+- *forward* slip in the sense of loading, q = +f p. In the slip at the largest load q equals f p. If
+  the surface stuck everywhere as the load falls, q would fall by the traction of full stick; where
+  that is less than f p, f p falls faster, and the surface slips on. So this zone reaches from the
+  boundary of slip at the largest load, or a little inside of it, to somewhat beyond the radius at
+  which the traction of full stick is f p;
 - stick with memory, where the surface has slipped under growing load;
 - below the *reverse ratio* of loads, slip back, q = -f p: at the edge, or in an annulus with stick
   on both sides.
@@ -242,7 +244,7 @@ class UnloadedSearch(ZoneSearch):
         NoZonesError
         """
         verdicts = "; ".join(trial.text for trial in self._trials)
-        raise NoZonesError(verdicts or "forward slip is too narrow to be seen")
+        raise NoZonesError(verdicts or "forward slip is too narrow to be resolved")
 
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
