@@ -148,9 +148,10 @@ def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict
     errors["shears"] += [panel.shear_error * float(np.abs(panel.shears).max()) for panel in panels]
     errors["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
     # The last terms of one piece may be small by chance, so those of its neighbours count, too.
-    # Under cones errors between nodes are 1.1 times that at most, for which there is a factor of 2.
+    # Under cones errors between nodes are 1.1 times that at most, and at the end of a panel under a
+    # parabola with a shallow cone 2.3 times, for which there is a factor of 3.
     padded = {name: np.pad(values, 1, mode="edge") for name, values in errors.items()}
-    return {name: 2.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in padded.items()}
+    return {name: 3.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in padded.items()}
 
 
 def _carried(pieces: list[_HistoryPiece], logs: list[Array], first_error: float) -> Array:
