@@ -24,7 +24,7 @@ PROGRAM, VERSION = "spectral-contact", "0.2.0"
 
 
 class _Terminated(KeyboardInterrupt):
-    """Somebody sent TERM: everything that an interrupt ends is ended in the same way."""
+    """The signal TERM has come. It ends everything that an interrupt ends, in the same way."""
 
 
 # --- the command line -----------------------------------------------------------------------------
@@ -33,7 +33,7 @@ class _Terminated(KeyboardInterrupt):
 def guarded(run: Callable[[], int]) -> int:
     """Return the exit status of what the command line does.
 
-    Ctrl-C and TERM end it in one line, and a stdout that is closed ends it in silence.
+    Ctrl-C and TERM end it with one line on stderr, and a stdout that is closed ends it in silence.
     """
     # a process that was started without stdout or stderr has None
     sys.stdout = sys.stdout or _nowhere()
@@ -68,9 +68,9 @@ def _nowhere() -> TextIO:
 
 
 def _silence(stream: TextIO) -> None:
-    """Let a stream that can no longer be written swallow what it still holds, and all the rest.
+    """Discard what a stream that can no longer be written still holds, and what is written later.
 
-    Else the interpreter fails once more when it flushes at its end.
+    Else the interpreter fails once more when it flushes the stream at its end.
     """
     with suppress(OSError), _nowhere() as nowhere:
         os.dup2(nowhere.fileno(), stream.fileno())
@@ -87,8 +87,8 @@ def quiet_imports() -> None:
     """
     words = [word for word in sys.orig_argv[1:] if not word.startswith("-")]
     command_line = words and Path(words[0]).stem in (PROGRAM, "spectral_contact")  # script, or -m
-    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if command_line and usual and current_thread() is main_thread():
+    is_default = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if command_line and is_default and current_thread() is main_thread():
         # not by an exception: extension modules turn it into a failed import
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
@@ -101,9 +101,9 @@ def _handled(handlers: dict[signal.Signals, Any]) -> Iterator[None]:
     """
     with ExitStack() as afterwards:
         if current_thread() is main_thread():
-            for number, handler in handlers.items():
-                if signal.getsignal(number) not in (signal.SIG_IGN, None):
-                    afterwards.callback(signal.signal, number, signal.signal(number, handler))
+            for signum, handler in handlers.items():
+                if signal.getsignal(signum) not in (signal.SIG_IGN, None):
+                    afterwards.callback(signal.signal, signum, signal.signal(signum, handler))
         yield
 
 
@@ -114,13 +114,13 @@ def _terminate(*_: object) -> NoReturn:
 # --- workers --------------------------------------------------------------------------------------
 
 
-#: Pools that an error or an interrupt has stopped.
+#: Pools that an error or an interrupt has stopped. They must not be collected (`workers`).
 _STOPPED: list[Executor] = []
 
 
 @contextmanager
 def workers(count: int) -> Iterator[Executor | None]:
-    """Yield an executor of so many processes, None for a single one.
+    """Yield an executor with a number of processes; None if the number is 1.
 
     The processes do not survive this one, however it ends, and ignore Ctrl-C, which a terminal
     sends to all of them. If an error or an interrupt leaves the context, their work is not waited
@@ -129,13 +129,13 @@ def workers(count: int) -> Iterator[Executor | None]:
     if count == 1:
         yield None
         return
-    # not before the first Ctrl-C can be answered
+    # imported late, as Ctrl-C is to be answered before these imports
     from concurrent.futures import ProcessPoolExecutor
     from multiprocessing import active_children, get_context
 
     others = active_children()
     pool = ProcessPoolExecutor(count, get_context("spawn"), end_with_parent, (os.getpid(),))
-    with _handled({signal.SIGINT: signal.SIG_IGN}):  # which processes inherit
+    with _handled({signal.SIGINT: signal.SIG_IGN}):  # the workers inherit this
         pool.map(int, range(count))  # each task starts a process, as long as all others are busy
     try:
         yield pool
@@ -160,8 +160,8 @@ def end_with_parent(number: int) -> None:
     Parameters
     ----------
     number : int
-        Of the process that waits for this one's work. Nothing is done if that is not the parent: a
-        worker of a cluster has another one, which looks after it.
+        The process id of the process that waits for this one's work. Nothing is done if it is not
+        the parent: a worker of a cluster has another parent, which looks after it.
     """
     from multiprocessing import parent_process
 

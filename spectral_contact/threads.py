@@ -1,4 +1,4 @@
-"""BLAS held to one thread while the library works, and what threads and forks may not break.
+"""BLAS held to one thread while the library works, and a cached property that no fork can lock.
 
 One thread is best for systems of this size, and for many processes. Some BLAS libraries have one
 number of threads for the whole process, others one for each of its threads. Afterwards that number
@@ -39,8 +39,8 @@ def _libraries() -> list[Any]:
     return list(ThreadpoolController().select(user_api="blas").lib_controllers)
 
 
-def _place(library: Any) -> tuple[Any, int]:
-    """Return the library, and the thread if each of them has a number of its own."""
+def _scope(library: Any) -> tuple[Any, int]:
+    """Return what a number of threads holds for: the library, and a thread or 0 for all."""
     kind = library.internal_api
     by_thread = kind == "mkl" or (kind == "openblas" and library.threading_layer == "openmp")
     return library, threading.get_ident() if by_thread else 0
@@ -49,8 +49,8 @@ def _place(library: Any) -> tuple[Any, int]:
 def _set(library: Any, number: int) -> None:
     """Set the number of threads, from whichever thread.
 
-    Newer versions of threadpoolctl let only the first thread that sets it do so again, until that
-    is cleared.
+    In newer versions of threadpoolctl only the thread that has set it first may set it again, until
+    that thread is cleared.
     """
     if number != library.num_threads:
         clear = getattr(library, "clear_controlling_thread", lambda **_: None)
@@ -60,7 +60,7 @@ def _set(library: Any, number: int) -> None:
 
 
 _LOCK: Final = threading.Lock()
-#: The numbers before each entry of `one_thread` that still lasts, the oldest first.
+#: By `_scope`, the numbers before each entry of `one_thread` that still lasts, the oldest first.
 _BEFORE: Final[defaultdict[tuple[Any, int], list[int]]] = defaultdict(list)
 if hasattr(os, "register_at_fork"):
     _unlock = _LOCK.release
@@ -69,22 +69,23 @@ if hasattr(os, "register_at_fork"):
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Hold BLAS to one thread, and give back what was: for ``with``, or to decorate a function.
+    """Hold BLAS to one thread, and then restore its number of threads.
 
-    It may be entered again, and by several threads: the last one to leave gives back. By
-    threadpoolctl alone, threads that overlap leave BLAS with one thread behind.
+    It is for ``with``, or to decorate a function. It may be entered again, and by several threads:
+    the last one to leave restores the number. By threadpoolctl alone, threads that overlap would
+    leave BLAS with one thread.
     """
     with _LOCK:
-        for place in map(_place, _libraries()):
-            _BEFORE[place].append(place[0].num_threads)
-            _set(place[0], 1)
+        for scope in map(_scope, _libraries()):
+            _BEFORE[scope].append(scope[0].num_threads)
+            _set(scope[0], 1)
     try:
         yield
     finally:
         with _LOCK:
-            for place in map(_place, _libraries()):
+            for scope in map(_scope, _libraries()):
                 # Entries of threads that overlap may end in any order: all but the oldest number
                 # are 1, unless a number was set in between.
-                _set(place[0], _BEFORE[place].pop())
-                if not _BEFORE[place]:  # threads come and go
-                    del _BEFORE[place]
+                _set(scope[0], _BEFORE[scope].pop())
+                if not _BEFORE[scope]:  # threads come and go
+                    del _BEFORE[scope]

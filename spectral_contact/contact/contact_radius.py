@@ -43,7 +43,8 @@ _SECANT_DISTANCE = 0.5
 _SECANT_ERROR = 0.1
 #: Share of the tolerance that the error of the radius may add to errors.
 _RADIUS_FRACTION = 0.02
-#: Distances from edge and breaks between which the slope of the pressure is taken.
+#: Distances from edge and breaks, in contact radii, between which the slope of the pressure is
+#: taken.
 _DISTANCES = np.geomspace(ROUNDING, 1.0, 61)
 
 
@@ -136,10 +137,10 @@ def find_radius(
     search.run(at_tolerance(tolerance, pointwise), residual_tolerance)
     contact, error = search.outcome()
     on_smooth_surface = pointwise and value_of(contact).flat is None
-    if on_smooth_surface or search.rate * error > _RADIUS_FRACTION * tolerance:
+    if on_smooth_surface or search.pressure_rate * error > _RADIUS_FRACTION * tolerance:
         # where the pressure depends strongly on the radius, as next to a corner, the radius has to
         # be more exact; on a smooth surface the pressure is infinite there, and so is the rate
-        tighter = max(residual_tolerance / (search.rate or inf), ROUNDING)
+        tighter = max(residual_tolerance / (search.pressure_rate or inf), ROUNDING)
         search.run(at_tolerance(tolerance, pointwise), tighter)
         contact, error = search.outcome()
     if (
@@ -153,11 +154,12 @@ def find_radius(
     return contact, error
 
 
-def _ordinary(profile: Profile) -> float:
-    """Return 1, or under a profile of no size the radius next to it whose approach has a square.
+def _first_radius(profile: Profile) -> float:
+    """Return 1, or a radius near it at which the square of the approach is a double.
 
-    High powers in small units of length, such as 1e171 times the 20th of the radius, leave the
-    range of doubles at a radius of 1.
+    It is for a profile without a length of its own, which does not say where to begin. High powers
+    in small units of length, such as 1e171 times the 20th of the radius, leave the range of doubles
+    at a radius of 1.
     """
     radius = 1.0
     for _ in range(_MAX_STEPS):
@@ -186,8 +188,8 @@ class _RadiusSearch:
         self.origin = origin
         self.scale = RadiusScale(profile)
         if near is None or not profile.flat_part < near < profile.reach:
-            size = min(profile.flat_part or inf, profile.reach - profile.flat_part)
-            near = profile.flat_part + 0.5 * (_ordinary(profile) if isinf(size) else size)
+            length = min(profile.flat_part or inf, profile.reach - profile.flat_part)
+            near = profile.flat_part + 0.5 * (_first_radius(profile) if isinf(length) else length)
         self.v = self.scale.place(near)
         self.low = -inf
         self.high = inf
@@ -197,7 +199,7 @@ class _RadiusSearch:
         self.residual_error = 0.0
         self.slope = 1.0
         #: relative change of the pressure over that of the radius; 0 on a smooth surface
-        self.rate = 0.0
+        self.pressure_rate = 0.0
         self.last_v: float | None = None
 
     def run(
@@ -205,11 +207,11 @@ class _RadiusSearch:
     ) -> None:
         """Step until the modulus of the residual is below a tolerance or its own rounding.
 
-        If rough, it suffices that the residual is below its error, or that one more step by a
-        secant, which is taken without a solve, makes it less than the tolerance. The search also
-        ends where a small residual does not fall any more; what is left of it counts in the error
-        of the radius (`outcome`). After `_MAX_STEPS` the residual is infinite, and so are all
-        errors that follow from it.
+        If rough, the search also ends where the residual is below its error, or where one more step
+        by a secant is expected to bring it below the tolerance; that step is taken, without a solve
+        after it. In any case the search ends where a small residual does not fall any more; what is
+        left of it counts in the error of the radius (`outcome`). After `_MAX_STEPS` the residual is
+        infinite, and so are all errors that follow from it.
         """
         # the bracket of a smaller space may be wrong
         self.low = -inf
@@ -218,14 +220,14 @@ class _RadiusSearch:
         least = inf
         for _ in range(_MAX_STEPS):
             self._evaluate(solve)
-            size = abs(self.residual)
+            modulus = abs(self.residual)
             enough = max(tolerance, self.residual_error if rough else self.rounding)
-            if size <= enough or (size >= least and least < 1e3 * tolerance):
+            if modulus <= enough or (modulus >= least and least < 1e3 * tolerance):
                 return
             self._step()
-            if rough and _SECANT_ERROR * size * least <= tolerance:
+            if rough and _SECANT_ERROR * modulus * least <= tolerance:
                 return
-            least = min(least, size)
+            least = min(least, modulus)
         self.residual = inf
 
     def _evaluate(self, solve: Callable[[float], Contact]) -> None:
@@ -242,18 +244,18 @@ class _RadiusSearch:
             assert self.load is not None
             value = contact.load
             given = self.load
-            rate = contact.growth * contact.stiffness
+            derivative = contact.growth * contact.stiffness
         else:
             value = contact.approach - self.origin
             given = self.approach - self.origin
-            rate = contact.growth
+            derivative = contact.growth
         if value < 0.0:
             raise SceneError(*self._given_value, POSITIVE)
         if value == 0.0:
             raise SceneError(*self._given_value, REPRESENTABLE)
         residual = log(value / given)
         self.residual_error = self._value_error(contact)
-        self.slope = rate * self.scale.derivative(radius) / value
+        self.slope = derivative * self.scale.derivative(radius) / value
         # Over a short step the secant is more exact: the growth follows from the pressure at a
         # small distance from the edge, and next to the rim of a sphere the pressure bends closer to
         # the edge than that.
@@ -306,9 +308,9 @@ class _RadiusSearch:
         raise SceneError(*self._given_value, allowed)
 
     def outcome(self) -> tuple[Contact, float]:
-        """Return the contact, with the given load or approach exact, and its radius's error.
+        """Return the contact, with the given load or approach exact, and the error of its radius.
 
-        The error of the radius is relative. The errors of the other results grow by it.
+        The error is relative, and counts in the errors of the other results.
         """
         assert self.last is not None
         contact = value_of(self.last)
@@ -317,18 +319,18 @@ class _RadiusSearch:
         value_error = self._value_error(contact) + 2.0 * abs(self.residual)
         per_residual = self.scale.derivative(contact.radius) / contact.radius / self.slope
         error = value_error * per_residual if self.slope > 0.0 else inf
-        # by the error of the radius the approach changes by its growth, the load by the stiffness
-        # times that, and the work by the load times that
+        # The error of the radius times the growth is a change of the approach. The load changes by
+        # the stiffness times this change, and the work by the load times it.
         approach_change = contact.growth * contact.radius * error
         load_error = contact.stiffness * approach_change / contact.load
-        self.rate = _pressure_rate(contact, self.profile)
+        self.pressure_rate = _pressure_rate(contact, self.profile)
         best = replace(
             contact,
             work_error=contact.work_error + contact.load * approach_change / contact.work,
             # the stiffness grows like the radius on a smooth surface, like its square in a linear
             # layer, and as fast as the load under an exponential law
             stiffness_error=contact.stiffness_error + max(2.0 * error, load_error),
-            pressure_error=contact.pressure_error + max(load_error, self.rate * error),
+            pressure_error=contact.pressure_error + max(load_error, self.pressure_rate * error),
         )
         if self.approach is None:
             assert self.load is not None
@@ -353,10 +355,10 @@ class _RadiusSearch:
 def _pressure_rate(contact: Indentation, profile: Profile) -> float:
     """Return the largest ``dp/dln a`` at constant ``s = r/a``, relative to the pressure.
 
-    On a smooth surface it has no bound next to a corner, and is left out: 0. Where the pressure is
-    below its mean, it is relative to the mean. The derivative is ``flat
-    ddelta/da + s dp/ds``, where ``flat`` is the pressure of a flat punch of the approach a; it is
-    taken by differences between places graded to the edge and to breaks.
+    Where the pressure is below its mean, the rate is relative to the mean. On a smooth surface it
+    has no bound next to a corner, and 0 is returned. The derivative is
+    ``flat ddelta/da + s dp/ds``, where ``flat`` is the pressure under a flat punch for the approach
+    a. The slope ``dp/ds`` is from differences between places graded to the edge and to breaks.
     """
     if contact.pressure is None or contact.flat is None:
         return 0.0

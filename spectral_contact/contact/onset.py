@@ -26,19 +26,20 @@ from spectral_contact.contact.zone_spaces import leading_depth
 from spectral_contact.fields.series import Array, Radius
 from spectral_contact.spectral.parameters import Parameters
 
-#: Slip is wider than the set where full stick violates ``|q| <= f p``; the set for ``1 - f/f_crit``
-#: enlarged by this factor contains the slip. The slip is less than twice as wide where the width of
-#: the set goes like ``sqrt(1 - f/f_crit)``, less than four times where like ``1 - f/f_crit``.
+#: Slip is wider than the set where full stick violates ``|q| <= f p``. With ``1 - f/f_crit``
+#: enlarged by this factor the set contains the slip: slip is less than twice as wide as the set
+#: where the width of the set is proportional to ``sqrt(1 - f/f_crit)``, and less than four times as
+#: wide where it is proportional to ``1 - f/f_crit``.
 SLIP_WIDENING = 4.0
 
 
 def unresolved_slip(full_stick: FullStick, parameters: Parameters) -> float:
-    """Return the relative error of the stick radius 1 of full stick that may hide narrow slip.
+    """Return the relative error of the stick radius 1 if full stick stands for narrow slip.
 
-    It is called if the friction is critical to within the errors. The slip that there may be is no
-    wider than the set where full stick violates the law for a friction that is SLIP_WIDENING times
-    as far below the critical one. The error is the distance of this set's inner boundary from the
-    edge.
+    It does if the friction is critical to within the errors. Then the slip is no wider than the set
+    where full stick violates the law under a lower friction, which is SLIP_WIDENING times as far
+    below the critical one. The error is the distance of the inner boundary of this set from the
+    edge, relative to its radius.
     """
     if full_stick.critical == inf:
         return UNRESOLVED_SLIP
@@ -91,10 +92,11 @@ def slip_where_exceeded(
         q = traction_at(x)
         p = pressure.evaluate(np.exp(-x))
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)  # the contact would open
+            # without pressure the contact would open
+            ratio = np.where(p > 0.0, np.abs(q) / p, np.inf)
         return np.asarray(np.minimum(ratio, 2.0 * f) - f)
 
-    # the set may be tiny: the grid is fine around the radius of the largest ratio
+    # the set may be tiny: the grid of depths is fine around that of the largest ratio
     peak = -log(full_stick.critical_y) if full_stick.critical_y > 0.0 else edge_depth
     distances = np.exp(-sample_depths(EPSILON_DEPTH, SAMPLES))
     offsets = np.concatenate([-distances, [0.0], distances])
@@ -107,7 +109,7 @@ def slip_where_exceeded(
     boundaries = [first_sign_change(excess, x[i], x[i + 1]) for i in brackets]
     if exceeds[0]:  # within the first x there is a stick disk: the centre sticks under any friction
         boundaries = [float(x[0]), *boundaries]
-    # inner and outer boundary of every slip zone in turn
+    # depths of the inner and the outer boundary of every slip zone in turn
     slip_boundaries = [*boundaries, edge_depth] if exceeds[-1] else boundaries
     middles = (np.array(slip_boundaries[::2]) + np.array(slip_boundaries[1::2])) / 2.0
     states: list[int] = []

@@ -62,7 +62,7 @@ class Refinement(Generic[T]):
     Attributes
     ----------
     best : SpaceSolution
-        The one with the least error.
+        The solution with the least error.
     space : DiscreteSpace
         Its space.
     ending : Ending
@@ -132,12 +132,13 @@ def _size(space: DiscreteSpace) -> int:
 
 
 def within_budget(space: DiscreteSpace, max_unknowns: int) -> DiscreteSpace:
-    """Return a space with its highest degrees lowered until it has no more unknowns than these.
+    """Return a space with its highest degrees lowered until it is small enough.
 
-    If even the lowest degrees have more, it is the space of the lowest degrees.
+    Its panels have at most `max_unknowns` coefficients then, unless even the lowest degrees have
+    more; then it is the space of the lowest degrees.
     """
-    while _size(space) > max_unknowns and (top := max(space.degrees)) > LEAST_DEGREE:
-        degrees = tuple(min(n, top - 1) for n in space.degrees)
+    while _size(space) > max_unknowns and (highest := max(space.degrees)) > LEAST_DEGREE:
+        degrees = tuple(min(n, highest - 1) for n in space.degrees)
         space = space._replace(degrees=degrees)
     return space
 
@@ -148,15 +149,15 @@ def _finer(
     """Return the next space, whose panels are expected to have errors below a target.
 
     An error e on a panel of degree n is taken for that of a geometric series: every degree lowers
-    it by the factor ``e**(1/n)``. No degree is more than doubled. Where the last space did not
-    lower the error every panel takes two more: errors of panels outside a thin layer change the
-    field in the layer, and do not appear in their own indicators.
+    it by the factor ``e**(1/n)``. No degree is more than doubled. If the last space did not lower
+    the error, every degree is raised by two at least: errors of panels outside a thin layer change
+    the field in the layer, and do not appear in the indicators of these panels.
     """
     target = REFINEMENT_MARGIN * tolerance
     errors = np.clip(solution.indicators, target, 0.5)
     before = np.array(space.degrees)
-    need = before * np.log(errors / target) / -np.log(errors)
-    added = np.clip(np.ceil(need), 2 * stalled, before).astype(int)
+    needed = before * np.log(errors / target) / -np.log(errors)
+    added = np.clip(np.ceil(needed), 2 * stalled, before).astype(int)
     degrees = np.minimum(before + added, MAX_DEGREE)
     highest = int(degrees.max())
     panels = space.panels

@@ -81,8 +81,8 @@ class ZoneGrowth(NamedTuple):
     Attributes
     ----------
     changes : ndarray, shape (boundaries,)
-        By how much ``|q|/f - p``, for unit load, changes on the side that sticks, per
-        ``-d ln(load)`` with zones held fixed: positive where slip grows.
+        The derivative of ``|q|/f - p`` by ``-ln(load)`` at every boundary, on the side that sticks,
+        for unit load and with zones held fixed. It is positive where slip grows.
     least : float
         The least of the changes.
     error : float
@@ -145,7 +145,7 @@ class UnloadedSearch(ZoneSearch):
 
     @property
     def forward_zones(self) -> Layout:
-        """The same without slip back, which begins where the surface sticks with memory."""
+        """The zones of `_slip_where_stick_violates`, with stick in place of slip back."""
         return _without_reverse_slip(self._slip_where_stick_violates)
 
     def _candidates(self) -> Iterator[Candidate]:
@@ -165,8 +165,8 @@ class UnloadedSearch(ZoneSearch):
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones: at least three, with stick at the centre.
 
-        The zone that has not slipped is surrounded by forward slip and by stick with memory. One of
-        two neighbours sticks.
+        The zone that has not slipped is surrounded by forward slip and by stick with memory. At
+        least one of two neighbours sticks.
         """
         states = zones.states
         return states[0] == 0 and len(states) >= 3 and all(0 in pair for pair in pairwise(states))
@@ -184,9 +184,9 @@ class UnloadedSearch(ZoneSearch):
         )
         solved = refinement.best.value
         outcome = zones_outcome(solved, self.parameters, self.contact)
-        # In Newton's method a slip zone may shrink to no width. The traction that exceeds friction
-        # in its place is then within its error, and Q lacks the slip there; but no digit of the
-        # zones is known.
+        # In Newton's method a slip zone may shrink to no width. The traction in its place then
+        # exceeds friction by less than its error, so that the law seems to hold. But Q lacks the
+        # slip there, and no digit of the zones is known.
         if refinement.best.error > self.tolerance and (
             candidate.predicted or outcome.zones_error >= 1.0
         ):
@@ -198,7 +198,7 @@ class UnloadedSearch(ZoneSearch):
         return outcome
 
     def solve_zones(self, zones: Layout) -> ZoneSolution:
-        """Return the solution on zones of the same states, whose boundaries begin at these.
+        """Return the solution on zones of these states; Newton's method begins with these zones.
 
         The friction law is not checked.
 
@@ -215,10 +215,14 @@ class UnloadedSearch(ZoneSearch):
             raise NoZonesError(str(error)) from None
 
     def followed(self, zones: Layout | None) -> ZoneSolution:
-        """Return the solution on zones near those at a similar load, if there are such zones.
+        """Return the solution that `solve_zones` finds from zones, or else that of the search.
 
-        Else, or without such zones, it is that of the search, after which the friction law is
-        checked.
+        Only the search checks the friction law.
+
+        Parameters
+        ----------
+        zones : Layout or None
+            Those at a similar load; without any the search is made.
 
         Raises
         ------
@@ -245,10 +249,10 @@ class UnloadedSearch(ZoneSearch):
     def growth(self, solved: ZoneSolution) -> ZoneGrowth:
         """Return whether the slip zones grow at their ends as the load falls.
 
-        Suppose that the zones stay fixed while the load falls. On the side of an end that sticks,
-        ``|q| - f p``, which is zero at the end and negative beyond, begins to rise or to fall. If
-        it rises, the end moves into what sticks, by the rise over the slope of ``|q| - f p``,
-        which is finite as q is continuous there.
+        Suppose that the zones stay fixed while the load falls. At an end of a slip zone
+        ``|q| - f p`` is zero, and negative beyond, in what sticks. On that side it begins to rise
+        or to fall. If it rises, the end moves into what sticks, by the rise over the slope of
+        ``|q| - f p``, which is finite as q is continuous there.
 
         With zones fixed and unit load, the jump of q at an end is ``J0 + J1/lambda``: J0 comes from
         the pressure and is the same at all loads, J1 from the displacement that is kept. The
@@ -262,7 +266,7 @@ class UnloadedSearch(ZoneSearch):
         """
         zones = solved.layout
         logits = np.array(zones.logits)
-        # its traction jumps by J0 at the ends
+        # under the pressure alone the traction jumps by J0 at the ends
         without_memory = FreeBoundaryProblem(self.parameters, zones, COARSE_TOL, known=self.contact)
         try:
             system = without_memory.system(without_memory.spaces(COARSE_TOL, logits), logits)
@@ -279,8 +283,8 @@ class UnloadedSearch(ZoneSearch):
         changes = -jumps @ values
         i = int(np.argmin(changes))
         # the slope of |q|/f - p by a logit is of the size of the mean pressure, 1/pi for unit load
-        by_boundaries = float(solved.logit_errors.max()) / pi
-        least_error = abs(float(jumps[i] @ coarse_difference)) + by_boundaries
+        boundary_error = float(solved.logit_errors.max()) / pi
+        least_error = abs(float(jumps[i] @ coarse_difference)) + boundary_error
         return ZoneGrowth(changes, float(changes[i]), least_error)
 
 
@@ -298,8 +302,8 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
         # both parts of a zone with memory have a known displacement
         if 2 * zone not in system.displacement_coefficients:
             continue
-        halves = [_friction_ratios(solved, k) for k in (2 * zone - 1, 2 * zone)]
-        y, ratio = np.concatenate(halves, axis=1)
+        of_parts = [_friction_ratios(solved, k) for k in (2 * zone - 1, 2 * zone)]
+        y, ratio = np.concatenate(of_parts, axis=1)
         outward = np.argsort(-y)
         y = y[outward]
         ratio = ratio[outward]
@@ -307,15 +311,16 @@ def _with_missing_slip(solved: ZoneSolution) -> Layout | None:
         obeying = np.flatnonzero(np.abs(ratio) <= 1.0)
         if abs(ratio[largest]) <= 1.0 + SLIP_ROUNDING or not len(obeying):
             continue
+        # each is an array of one index, or of none
         inner_end = obeying[obeying < largest][-1:]
         outer_end = obeying[obeying > largest][:1]
         # at the edge the slip has no outer end
         if not len(inner_end) or not (len(outer_end) or zone == len(states) - 1):
             continue
         ends = y[[*inner_end, *outer_end]]
-        slip = int(np.sign(ratio[largest]))
+        slip_state = int(np.sign(ratio[largest]))
         # one zone becomes three, or two where the slip reaches to the edge
-        states[zone : zone + 1] = [0, slip] + [0] * len(outer_end)
+        states[zone : zone + 1] = [0, slip_state] + [0] * len(outer_end)
         logits[zone:zone] = [logit_at(-log(end)) for end in ends.tolist()]
         return Layout(tuple(logits), tuple(states))
     return None
@@ -343,12 +348,12 @@ class Unloading:
     Parameters
     ----------
     loaded_search : UncoupledSearch
-        That for the zones at the largest load.
+        The search for the zones at the largest load.
     loaded : PartialSlip
         Its outcome, on zones that were solved for.
     tolerance : float
-        Bound on the relative errors of states. The tolerance of `loaded_search` is tighter; the
-        reverse ratio is solved for to it.
+        Bound on the relative errors of states. The tolerance of `loaded_search` is tighter, and is
+        that of the reverse ratio.
     """
 
     def __init__(
@@ -363,6 +368,7 @@ class Unloading:
         # exceed friction there by the error that is allowed
         self._state_tolerance = min(tolerance, COARSE_TOL**2)
         self._max_unknowns = loaded_search.max_unknowns
+        # the error of the displacement itself, not a relative one
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))
         self._slip_error = loaded.slip_error * float(np.abs(samples).max())
 
@@ -443,29 +449,29 @@ class Unloading:
         f)/(f_crit + f)``: there q would first reach -f p if the surface did not slip while the load
         falls.
         """
-        logs = list[float]()
+        log_ratios = list[float]()
         margins = list[float]()
         critical, friction = self._stick.critical, self._parameters.friction
-        log_load = log(shakedown(critical, 0.0, friction).ratio)
-        zones = self._search(exp(log_load)).forward_zones
+        log_ratio = log(shakedown(critical, 0.0, friction).ratio)
+        zones = self._search(exp(log_ratio)).forward_zones
         for _ in range(MAX_STEPS):
-            solved = self._search(exp(log_load)).solve_zones(zones)
+            solved = self._search(exp(log_ratio)).solve_zones(zones)
             zones = solved.layout
-            logs.append(log_load)
+            log_ratios.append(log_ratio)
             margins.append(_reverse_margin(solved))
-            if len(logs) == 1:
-                log_load -= COARSE_TOL
+            if len(log_ratios) == 1:
+                log_ratio -= COARSE_TOL
                 continue
-            fall = margins[-2] - margins[-1]
-            if not abs(fall) > 0.0:
+            decrement = margins[-2] - margins[-1]
+            if not abs(decrement) > 0.0:
                 raise NoZonesError("the least traction in what sticks does not follow the load")
-            step = margins[-1] * (logs[-1] - logs[-2]) / fall
+            step = margins[-1] * (log_ratios[-1] - log_ratios[-2]) / decrement
             if abs(step) < self._tolerance:
                 error = 2.0 * (solved.traction_error + solved.pressure_error)
                 # the slope of the first two points: the last ones are too close together
-                slope = (margins[1] - margins[0]) / (logs[1] - logs[0])
-                return LoadRatio(exp(log_load), error / abs(slope) + self._tolerance), solved
-            log_load += step
+                slope = (margins[1] - margins[0]) / (log_ratios[1] - log_ratios[0])
+                return LoadRatio(exp(log_ratio), error / abs(slope) + self._tolerance), solved
+            log_ratio += step
         raise NoZonesError("the load at which slip back begins was not found")
 
     @cached_property
@@ -476,42 +482,41 @@ class Unloading:
         cases that were tried. With ``x = ln(reverse ratio/load)``, the width of the slip back is
         proportional to x where it begins at the edge, and to ``sqrt(x)`` where it begins inside.
         The change of `ZoneGrowth.least` is proportional to that width, so that `least` is nearly a
-        parabola in ``sqrt(x)``, which is called the place here. Its zero is found by Muller's
-        method.
+        parabola in ``sqrt(x)``. Its zero is found by Muller's method.
         """
         reverse, solved = self._onset_of_reverse_slip
         tolerance = max(self._tolerance, JACOBIAN_FIELD_TOL)
         growth = self._search(reverse.value).growth(solved)
-        places = [0.0]
+        sqrt_xs = [0.0]
         leasts = [growth.least]
-        place = sqrt(COARSE_TOL)
+        sqrt_x = sqrt(COARSE_TOL)
         zones: Layout | None = None
         for _ in range(MAX_STEPS):
-            load = reverse.value * exp(-(place**2))
-            search = self._search(load, tolerance=tolerance)
+            load_ratio = reverse.value * exp(-(sqrt_x**2))
+            search = self._search(load_ratio, tolerance=tolerance)
             solved = search.followed(zones)
             zones = solved.layout
             growth = search.growth(solved)
-            places.append(place)
+            sqrt_xs.append(sqrt_x)
             leasts.append(growth.least)
-            step, slope = _step_to_zero(places, leasts)
+            step, slope = _step_to_zero(sqrt_xs, leasts)
             if abs(step) < tolerance:
-                # ln(load) changes by 2 place d(place)
-                error = 2.0 * place * (tolerance + 2.0 * growth.error / abs(slope))
-                return LoadRatio(load, error + reverse.error)
-            place = min(max(place + step, place / 2.0), 2.0 * place)
+                # ln(load) changes by 2 sqrt(x) d(sqrt(x))
+                error = 2.0 * sqrt_x * (tolerance + 2.0 * growth.error / abs(slope))
+                return LoadRatio(load_ratio, error + reverse.error)
+            sqrt_x = min(max(sqrt_x + step, sqrt_x / 2.0), 2.0 * sqrt_x)
         raise NoZonesError("the load at which a slip zone turns was not found")
 
 
-def _step_to_zero(places: list[float], values: list[float]) -> tuple[float, float]:
-    """Return the step from the last place to a zero, and the slope at the last place.
+def _step_to_zero(arguments: list[float], values: list[float]) -> tuple[float, float]:
+    """Return the step from the last argument to a zero, and the slope at the last argument.
 
     They are those of the parabola through the last three values, or, of two values, of the line.
     """
-    slopes = np.diff(values[-3:]) / np.diff(places[-3:])
+    slopes = np.diff(values[-3:]) / np.diff(arguments[-3:])
     # there is one slope of two values, and the curvature is 0
-    curvature = (slopes[-1] - slopes[0]) / (places[-1] - places[-len(slopes) - 1])
-    slope = slopes[-1] + curvature * (places[-1] - places[-2])
+    curvature = (slopes[-1] - slopes[0]) / (arguments[-1] - arguments[-len(slopes) - 1])
+    slope = slopes[-1] + curvature * (arguments[-1] - arguments[-2])
     root = sqrt(max(slope**2 - 4.0 * values[-1] * curvature, 0.0))
     return float(-2.0 * values[-1] / (slope + copysign(root, slope))), float(slope)
 
@@ -524,9 +529,9 @@ def _unrecorded(name: str, result: Any, begin: float) -> Any:
 def _friction_ratios(solved: ZoneSolution, part: int) -> Array:
     """Return two rows: ``y = 1 - s**2`` at places in a part, and ``q/(f p)`` there.
 
-    The places are `DISTANCES`, and in three passes more around the least ratio: slip back may begin
-    between two of `DISTANCES`. Where q exceeds +f p, it does so next to a boundary, to which the
-    places are graded.
+    The places are `DISTANCES`, and more that three passes add around the least ratio, as slip back
+    may begin between two of `DISTANCES`. Where q exceeds +f p, it does so next to a boundary, to
+    which the places are graded.
     """
     depths = -np.log(DISTANCES)
     for _ in range(3):
@@ -549,5 +554,6 @@ def _friction_ratios_at(solved: ZoneSolution, part: int, depths: Array) -> Array
 
 def _reverse_margin(solved: ZoneSolution) -> float:
     """Return the least ``q/(f p) + 1`` in zones that stick with memory; infinity without any."""
-    displaced = solved.system.displacement_coefficients
-    return min((float(_friction_ratios(solved, k)[1].min()) for k in displaced), default=inf) + 1.0
+    # the parts with memory are those with a known displacement
+    parts = solved.system.displacement_coefficients
+    return min((float(_friction_ratios(solved, k)[1].min()) for k in parts), default=inf) + 1.0

@@ -34,7 +34,7 @@ from spectral_contact.spectral.parts import z_difference
 
 
 def all_positive(pressures: Sequence[LogSeries]) -> bool:
-    """Return whether the pressure is positive on all parts; where not, the contact would open."""
+    """Return whether the pressure is positive on all parts; if not, the contact would open."""
     return bool(np.min([pressure(DISTANCES) for pressure in pressures]) > 0.0)
 
 
@@ -51,7 +51,7 @@ def fields_in_stick(
 def stick_tractions(
     states: tuple[int, ...], bounds: Sequence[Radius], shears: Mapping[int, LogSeries]
 ) -> dict[int, DiskSeries | AnnulusSeries]:
-    """Return the traction of each stick zone by its number.
+    """Return the traction q of each stick zone, by the number of the zone.
 
     Parameters
     ----------
@@ -68,6 +68,7 @@ def stick_tractions(
         if state != 0:
             continue
         if zone == 0:
+            # its series is multiplied by s over the radius of the disk, not by s
             tractions[zone] = DiskSeries(bounds[1], shears[0].times(bounds[1].value))
         else:
             inner_half = shears[2 * zone - 1]
@@ -140,7 +141,7 @@ def with_central_asymptote(
 
 
 def _power_piece(outer: Radius, outer_value: float, exponent: float) -> ZonePiece:
-    """Return ``s**exponent / sqrt(1 - s**2)`` inside a radius, scaled to a value there."""
+    """Return the multiple of ``s**exponent / sqrt(1 - s**2)`` that has a given value at `outer`."""
     # 1 - s**2 = outer**2 (d + shift) with the distance d = 1 - s**2/outer**2 on the disk
     shift = (1.0 - outer.square) / outer.square
     weight = EdgeWeight(outer_value * float(np.sqrt(shift)), shift)
@@ -168,7 +169,7 @@ def _central_exponent(coupling: float) -> float:
 def _pressure_at_edge(solved: ZoneSolution, parameters: Parameters) -> LogSeries:
     """Return the pressure on the last part.
 
-    If it is singular at the edge, and the edge sticks, its tail is that of its leading term.
+    If it is singular at the edge, and the edge sticks, its tail is replaced by its leading term.
     """
     series = solved.pressures[-1]
     if series.power == 0.0 or solved.system.states[-1]:

@@ -3,9 +3,10 @@
 A candidate is a sequence of zones (`Layout`: boundaries, and whether each zone sticks or slips)
 with the reason why it is tried. `ZoneSearch.outcome` takes the candidates in order, solves for the
 boundaries and fields of each, and has the friction law decide (`slip_outcome`). The first candidate
-on which the law holds is the solution. If there is none, the one that violates it least may stand
-for it (`_least_wrong`), or full stick, or there is no solution (`NoZonesError`). The outcome tells
-which candidates were tried, and what refuted them (`PartialSlip.trials`).
+on which the law holds is the solution. If it holds on none, `_least_wrong` returns what may stand
+for the solution, such as the outcome that violates the law least or full stick, or it raises
+`NoZonesError`. The outcome tells which candidates were tried, and what refuted them
+(`PartialSlip.trials`).
 
 Where candidates come from does not matter for the result. Without elastic coupling the problem is a
 strictly convex minimisation under ``|q| <= f p``: fields that satisfy all conditions are the
@@ -71,9 +72,9 @@ Record = Callable[[str, Any, float], Any]
 
 #: States of a stick disk in a slip annulus.
 _DISK_STATES = (0, 1)
-#: The closed form of the stick at a smooth edge is tried if half of the digits are expected of it:
-#: panels leave an error of 1e-9 at a width of 1e-20 in ``y``, of 4e-7 at 1e-24
-#: (`python validation/physics/edge_stick.py`).
+#: The closed form of the stick at a smooth edge is tried if its expected relative error
+#: (`edge_stick.expected_error`) is at most this: half of the digits. Panels leave an error of 1e-9
+#: at a width of 1e-20 in ``y``, and of 4e-7 at 1e-24 (`python validation/physics/edge_stick.py`).
 EDGE_MATCHING_ERROR = float(np.sqrt(np.finfo(float).eps))
 #: The logit of a stick disk so small that its radius is rounding: the slip around it is that of
 #: full slip.
@@ -87,15 +88,15 @@ class Candidate:
     Attributes
     ----------
     zones : Layout
-        Their states, and boundaries to begin with.
+        States of the zones, and boundaries to begin with.
     reason : str
         Why they are tried.
     predicted : bool
         Whether boundaries and Jacobian are predicted from scenes that were solved before
-        (`solving.sharing`). Newton's method begins with them, and they are given up if it does not
-        lead to a verified solution that meets the tolerance.
+        (`solving.sharing`). Newton's method begins with them. The candidate is dropped unless its
+        solution is verified and meets the tolerance.
     closed_form_edge : bool
-        Whether narrow stick at a smooth edge is added to them in closed form.
+        Whether narrow stick at a smooth edge is added to the zones in closed form.
     """
 
     zones: Layout
@@ -130,11 +131,11 @@ class ZoneSearch(ABC):
     tolerance : float
         Bound on the relative errors of the fields.
     max_unknowns : int
-        Most unknowns of a space.
+        Most coefficients on the panels of a space (`refine`).
     record : callable
-        Takes the name of a step of the plan (`records.PARTIAL_SLIP`, `SLIP_FIELD` or
-        `ZONE_SEARCH`), its result and the time it began; notes the work and returns the result, of
-        a `Refinement` the value of its best solution.
+        Keeps a record of a step of the plan. It takes the name of the step
+        (`records.PARTIAL_SLIP`, `SLIP_FIELD` or `ZONE_SEARCH`), its result, and the time at which
+        it began. It returns the result; if that is a `Refinement`, the value of its best solution.
     warm_start : Layout, optional
         The first candidate: zones that are predicted from scenes like this one.
     """
@@ -158,10 +159,11 @@ class ZoneSearch(ABC):
         return replace(outcome, trials=tuple(self._trials))
 
     def _best(self) -> PartialSlip:
-        """Return the outcome of the search, which does not say yet what was tried.
+        """Return the outcome of the search, whose `trials` are not set yet.
 
-        To a solution that lacks stick it is added, until none is missing or there is no solution.
-        Zones whose states were solved for are not tried again from other boundaries.
+        If a solution lacks stick, the next candidate is its zones with the missing stick added.
+        This goes on until no stick is missing or there is no solution. Zones whose states were
+        solved for are not tried again from other boundaries.
         """
         outcomes: list[PartialSlip] = []
         solved_states: set[tuple[int, ...]] = set()
@@ -186,25 +188,25 @@ class ZoneSearch(ABC):
     def _try(self, candidate: Candidate) -> PartialSlip | None:
         """Return the solution on a candidate, if there is one, and note the verdict on it.
 
-        On predicted zones it has to be verified and to meet the tolerance, because a fresh start
-        may give a better one.
+        On predicted zones a solution counts only if it is verified and meets the tolerance, because
+        a fresh start may give a better one.
         """
-        outcome = None
+        accepted = None
         try:
-            solved = self._solve(candidate)
-            verdict = solved.verdict
+            outcome = self._solve(candidate)
+            verdict = outcome.verdict
             if not candidate.predicted:
-                outcome = solved
-            elif solved.verified:
-                if solved.slip_error < inf and self._error(solved) <= self.tolerance:
-                    outcome = solved
+                accepted = outcome
+            elif outcome.verified:
+                if outcome.slip_error < inf and self._error(outcome) <= self.tolerance:
+                    accepted = outcome
                 else:
                     verdict = "the tolerance is not met from these boundaries"
         # LinAlgError: a zone has no width, its boundaries coincide
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             verdict = str(error)
         self._trials.append(Trial(candidate.zones, candidate.reason, verdict))
-        return outcome
+        return accepted
 
     def _error(self, outcome: PartialSlip) -> float:
         """Return the largest of the error estimates that the tolerance bounds."""
@@ -230,7 +232,7 @@ class ZoneSearch(ABC):
 
     @property
     def _edge_stick_width(self) -> float:
-        """The order of the width in ``y`` over which a smooth edge sticks."""
+        """The width in ``y`` over which a smooth edge sticks, to an order of magnitude."""
         return estimated_edge_stick_width(self.parameters, 0.0)
 
     @property
@@ -251,8 +253,8 @@ class ZoneSearch(ABC):
         """
         if not self._edge_stick_is_resolvable:
             return Candidate(Layout((logit,), _DISK_STATES), "one stick disk")
-        # next to the edge the logit is -ln y; the estimate is not made for much friction, where it
-        # may reach into the disk
+        # Next to the edge the logit is -ln y. The estimate of the width is not made for much
+        # friction, under which the stick at the edge may reach into the disk.
         edge_logit = -log(self._edge_stick_width)
         zones = Layout((min(logit, edge_logit - 1.0), edge_logit), (*_DISK_STATES, 0))
         return Candidate(zones, "one stick disk, and stick at the edge")
@@ -277,7 +279,7 @@ class ZoneSearch(ABC):
 
     @abstractmethod
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
-        """Return the best outcome where the law holds on none, or the sense of slip is unknown."""
+        """Return what stands for the solution if none of the outcomes is verified."""
 
 
 @dataclass(eq=False)
@@ -290,7 +292,7 @@ class UncoupledSearch(ZoneSearch):
         Normal contact, whose pressure is known.
     pointwise : bool
         Whether the tolerance bounds the error of q/s at every radius. If not, it bounds those of
-        total shear and stick radius, for which looser fields do.
+        total shear and stick radius, for which less accurate fields suffice.
     """
 
     contact: NormalContact
@@ -299,13 +301,13 @@ class UncoupledSearch(ZoneSearch):
     def _best(self) -> PartialSlip:
         """Return the best outcome, or full stick where slip cannot be told from it.
 
-        That is where the outcome breaks the friction law, or misses the tolerance, and f exceeds
-        the lower bound of the critical friction.
+        It cannot if f exceeds the lower bound of the critical friction, and the outcome breaks the
+        friction law or misses the tolerance.
         """
         best = super()._best()
         failed = not best.consistent or self._error(best) > self.tolerance
-        critical = self.stick.critical * (1.0 - self.stick.critical_error)
-        if failed and self.parameters.friction > critical:
+        least_critical = self.stick.critical * (1.0 - self.stick.critical_error)
+        if failed and self.parameters.friction > least_critical:
             return full_stick_outcome(self.stick, self.parameters)
         return best
 
@@ -320,8 +322,8 @@ class UncoupledSearch(ZoneSearch):
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether there may be such zones.
 
-        Without tangential compliance there is one stick disk; so there is if the stick at a smooth
-        edge is too narrow to be represented, and is left out.
+        Without tangential compliance only one stick disk is possible. The same holds where the
+        stick at a smooth edge is left out, because it is too narrow to be represented.
         """
         if self.parameters.beta == 0.0 or (
             self._smooth_edge_sticks and not self._edge_stick_is_resolvable
@@ -361,12 +363,12 @@ class UncoupledSearch(ZoneSearch):
         return max(outcome.traction_error if self.pointwise else 0.0, outcome.shear_error)
 
     def _full_slip(self) -> PartialSlip:
-        """Return full slip: the logit of the stick radius is below MIN_LOGIT."""
+        """Return full slip, for a stick disk whose logit is below `stick_radius.MIN_LOGIT`."""
         # one space is enough: nothing depends on the fields in the disk
-        point = FreeBoundaryProblem(
+        problem = FreeBoundaryProblem(
             self.parameters, fixed_disk(_POINT_LOGIT), self.tolerance, known=self.contact
         )
-        solved = point.attempt(point.start()).value
+        solved = problem.attempt(problem.start()).value
         outcome = zones_outcome(solved, self.parameters, self.contact, point_disk=True)
         return as_full_slip(outcome, self.parameters.friction)
 
@@ -426,8 +428,8 @@ class CoupledSearch(ZoneSearch):
     def _candidates(self) -> Iterator[Candidate]:
         """Yield candidates: a like scene's zones, one disk and what full stick shows.
 
-        If the edge must stick, the disk comes first, since full stick oscillates. Else it reaches
-        to where full stick exceeds the friction, if it does.
+        If the edge must stick, the disk comes first, since full stick oscillates. Else the disk
+        comes last, and reaches to the radius from which full stick exceeds the friction.
         """
         if self.warm_start is not None:
             yield Candidate(self.warm_start, "the zones of a like scene", predicted=True)
@@ -447,8 +449,8 @@ class CoupledSearch(ZoneSearch):
     def _is_possible(self, zones: Layout) -> bool:
         """Return whether zones of these states are possible.
 
-        Stick and slip around it are, unless the edge must stick. More than two zones are if there
-        is tangential compliance.
+        A stick disk with slip around it is possible unless the edge must stick. More than two zones
+        are possible if there is tangential compliance.
         """
         if len(zones.states) == 2:
             return not self._smooth_edge_sticks
@@ -458,7 +460,8 @@ class CoupledSearch(ZoneSearch):
     def _disk_is_below_range(self) -> bool:
         """Whether the edge must stick, and the stick disk is smaller than any that is solved for.
 
-        Where the edge need not stick, the search for the boundary of one disk tells that.
+        Where the edge need not stick, the search for the boundary of one disk finds that out
+        (`NoStickDiskError`).
         """
         return self._smooth_edge_sticks and self._disk_logit < min_logit(self.parameters)
 
@@ -500,8 +503,8 @@ class CoupledSearch(ZoneSearch):
             with_verdict = with_edge_stick
         outcome = with_verdict(refinement.best.value, self.parameters)
         if outcome.consistent:
-            # `record` counts the time from a beginning until now: that of the solve is put off by
-            # the time that the verdict took
+            # `record` counts the time from the given beginning until now. So that of the solve is
+            # moved later by the time that the verdict took.
             self.record(PARTIAL_SLIP, refinement, begin + perf_counter() - solve_end)
             self.record(SLIP_FIELD, outcome, solve_end)
         return outcome
@@ -550,7 +553,8 @@ class CoupledSearch(ZoneSearch):
     def _with_central_asymptote(self, outcome: PartialSlip) -> PartialSlip:
         """Return full slip on a smooth surface with p next to the centre in closed form.
 
-        The regularising disk spoils p up to some of its radii; there ``p ~ s**-e/sqrt(1 - s**2)``.
+        The regularising disk makes p wrong up to some of its radii from the centre. There p is
+        replaced by ``p ~ s**-e/sqrt(1 - s**2)``.
         """
         from spectral_contact.contact.little_friction import regularising_radius
 

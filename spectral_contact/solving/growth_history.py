@@ -1,4 +1,4 @@
-"""The history of a growing contact as it is told to users.
+"""The history of a growing contact as users get it: a `ContactHistory`.
 
 Symbols are those of docs/theory, contacts that grow: ``u = ln b`` is the logarithm of a contact
 radius, and ``v = ln(b - b_0)`` the coordinate of interpolation on a panel (`RadiusStretch`).
@@ -23,29 +23,37 @@ from spectral_contact.solving.stretch import (
 )
 from spectral_contact.spectral.jacobi import gauss_rule
 
+#: The places of the two ends of a piece or panel.
 _ENDS: Array = np.array([-1.0, 1.0])
 #: Chebyshev points of a piece, and points of the quadrature rule from its lower end to one of them.
 _COUNT, _POINTS = 16, 20
-#: Largest width of a piece, in ``v`` and in ``u``.
-_WIDE, _WIDE_IN_LOG = 1.1, 1.6
+#: Largest extent of a piece, in ``v`` and in ``u``.
+_LARGEST_EXTENT, _LARGEST_EXTENT_IN_LOG = 1.1, 1.6
 #: Quantities of flat punches whose errors are read, and the factor of these errors in load,
 #: approach and shear, which are integrals over the history (docs/theory, Errors).
-_OF_FLATS, _FLATS_COUNT = ("pressure", "approach", "total_shear", "stick_radius"), 3.0
+_FLAT_QUANTITIES, _FLAT_ERROR_FACTOR = ("pressure", "approach", "total_shear", "stick_radius"), 3.0
 
 
 @dataclass(frozen=True)
 class _HistoryPiece:
-    """A piece of a panel, in the logarithm of the radius."""
+    """A piece of a panel, on which each quantity of the history is one series in ``u``.
+
+    Attributes
+    ----------
+    panel : Panel
+    interval : RadiusStretch
+        The radii of the piece. Its ``b_0`` is 0, so that ``v`` on it is ``u``.
+    """
 
     panel: Panel
-    radii: RadiusStretch
+    interval: RadiusStretch
 
     def places(self, u: Array) -> Array:
-        """Return the places on the panel in [-1, 1]."""
+        """Return the places on the panel, in [-1, 1], of radii given by ``u``."""
         return self.panel.stretch.place_of(u)
 
     def rates(self, u: Array) -> Array:
-        """Return ``dQ/du``."""
+        """Return the derivative ``dQ/du`` of the total shear."""
         t = self.places(u)
         dv_du = self.panel.stretch.dv_du_at(t)
         return chebyshev_value(self.panel.shears, t) * self.panel.increment(t) * dv_du
@@ -62,27 +70,28 @@ def history_of(growth: Growth, known: float | None) -> ContactHistory:
         come from the history.
     """
     pieces = [
-        _HistoryPiece(panel, radii)
+        _HistoryPiece(panel, interval)
         for panel in growth.panels
-        for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _WIDE))
-        for radii in _in_logs(part)
+        for part in panel.stretch.cut(math.ceil(panel.stretch.extent / _LARGEST_EXTENT))
+        for interval in _in_logs(part)
     ]
-    nodes = [(one.panel, one.places(one.radii.u_nodes)) for one in pieces]
+    nodes = [(piece.panel, piece.places(piece.interval.u_nodes)) for piece in pieces]
+    # ln P, ln delta, Q/P and ln(c/b) at the nodes of every piece
     rows = {
         "loads": [panel.loads.at(t) for panel, t in nodes],
         "approaches": [panel.approaches.at(t) for panel, t in nodes],
         "shears": _shears(growth, pieces),
         "sticks": [panel.log_stick(t) for panel, t in nodes],
     }
-    ends = np.array([*(one.radii.low for one in pieces), growth.log_radius])
-    series = {name: np.array(list(map(chebyshev_series, of))) for name, of in rows.items()}
+    ends = np.array([*(piece.interval.low for piece in pieces), growth.log_radius])
+    series = {name: np.array(list(map(chebyshev_series, row))) for name, row in rows.items()}
     return ContactHistory(ends, **series, errors=_errors(pieces, rows, known))
 
 
 def _in_logs(part: RadiusStretch) -> list[RadiusStretch]:
-    """Return parts of a stretch that are not too wide, in the logarithm of the radius."""
+    """Return the intervals of pieces, equal in ``u`` and not too long, into which a part is cut."""
     whole = RadiusStretch(part.low, part.high, count=_COUNT)
-    cut = whole.cut(math.ceil(whole.extent / _WIDE_IN_LOG))
+    cut = whole.cut(math.ceil(whole.extent / _LARGEST_EXTENT_IN_LOG))
     return [RadiusStretch(one.low, one.high, count=_COUNT) for one in cut]
 
 
@@ -94,12 +103,13 @@ def _shears(growth: Growth, pieces: list[_HistoryPiece]) -> list[Array]:
     shear = growth.first_shear
     ratios = []
     g, w = gauss_rule(_POINTS)
-    for one in pieces:
-        low, logs = one.radii.low, one.radii.u_nodes
-        extent = np.append(logs, one.radii.high) - low
-        rates = one.rates((low + extent[:, None] * (1.0 + g) / 2.0).ravel())
+    for piece in pieces:
+        low, nodes = piece.interval.low, piece.interval.u_nodes
+        # from the lower end to every node and to the upper end
+        extent = np.append(nodes, piece.interval.high) - low
+        rates = piece.rates((low + extent[:, None] * (1.0 + g) / 2.0).ravel())
         shears = shear + extent / 2.0 * (rates.reshape(len(extent), -1) @ w)
-        ratios.append(shears[:-1] / one.panel.load(one.places(logs)))
+        ratios.append(shears[:-1] / piece.panel.load(piece.places(nodes)))
         shear = float(shears[-1])
     return ratios
 
@@ -108,58 +118,66 @@ def _errors(
     pieces: list[_HistoryPiece], rows: dict[str, list[Array]], known: float | None
 ) -> Array:
     """Return estimates of relative errors on the pieces, in the order of `ContactHistory`."""
-    panels, own = [one.panel for one in pieces], _left_out(pieces, rows)
-    flats = {name: np.array([_worst(one, name) for one in panels]) for name in _OF_FLATS}
+    panels, series = [piece.panel for piece in pieces], _left_out(pieces, rows)
+    # errors of the flat punches of the panel of every piece, and the largest up to there
+    flats = {name: np.array([_worst(panel, name) for panel in panels]) for name in _FLAT_QUANTITIES}
     grown = {name: np.maximum.accumulate(values) for name, values in flats.items()}
     # where all flat punches are alike, Q/P up to the first piece is exact and has no error
-    shear = own["shears"] + _carried(pieces, rows["loads"], 0.0 if panels[0].alike else 1.0)
-    shear += _FLATS_COUNT * (grown["total_shear"] + grown["approach"])
+    shear = series["shears"] + _carried(pieces, rows["loads"], 0.0 if panels[0].alike else 1.0)
+    shear += _FLAT_ERROR_FACTOR * (grown["total_shear"] + grown["approach"])
+    # the error that load and approach have in common
     if known is None:
         common = _carried(pieces, rows["approaches"], 1.0)
-        common += _FLATS_COUNT * (grown["pressure"] + grown["approach"])
+        common += _FLAT_ERROR_FACTOR * (grown["pressure"] + grown["approach"])
     else:
-        known += max(one.node_loads.node_error for one in panels)
+        known += max(panel.node_loads.node_error for panel in panels)
         common = np.full(len(panels), known)
-    load, approach = common + own["loads"], common + own["approaches"]
-    return np.stack([load, approach, shear + load, own["sticks"] + flats["stick_radius"]], axis=1)
+    load, approach = common + series["loads"], common + series["approaches"]
+    return np.stack(
+        [load, approach, shear + load, series["sticks"] + flats["stick_radius"]], axis=1
+    )
 
 
 def _left_out(pieces: list[_HistoryPiece], rows: dict[str, list[Array]]) -> dict[str, Array]:
     """Return what the series of the pieces and of their panels leave out."""
-    panels = [one.panel for one in pieces]
-    own = {name: np.array([left_out(values) for values in of]) for name, of in rows.items()}
-    own["loads"] += [one.loads.interpolation_error for one in panels]
-    own["approaches"] += [one.approaches.interpolation_error for one in panels]
-    own["sticks"] += [left_out(one.stick) if one.slips else 0.0 for one in panels]
-    own["shears"] += [one.shear_error * float(np.abs(one.shears).max()) for one in panels]
-    own["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
+    panels = [piece.panel for piece in pieces]
+    errors = {name: np.array([left_out(values) for values in row]) for name, row in rows.items()}
+    errors["loads"] += [panel.loads.interpolation_error for panel in panels]
+    errors["approaches"] += [panel.approaches.interpolation_error for panel in panels]
+    errors["sticks"] += [left_out(panel.stick) if panel.slips else 0.0 for panel in panels]
+    errors["shears"] += [panel.shear_error * float(np.abs(panel.shears).max()) for panel in panels]
+    errors["shears"] /= np.array([max(np.abs(values).min(), TINY) for values in rows["shears"]])
     # The last terms of one piece may be small by chance, so those of its neighbours count, too.
-    # Under cones errors between nodes are 1.1 times that at most, for which there is a factor of 2.
-    around = {name: np.pad(values, 1, mode="edge") for name, values in own.items()}
-    return {name: 2.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in around.items()}
+    # Under cones errors between nodes are 1.1 times that at most, and at the end of a panel under a
+    # parabola with a shallow cone 2.3 times, for which there is a factor of 3.
+    padded = {name: np.pad(values, 1, mode="edge") for name, values in errors.items()}
+    return {name: 3.0 * np.max([v[:-2], v[1:-1], v[2:]], axis=0) for name, v in padded.items()}
 
 
-def _carried(pieces: list[_HistoryPiece], logs: list[Array], begun: float) -> Array:
-    """Return the errors that pieces take over from earlier ones, relative to their lower values.
+def _carried(pieces: list[_HistoryPiece], logs: list[Array], first_error: float) -> Array:
+    """Return the errors that earlier pieces leave to every piece.
 
-    An integral over the history keeps what every earlier piece has left out.
+    An integral over the history keeps what every earlier piece has left out. The errors are of load
+    or approach, relative to its value at the lower end of the piece.
 
     Parameters
     ----------
     pieces : list of _HistoryPiece
     logs : list of ndarray
         The logarithm of the load or approach at the nodes of every piece.
-    begun : float
+    first_error : float
         Relative error of the value at which the first piece begins.
     """
-    found = []
-    lost = begun * float(np.exp(chebyshev_value(logs[0], _ENDS[:1])[0]))
-    for one, values in zip(pieces, logs, strict=True):
-        low, high = np.exp(chebyshev_value(values, _ENDS))
-        found.append(lost / low)
-        lost += one.panel.shear_error * (high - low)
-    return np.array(found)
+    carried = []
+    # the error so far, not relative
+    lost = first_error * float(np.exp(chebyshev_value(logs[0], _ENDS[:1])[0]))
+    for piece, values in zip(pieces, logs, strict=True):
+        at_low, at_high = np.exp(chebyshev_value(values, _ENDS))
+        carried.append(lost / at_low)
+        lost += piece.panel.shear_error * (at_high - at_low)
+    return np.array(carried)
 
 
 def _worst(panel: Panel, name: str) -> float:
-    return max(getattr(one.error, name) or 0.0 for one in panel.flats)
+    """Return the largest error of a quantity of the flat punches of a panel; 0 if it is exact."""
+    return max(getattr(flat.error, name) or 0.0 for flat in panel.flats)

@@ -32,7 +32,7 @@ from spectral_contact.solving.weights import LoadSource, NormalLoads, SmoothLoad
 FlatPunches = Callable[[Scene, tuple[str, ...], float, StepCache], Solution]
 
 #: Quantities of every flat punch of a history.
-_FLAT = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
+_QUANTITIES = ("pressure", "traction", "total_shear", "zones", "stick_radius", "approach")
 #: Tolerance of the flat punches over that of the fields.
 _FLAT_RTOL_FACTOR = 0.1
 #: Their least tolerance.
@@ -46,25 +46,27 @@ _LEAST_STEP_RATIO = 0.1
 _LARGEST_STEP_RATIO = 4.0
 #: First radius of a history beyond a flat part: distance from the end of this part, relative to it.
 _BEYOND_FLAT_PART = 1e-10
-#: `Grower.break_distance` on a smooth surface without coupling, where the load beyond a break has a
+#: Distance of the origin ``b_0`` of ``v`` below a break of the profile, relative to the break, on a
+#: smooth surface without coupling (`Grower.break_distance`). There the load beyond a break has a
 #: term like the power 3/2 of the distance.
 _SMOOTH_BREAK_DISTANCE = 1e-7
 #: The same with a layer or with coupling.
 _BREAK_DISTANCE = 3e-4
-#: Distance of the origin ``b_0`` of ``v`` below 0, over the least compliance. As functions of ``b``
-#: flat punches in full stick have no poles closer to 0: the nearest is at 2.32 without coupling,
-#: and at 2.01 with the largest coupling.
-_ORIGIN = 2.0
-#: Number of radii at which the power of a profile is looked at, and the change that counts. With
-#: 0.1 or more, errors of the load next to the first touch were up to 9 times their estimates under
-#: sums of a cone and a parabola: validation/honesty/honesty.py growing_thick.
+#: Distance of the origin ``b_0`` of ``v`` below 0 from the first touch on, over the least
+#: compliance. As functions of ``b`` flat punches in full stick have no poles closer to 0: the
+#: nearest is at 2.32 without coupling, and at 2.01 with the largest coupling.
+_ORIGIN_DISTANCE = 2.0
+#: Number of radii at which the power ``dln H/dln b`` of a profile is sampled, and the change of the
+#: power that counts. With 0.1 or more, errors of the load next to the first touch were up to 9
+#: times their estimates under sums of a cone and a parabola:
+#: validation/honesty/honesty.py growing_thick.
 _POWER_SAMPLES = 200
 _POWER_CHANGE = 0.05
-#: Radius over the first one at which the power of the first touch is taken. A power p in place of n
-#: leaves ``(n - p) ln b`` to be interpolated, which is singular at 0, and which the coefficients of
-#: a panel do not show if it is small. With the power at the first radius itself, loads there were
-#: off by up to 27 times their estimates, and with that at 0.01 of it by up to 6 times.
-_NEARER = 1e-4
+#: The power n of the first touch is taken at this fraction of the first radius of a history. A
+#: power p in place of n leaves ``(n - p) ln b`` to be interpolated, which is singular at 0, and
+#: which the coefficients of a panel do not show if it is small. With the power at the first radius
+#: itself, loads there were off by up to 27 times their estimates, and with 0.01 by up to 6 times.
+_TOUCH_FRACTION = 1e-4
 #: Rounding of the radii of a history, relative.
 _RADIUS_ROUNDING = 1e-15
 #: With coupling the pressure of a flat punch may change sign at some distance from its edge. The
@@ -119,7 +121,7 @@ class Stages:
         self.profile, self._tell, self._fields = scene.profile, tell, fields
         self._flat_rtol = max(_FLAT_RTOL_FACTOR * rtol, _LEAST_FLAT_RTOL)
         without: dict[str, Any] = dict.fromkeys(("physical", "profile", *CONTROLS))
-        self._flat = replace(scene, **without)
+        self._flat_scene = replace(scene, **without)
         self._cache = StepCache()
         # the stick radii known so far, in the cache from which the flat punches take their start
         self._path = StickPath(scene.normal_compliance, scene.tangential_compliance)
@@ -135,11 +137,11 @@ class Stages:
 
     def _scene(self, radius: float) -> Scene:
         """Return the scene of the flat punch of a radius, in units of the radius."""
-        flat = self._flat
+        unscaled = self._flat_scene
         return replace(
-            flat,
-            normal_compliance=flat.normal_compliance / radius,
-            tangential_compliance=flat.tangential_compliance / radius,
+            unscaled,
+            normal_compliance=unscaled.normal_compliance / radius,
+            tangential_compliance=unscaled.tangential_compliance / radius,
         )
 
     def flat(self, radius: float) -> Solution:
@@ -149,7 +151,7 @@ class Stages:
             self._tell(f"as the contact grew: radius {radius:.4g}")
             self._last = (
                 scene,
-                self._solve(scene, (*_FLAT, *self._fields), self._flat_rtol, self._cache),
+                self._solve(scene, (*_QUANTITIES, *self._fields), self._flat_rtol, self._cache),
             )
         return self._last[1]
 
@@ -170,8 +172,8 @@ class Stages:
         """Return what builds the history between two contact radii."""
         self._check_digits(radius)
         onset = self._path.onset = self._onset(least, radius)
-        # with coupling panels as short as on a smooth surface would add differences of nearly equal
-        # numbers
+        # The smaller distance makes the panels next to a break shorter. With coupling, panels as
+        # short as these would add differences of nearly equal numbers.
         smooth = self.scene.normal_compliance == 0.0 and not self.scene.couples
         self._check_pole(radius)
         return Grower(
@@ -197,11 +199,11 @@ class Stages:
         the radius at which it has changed by `_POWER_CHANGE`.
         """
         compliances = self.scene.normal_compliance, self.scene.tangential_compliance
-        of_compliance = _ORIGIN * min((one for one in compliances if one > 0.0), default=0.0)
+        of_compliance = _ORIGIN_DISTANCE * min((c for c in compliances if c > 0.0), default=0.0)
         if self.profile.flat_part > 0.0:  # the origin is its end
             return of_compliance
-        last = min((b for b in self.profile.breaks if b > least), default=radius)
-        u = np.linspace(math.log(least), math.log(min(last, radius)), _POWER_SAMPLES)
+        end = min((b for b in self.profile.breaks if b > least), default=radius)
+        u = np.linspace(math.log(least), math.log(min(end, radius)), _POWER_SAMPLES)
         powers = np.diff(np.log(self.profile._transform(np.exp(u)))) / np.diff(u)
         changed = np.flatnonzero(np.abs(powers - powers[0]) > _POWER_CHANGE)
         return min(of_compliance, math.exp(u[changed[0]])) if changed.size else of_compliance
@@ -212,8 +214,8 @@ class Stages:
         The load is a power of the distance from the end of the flat part. The pole is where the
         profile is vertical; next to it the load contains the logarithm of the distance from it.
         """
-        flat, pole = self.profile.flat_part, self.profile._pole
-        distance = min(radius - flat, pole - radius) / radius
+        flat_part, pole = self.profile.flat_part, self.profile._pole
+        distance = min(radius - flat_part, pole - radius) / radius
         if distance < max(_RADIUS_ROUNDING / self.rtol, 10.0 * _BEYOND_FLAT_PART):
             raise NotComputedError(
                 "traction",
@@ -224,8 +226,8 @@ class Stages:
     def _check_pole(self, radius: float) -> None:
         """Raise if a radius is so close to a pole that a contact with coupling would not grow.
 
-        It would not if the zone at the edge in which the pressure changes sign is not far smaller
-        than the distance to the pole.
+        It would not grow if the zone at the edge in which the pressure changes sign is not far
+        smaller than the distance to the pole.
         """
         room = 1.0 - radius / self.profile._pole
         # the distance from the edge at which the pressure changes sign, or nothing; without a pole
@@ -241,19 +243,19 @@ class Stages:
     def _powers(self, least: float) -> tuple[float, float]:
         """Return the powers of the radius that load and approach begin with; 0 at a flat part.
 
-        They are those of (docs/theory, G.8 and G.9), with ``n = dln H/dln b`` nearer to the first
-        touch than the first radius is, where it is the same but for a small change; else, as next
-        to a tip that is far smaller than the first radius, at that radius.
+        They are those of (docs/theory, G.8 and G.9) with the power ``n = dln H/dln b`` of the
+        profile at `_TOUCH_FRACTION` of the first radius. If n at the first radius itself differs by
+        `_POWER_CHANGE` or more, as next to a tip far smaller than this radius, that one is taken.
         """
         if self.profile.flat_part > 0.0:
             return 0.0, 0.0
-        b = least * np.array([_NEARER, 1.0])
+        b = least * np.array([_TOUCH_FRACTION, 1.0])
         # below the first break; `_rate` is the derivative of H, `_transform` is H
         with np.errstate(all="ignore"):  # H may underflow
             powers = b * self.profile._rate(b, np.zeros(2)) / self.profile._transform(b)
-        first, power = powers.tolist()
-        if abs(first - power) < _POWER_CHANGE:
-            power = first
+        at_touch, power = powers.tolist()
+        if abs(at_touch - power) < _POWER_CHANGE:
+            power = at_touch
         return power + (2.0 if self.scene.normal_compliance > 0.0 else 1.0), power
 
     def least(self, radius: float, load: float) -> float:
@@ -262,9 +264,10 @@ class Stages:
         Up to there load and traction are negligible: the mean pressure is `_NEGLIGIBLE` times the
         tolerance, relative to today's. Beyond a flat part the history begins next to its end.
 
-        The radius is larger than this in two cases: where smaller flat punches would have
-        compliances that no scene may have, and where the mean pressure falls more slowly than the
-        radius. At smaller radii the contact is similar to itself then, so fields are continued.
+        The first radius is larger in two cases: where smaller flat punches would have compliances
+        that no scene may have, and where the mean pressure falls more slowly than the radius. In
+        the second case contacts of smaller radii are similar to each other, and fields are
+        continued.
 
         Parameters
         ----------

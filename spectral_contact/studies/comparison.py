@@ -21,7 +21,12 @@ from spectral_contact.solution import Solution
 from spectral_contact.solving.solver import solve
 from spectral_contact.studies.truth import PLACES, estimate_of
 from spectral_contact.testing.solution_checks import by_distance, field_of
-from spectral_contact.view.error_sizes import OF_MEAN_PRESSURE, ErrorSizes, unloaded
+from spectral_contact.view.error_sizes import (
+    OF_MEAN_PRESSURE,
+    ErrorSizes,
+    error_of_unit,
+    unloaded,
+)
 from spectral_contact.view.html import table_html
 from spectral_contact.view.radii import graded_radii
 from spectral_contact.view.report import table
@@ -307,6 +312,13 @@ class _ComparedScene:
             return self._surface(given, places)
         return self._field(name, given, places) if name in FIELDS else self._number(name, given)
 
+    def _known_to(self, name: str) -> float | None:
+        """Return the estimated error of a quantity of the truth, in the units of the input."""
+        known = estimate_of(self.truth, name)
+        if known is None or self.scene.physical is None:
+            return known
+        return known + error_of_unit(self.scene, name, lambda one: estimate_of(self.truth, one))
+
     def _number(self, name: str, value: Any) -> Agreement:
         found = getattr(self.truth, name, None)
         if found is None:
@@ -317,7 +329,7 @@ class _ComparedScene:
         error_scale = getattr(self.truth, "error_scales", {}).get(name, 0.0) * self.scale[name]
         error = abs(given - true) / (error_scale or abs(true) or 1.0)
         self._note_factor(name, given / true if true else 1.0, every=False)
-        return Agreement(name, error, estimate_of(self.truth, name), given, true)
+        return Agreement(name, error, self._known_to(name), given, true)
 
     def places(
         self, s: ArrayLike | None, from_edge: ArrayLike | None, r: ArrayLike | None
@@ -409,7 +421,7 @@ class _ComparedScene:
         return Agreement(
             name,
             float(errors[worst]),
-            estimate_of(self.truth, name),
+            self._known_to(name),
             float(values[compared][worst]),
             float(true[compared][worst]) * scale,
             float(places[compared][worst]),

@@ -1,4 +1,4 @@
-"""What the error estimates of fields are relative to, at every place of the contact."""
+"""What the error estimates of fields are relative to, and the errors of SI units."""
 
 from __future__ import annotations
 
@@ -25,6 +25,31 @@ OF_MEAN_PRESSURE: Final = ("load", "contact_radius")
 def unloaded(scene: Scene) -> bool:
     """Return whether the traction may change sign, as the load has been larger."""
     return scene.unloaded_to < 1.0 and scene.friction is not None and np.isfinite(scene.friction)
+
+
+def error_of_unit(scene: Scene, name: str, estimate: Callable[[str], float | None]) -> float:
+    """Return the relative error of the SI unit that a quantity is computed in.
+
+    The load of a flat punch is the unit of force. Where the approach is given, the load is computed
+    from it, and has the error of the dimensionless approach. Under a profile the unit of a stick
+    radius is the contact radius.
+
+    Parameters
+    ----------
+    scene : Scene
+    name : str
+        Of the quantity.
+    estimate : callable
+        Returns the estimated error of a dimensionless quantity, by its name, if there is one.
+    """
+    if scene.profile is not None:
+        has_error = name == "stick_radius" and scene.contact_radius is None
+        source = "contact_radius"
+    else:
+        by_approach = scene.physical is not None and scene.physical.approach is not None
+        has_error = by_approach and name not in ("approach", "stick_radius")
+        source = "approach"
+    return (estimate(source) or 0.0) if has_error else 0.0
 
 
 class ErrorSizes:

@@ -21,7 +21,7 @@ from spectral_contact.quantities import FIELDS, OUTPUTS
 from spectral_contact.records import Zone
 from spectral_contact.scene import PhysicalData, Scene
 from spectral_contact.solution import Solution
-from spectral_contact.view.error_sizes import ErrorSizes
+from spectral_contact.view.error_sizes import ErrorSizes, error_of_unit
 from spectral_contact.view.radii import graded_radii
 
 if TYPE_CHECKING:
@@ -179,38 +179,25 @@ def _si_rows(solution: Solution) -> list[_Row]:
         return []
     physical = solution.physical
     units = {one.name: one.si_unit for one in OUTPUTS}
-    if solution.scene.profile is not None:
-        rows = [row for row in _scalars(physical, solution, units) if row.unit]
-        return [_with_error_of_unit(row, _error_of_radius(solution)) for row in rows]
-    approach_error = solution.error.approach or 0.0
-    # if the approach is given, the load is computed from it: it has the error of the approach, and
-    # so has every quantity in units of the load
-    inherited = 0.0 if data.approach is None else approach_error
-    load, takes = if_known(lambda: physical.load)
-    rows = [_Row("load", load, "N", inherited, takes=takes)]
-    for row in _scalars(physical, solution, units):
-        if row.label == "approach":
-            error: float | None = 0.0 if data.approach is not None else approach_error
-        elif row.label == "stick radius" or row.error is None:
-            error = row.error
-        else:
-            error = row.error + inherited
-        rows.append(replace(row, error=error))
-    return [row for row in rows if row.unit]
+    rows = _scalars(physical, solution, units)
+    flat = solution.scene.profile is None
+    if flat:
+        load, takes = if_known(lambda: physical.load)
+        rows.insert(0, _Row("load", load, "N", 0.0, takes=takes))
+    if flat and data.approach is not None:
+        rows = [replace(row, error=0.0) if row.label == "approach" else row for row in rows]
+    return [_with_error_of_unit(row, solution) for row in rows if row.unit]
 
 
-def _error_of_radius(solution: Solution) -> float:
-    """Return the relative error of the contact radius, in which zones are measured."""
-    scene = solution.scene
-    given = scene.profile is None or scene.contact_radius is not None
-    return 0.0 if given else solution.error.contact_radius or 0.0
-
-
-def _with_error_of_unit(row: _Row, of_unit: float) -> _Row:
-    """Return a row, with the error of the contact radius added to that of the stick radius."""
-    if row.label != "stick radius" or row.error is None:
+def _with_error_of_unit(row: _Row, solution: Solution) -> _Row:
+    """Return a row in SI units with the error of its unit added to its own."""
+    if row.error is None:
         return row
-    return replace(row, error=row.error + of_unit)
+    return replace(row, error=row.error + _error_of_unit(row.label.replace(" ", "_"), solution))
+
+
+def _error_of_unit(name: str, solution: Solution) -> float:
+    return error_of_unit(solution.scene, name, lambda of: getattr(solution.error, of))
 
 
 def _scalars(
@@ -396,7 +383,7 @@ def zone_cells(solution: Solution) -> list[tuple[str, ...]]:
             (_zone_text(zone), *(digits_text(r, estimate) for r in radii), estimate_text(estimate))
         )
     if solution.scene.physical is not None and not if_known(lambda: solution.physical.radius)[1]:
-        known = None if estimate is None else estimate + _error_of_radius(solution)
+        known = None if estimate is None else estimate + _error_of_unit("stick_radius", solution)
         metres = (digits_text(zone.outer, known) for zone in solution.physical.zones)
         cells = [(*row, cell) for row, cell in zip(cells, ("to [m]", *metres), strict=True)]
     return cells

@@ -111,6 +111,19 @@ def test_its_first_loads_are_those_of_normal_contact(profile):
             assert off <= history.error(name, b) + getattr(truth.error, name), name
 
 
+def test_estimates_hold_at_the_ends_of_pieces():
+    """What the last terms of a piece and of its neighbours show is exceeded 2.3 times here."""
+    profile = profiles.Sum(profiles.Parabola(1.0), profiles.Cone(1.55))
+    scene = FullScene(0.2, 1.0, 1.0, 0.1, profile=profile, contact_radius=0.3)
+    history = solve(scene, 1e-7, NAMES).history
+    normal = scene.replace(friction=None, tangential_compliance=0.0)
+    for b in np.exp(history.ends[2:6]):
+        truth = solve(normal.replace(contact_radius=float(b)), 1e-12, NAMES[:2])
+        for name in NAMES[:2]:
+            off = abs(getattr(history, name)(b) / getattr(truth, name) - 1.0)
+            assert off <= history.error(name, b) + getattr(truth.error, name), name
+
+
 @pytest.mark.parametrize("given", ["load", "approach"])
 def test_its_end_is_not_known_better_than_the_solution(given):
     """Whatever is given, the error of the other one is that of normal contact, at all radii.

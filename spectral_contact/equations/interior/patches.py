@@ -2,9 +2,9 @@
 
 Between the edge, the boundaries of zones and infinity, stress and displacement are analytic, down
 to the surface. The coordinates are tau, which counts e-folds towards the edge, and sigma, an angle
-(`charts`). Integrals at the points of a cell in which there are many are values of a polynomial
-through the integrals at its nodes. The cell is cut in two, or in four, where the last coefficients
-of the polynomial are too large, until too few points are left.
+(`charts`). In a cell with many points, a polynomial goes through the integrals at its nodes; its
+values are the integrals at the points. Where the last coefficients of the polynomial are too large,
+the cell is cut in two or in four, until too few points are left in it.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from spectral_contact.fields.series import Radius
 Direct = Callable[[BodyPoints], Integrals]
 Relative = Callable[[BodyPoints, Array, Array], Array]
 
-#: A cell with fewer points than this many times its nodes takes longer than the points themselves
-#: (chosen).
+#: A cell gets a polynomial if it has at least this many times as many points as nodes. With fewer
+#: points the nodes take longer than the points themselves (chosen).
 _FEWEST = 1.2
 #: Size of the first cells, in tau and in sigma (chosen).
 _WIDTH = np.array([3.0, np.pi / 2.0])
 #: A cell is not cut below this fraction of the first ones: it holds a boundary of zones, or one
 #: point many times.
 _SMALLEST = 2.0**-9
-#: A cell is cut in both directions if the error by the degree in the better one is at least this
-#: fraction of that by the degree in the worse one (chosen).
-_ALSO = 0.05
-#: Nodes of a cell resolve an interval between two boundaries of zones that is at least this
-#: fraction of the cell.
+#: A cell is cut in both directions, tau and sigma, if the smaller of their truncation errors is at
+#: least this fraction of the larger one; else only in the direction with the larger one (chosen).
+_CUT_FRACTION = 0.05
+#: Nodes of a cell resolve an interval between two boundaries of zones if its width in tau is at
+#: least this fraction of the size of the cell.
 _RESOLVED = 0.25
 #: Next to a narrower interval, points within this many times its width are not interpolated.
 _AROUND = 8.0
@@ -60,9 +60,9 @@ class _Basis:
     def __init__(self, order: int) -> None:
         self.order = order
         self.nodes = np.cos(np.pi * (np.arange(order) + 0.5) / order)
-        self.to_coefficients = np.linalg.inv(self.at(self.nodes))
+        self.to_coefficients = np.linalg.inv(self.polynomials(self.nodes))
 
-    def at(self, x: Array) -> Array:
+    def polynomials(self, x: Array) -> Array:
         """Return the polynomials at places in [-1, 1], in the last dimension."""
         return np.asarray(chebyshev.chebvander(x, self.order - 1))
 
@@ -76,7 +76,7 @@ class _Cell(NamedTuple):
 
 
 class _Fit(NamedTuple):
-    """What a polynomial says of the integrals at the points of a cell.
+    """The integrals at the points of a cell, by a polynomial, and their errors.
 
     Attributes
     ----------
@@ -104,25 +104,25 @@ def _toroidal(points: BodyPoints) -> Array:
     return np.stack([tau, np.arctan2(2.0 * z, z**2 - d * (2.0 - d))])
 
 
-def _first(at: Array) -> list[_Cell]:
+def _first_cells(coordinates: Array) -> list[_Cell]:
     """Return the cells to begin with, those in which there are points.
 
     Parameters
     ----------
-    at : ndarray, shape (2, points)
+    coordinates : ndarray, shape (2, points)
         tau and sigma.
     """
-    if at.shape[1] == 0:
+    if coordinates.shape[1] == 0:
         return []
-    index = np.floor(at / _WIDTH[:, None]).astype(int)
+    index = np.floor(coordinates / _WIDTH[:, None]).astype(int)
     index[1] = np.minimum(index[1], 1)  # sigma = pi belongs to the second half
     _, cell_of_point = np.unique(2 * index[0] + index[1], return_inverse=True)
-    order = np.argsort(cell_of_point, kind="stable")
-    groups = np.split(order, np.cumsum(np.bincount(cell_of_point))[:-1])
+    by_cell = np.argsort(cell_of_point, kind="stable")
+    groups = np.split(by_cell, np.cumsum(np.bincount(cell_of_point))[:-1])
     return [_Cell(index[:, group[0]] * _WIDTH, _WIDTH, group) for group in groups]
 
 
-def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Iterator[_Fit]:
+def _fits(cells: list[_Cell], coordinates: Array, direct: Direct, basis: _Basis) -> Iterator[_Fit]:
     """Yield the fit on each cell."""
     low = np.array([cell.low for cell in cells])[:, :, None]
     size = np.array([cell.size for cell in cells])[:, :, None]
@@ -134,8 +134,8 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Itera
         cell_nodes = slice(k * basis.order**2, (k + 1) * basis.order**2)
         grid = sums.values[:, cell_nodes].reshape(-1, basis.order, basis.order)
         coefficients = basis.to_coefficients @ grid @ basis.to_coefficients.T
-        x = 2.0 * (at[:, cell.points] - cell.low[:, None]) / cell.size[:, None] - 1.0
-        in_tau, in_sigma = map(basis.at, x)
+        x = 2.0 * (coordinates[:, cell.points] - cell.low[:, None]) / cell.size[:, None] - 1.0
+        in_tau, in_sigma = map(basis.polynomials, x)
         values = np.einsum("cna,na->cn", in_tau @ coefficients, in_sigma)
         moduli = np.abs(coefficients)
         truncation = np.stack([_truncation(moduli), _truncation(moduli.swapaxes(1, 2))])
@@ -152,51 +152,54 @@ def _fits(cells: list[_Cell], at: Array, direct: Direct, basis: _Basis) -> Itera
 def narrow_intervals(places: Sequence[Radius]) -> Array:
     """Return the ends, in tau, of the intervals between boundaries, shape (intervals, 2).
 
-    The one that ends at the edge is left out, as tau resolves all widths towards it.
+    The interval that ends at the edge is left out, as tau resolves all widths towards the edge.
     """
     taus = [np.log1p(4.0 * place.value / place.from_edge**2) / 2.0 for place in places[:-1]]
     return np.array(list(pairwise(taus))).reshape(-1, 2)
 
 
-def _unresolved(cell: _Cell, at: Array, narrow: Array) -> NDArray[np.bool_]:
+def _unresolved(cell: _Cell, coordinates: Array, narrow: Array) -> NDArray[np.bool_]:
     """Return which points are next to intervals that the nodes of a cell do not resolve."""
-    found = np.zeros(at.shape[1], dtype=bool)
+    tau, sigma = coordinates
+    unresolved = np.zeros(len(tau), dtype=bool)
     for low, high in narrow:
         width = high - low
         if width < _RESOLVED * cell.size.max():
             # a unit of tau is as long as one of sigma, and the contact is at sigma = pi
-            distance = np.maximum(np.maximum(low - at[0], at[0] - high), np.pi - at[1])
-            found |= distance < _AROUND * width
-    return found
+            distance = np.maximum(np.maximum(low - tau, tau - high), np.pi - sigma)
+            unresolved |= distance < _AROUND * width
+    return unresolved
 
 
 def _truncation(moduli: Array) -> Array:
     """Return eight times what is left out of a series, by extrapolation of its last coefficients.
 
-    They are taken to go on as a geometric series, in which each pair of coefficients has the ratio
-    to the pair before that the last pair has. The factor eight is a margin (chosen).
+    Pairs of coefficients are taken to go on as a geometric series, whose ratio is that of the last
+    pair to the pair before it. The factor eight is a margin (chosen).
 
     Parameters
     ----------
     moduli : ndarray, shape (components, order, order)
         Moduli of the coefficients; the series is that in the second dimension.
     """
-    size = moduli.sum(axis=2)
-    last = size[:, -2:].sum(axis=1)
-    before = size[:, -4:-2].sum(axis=1)
+    by_degree = moduli.sum(axis=2)
+    last = by_degree[:, -2:].sum(axis=1)
+    before = by_degree[:, -4:-2].sum(axis=1)
     ratio = np.minimum(last / np.maximum(before, 1e-300), 0.95)
     return np.asarray(8.0 * last * ratio / (1.0 - ratio))
 
 
-def _cut(cell: _Cell, at: Array, points: NDArray[np.intp], truncation: Array) -> list[_Cell]:
-    """Return the halves or quarters of a cell with those of its points that are to be in them.
+def _cut(
+    cell: _Cell, coordinates: Array, points: NDArray[np.intp], truncation: Array
+) -> list[_Cell]:
+    """Return the halves or quarters of a cell, with the given points distributed over them.
 
     It is cut in the directions in which the degree of the polynomial does not suffice.
     """
     by_direction = truncation.sum(axis=1)
-    halved = by_direction >= _ALSO * by_direction.max()
+    halved = by_direction >= _CUT_FRACTION * by_direction.max()
     size = np.where(halved, cell.size / 2.0, cell.size)
-    upper = (at[:, points] >= (cell.low + size)[:, None]) & halved[:, None]
+    upper = (coordinates[:, points] >= (cell.low + size)[:, None]) & halved[:, None]
     quarter = upper[0] + 2 * upper[1]
     corners = [cell.low + size * np.array([k % 2, k // 2]) for k in range(4)]
     return [_Cell(corners[k], size, points[quarter == k]) for k in range(4)]
@@ -221,9 +224,11 @@ def interpolate(
     order : int
         Nodes of a cell in either direction.
     direct : callable
-        Integrals at given points, as limits from the body on the surface.
+        Returns the integrals at points, without polynomials. At points of the surface they are the
+        limits from the body.
     relative : callable
-        Relative error at points, from integrals there and their errors.
+        Returns the relative errors at points, from the points, the integrals there and the errors
+        of the integrals.
     out : Integrals
         Takes the integrals.
     narrow : ndarray
@@ -232,27 +237,27 @@ def interpolate(
     Returns
     -------
     ndarray of bool
-        Which points are left: there are too few of them, or no polynomial serves.
+        Which points remain to be evaluated: they are too few, or no polynomial is accurate.
     """
     basis = _Basis(order)
     fewest = _FEWEST * order**2
-    left = np.ones(len(points.r), dtype=bool)
-    at = _toroidal(points)
-    cells = _first(at)
-    # batch by batch; the cells into which those of a batch are cut come last
+    remaining = np.ones(len(points.r), dtype=bool)
+    coordinates = _toroidal(points)
+    cells = _first_cells(coordinates)
+    # batch by batch; the cells that result from cutting those of a batch are put at the end
     while cells := [cell for cell in cells if len(cell.points) >= fewest]:
         batch = cells[:_TOGETHER]
         cells = cells[_TOGETHER:]
-        for cell, fit in zip(batch, _fits(batch, at, direct, basis), strict=True):
+        for cell, fit in zip(batch, _fits(batch, coordinates, direct, basis), strict=True):
             inside = cell.points
             errors = np.broadcast_to(fit.error[:, None], fit.values.shape)
             bad = ~(relative(points[inside], fit.values, errors) <= rtol)
-            bad |= _unresolved(cell, at[:, inside], narrow)
+            bad |= _unresolved(cell, coordinates[:, inside], narrow)
             good = inside[~bad]
-            left[good] = False
+            remaining[good] = False
             out.values[:, good] = fit.values[:, ~bad]
             out.quadrature[:, good] = fit.error[:, None]
             out.of_pressure[:, good], out.of_traction[:, good] = fit.load_sums[:, :, None]
             if bad.any() and np.all(cell.size > _SMALLEST * _WIDTH):
-                cells += _cut(cell, at, inside[bad], fit.truncation)
-    return left
+                cells += _cut(cell, coordinates, inside[bad], fit.truncation)
+    return remaining

@@ -27,19 +27,21 @@ if TYPE_CHECKING:
 _BOUNDED_FOLDS = 60
 #: The same where they may be infinite: down to 1e-50.
 _SINGULAR_FOLDS = 115
-#: Stresses are refused at points that are closer to a place where they have no limit.
+#: Stresses are refused at points that are closer, in contact radii, to a place where they have no
+#: limit.
 _CLOSEST = 1e-16
-#: A point next to a corner may have the radius of the corner only by rounding. There the load is
-#: evaluated at a radius that is less by this, relative.
+#: The radius of a point next to a corner may round to that of the corner. Then the load is
+#: evaluated at a radius that is smaller by this fraction.
 _NUDGE = 4e-16
-#: Relative error of a stress at the distance x from an infinite pressure, over the scale in
-#: `error_near_boundaries`: this times the rounding of doubles, over x. The largest factor that was
-#: measured is 0.6.
+#: Relative error of stress that rounded radii make at the distance x from a zone boundary, in the
+#: unit of `error_near_boundaries`. Next to an infinite pressure it is this times the rounding of
+#: doubles, over x. The largest factor that was measured is 0.6.
 _AT_INFINITE = 3.0
-#: At the distance x from any other boundary: this times the rounding, over the root of x (largest
-#: factor measured: 0.02).
+#: Next to any other boundary it is this times the rounding, over the root of x (largest factor
+#: measured: 0.02).
 _AT_OTHERS = 0.1
-#: And this times the error of the boundary, over the same root (largest factor measured: 0.4).
+#: The error of such a boundary adds this times itself, over the same root (largest factor measured:
+#: 0.4).
 _BY_BOUNDARY = 1.0
 _ROUNDING = float(np.finfo(float).eps)
 
@@ -48,23 +50,23 @@ def boundaries(solution: Solution) -> list[Radius]:
     """Return the ends of all zones of the loads, with the centre and the edge.
 
     Pressure and traction have the breaks of the profile in common, which may differ by rounding, as
-    those of a contact that grows follow from logarithms. Such radii are one.
+    those of a contact that grows follow from logarithms. Such radii count as one.
     """
-    inner = {
+    by_value = {
         piece.outer.value: piece.outer
         for field in (solution.pressure_field, solution.traction_field)
         if isinstance(field, ZonalField)
         for piece in field.pieces
         if piece.outer.from_edge > 0.0
     }
-    found = [CENTRE]
-    for value in sorted(inner):
-        place = inner[value]
+    ends = [CENTRE]
+    for value in sorted(by_value):
+        place = by_value[value]
         # `between` takes the difference of the distances from the edge in the outer half
         scale = place.from_edge if value > 0.5 else value
-        if between(found[-1], place) > LEAST_STEP * scale:
-            found.append(place)
-    return [*found, EDGE]
+        if between(ends[-1], place) > LEAST_STEP * scale:
+            ends.append(place)
+    return [*ends, EDGE]
 
 
 def pointed(solution: Solution) -> bool:
@@ -104,16 +106,16 @@ def singular(solution: Solution) -> list[Radius]:
         return edge
     field = solution.pressure_field
     assert field is not None
-    inner = boundaries(solution)[:-1]
-    pressures = [field(np.array(place.value), np.array(place.from_edge)) for place in inner]
-    return edge + [place for place, p in zip(inner, pressures, strict=True) if not np.isfinite(p)]
+    inside = boundaries(solution)[:-1]
+    pressures = [field(np.array(place.value), np.array(place.from_edge)) for place in inside]
+    return edge + [place for place, p in zip(inside, pressures, strict=True) if not np.isfinite(p)]
 
 
 def finite(load: Evaluator) -> Evaluator:
     """Return a load that is finite inside the edge.
 
-    A radius next to a corner may round to that of the corner, at which the load is infinite; there
-    it is evaluated a few roundings farther inward.
+    A radius next to a corner may round to that of the corner, at which the load is infinite. Such a
+    load is evaluated a few roundings farther inward (`_NUDGE`).
     """
 
     def finite_load(s: Array, from_edge: Array) -> Array:
@@ -133,38 +135,39 @@ def distance(points: BodyPoints, place: Radius) -> Array:
 
 
 def within(points: BodyPoints, places: list[Radius]) -> NDArray[np.bool_]:
-    """Return which points are so close to one of some places that stresses are refused."""
-    found = np.zeros(len(points.r), dtype=bool)
+    """Return which points are so close to one of the places that stresses are refused."""
+    close = np.zeros(len(points.r), dtype=bool)
     for place in places:
-        found |= distance(points, place) < _CLOSEST
-    return found
+        close |= distance(points, place) < _CLOSEST
+    return close
 
 
 def error_near_boundaries(points: BodyPoints, solution: Solution) -> Array:
-    """Return the relative error of stress that the places of zone boundaries cause.
+    """Return the relative errors of stress that are due to the radii of zone boundaries.
 
-    Next to a boundary loads are evaluated at rounded radii, and the boundary itself is only known
-    to its own error. At distances above the width of the tangential layer, loads vary there like
-    the root of the distance. At a corner they vary like the logarithm of the distance, and the
-    place of the corner over the contact radius is rounded, too, and has the error of that radius. A
-    point at the corner itself has no such error. Distances are over that of the boundary from the
-    centre or the edge, the lesser.
+    Next to a boundary loads are evaluated at rounded radii, and the boundary is only known to its
+    own error. At distances above the width of the tangential layer, loads vary there like the root
+    of the distance. At a corner they vary like the logarithm of the distance, and the radius of the
+    corner over the contact radius is rounded, too, and has the error of the contact radius. A point
+    at the corner itself has no such error. The unit of distances is the distance of the boundary
+    from the centre or from the edge, whichever is smaller.
     """
-    found = np.zeros(len(points.r))
+    errors = np.zeros(len(points.r))
     of_radius = solution.error.contact_radius or 0.0
     corners = singular(solution)
     scene = solution.scene
     flat = scene.profile is None
+    # the width of the layer, in contact radii as all lengths here
     layer = scene.tangential_compliance / (1.0 if flat else solution.contact_radius)
     for place in boundaries(solution)[1:-1]:
-        size = min(place.value, place.from_edge)
-        away = distance(points, place)
+        unit = min(place.value, place.from_edge)
+        distances = distance(points, place)
         if place in corners:
-            ratio = np.maximum(away / size, _ROUNDING)
-            moved = _AT_INFINITE * _ROUNDING + of_radius * place.value / size
-            found += np.where(away > 0.0, moved / ratio, 0.0)
+            ratio = np.maximum(distances / unit, _ROUNDING)
+            shift = _AT_INFINITE * _ROUNDING + of_radius * place.value / unit
+            errors += np.where(distances > 0.0, shift / ratio, 0.0)
         else:
             of_boundary = _BY_BOUNDARY * min(solution.error.zones or 0.0, 1.0)
-            moved = _AT_OTHERS * _ROUNDING + of_boundary
-            found += moved / np.sqrt(np.maximum((away + layer) / size, moved))
-    return found
+            shift = _AT_OTHERS * _ROUNDING + of_boundary
+            errors += shift / np.sqrt(np.maximum((distances + layer) / unit, shift))
+    return errors

@@ -353,3 +353,11 @@ def test_what_a_flat_punch_does_not_have_is_called_by_its_name():
 def test_a_wrong_traction_is_seen_where_the_pressure_is_infinite():
     scene = Scene(0.3, 0.0, 0.5, 0.05, coupling=True)  # the smooth edge sticks
     assert sc.compare(scene, from_edge=[0.0], traction=[0.3]).agreements[0].error > 1.0
+
+
+def test_the_unit_has_an_error_where_the_load_is_computed_from_the_approach():
+    quantities = "approach", "pressure"
+    loose, close = (solve(STEEL, rtol, quantities) for rtol in (1e-3, 1e-12))
+    found = sc.compare(STEEL, pressure=close.physical.pressure, truth=loose)["pressure"]
+    assert found.known_to == loose.error.pressure + loose.error.approach
+    assert found.error <= found.known_to
