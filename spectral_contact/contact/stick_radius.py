@@ -11,7 +11,7 @@ from functools import cache
 from math import copysign, log, log1p, pi
 
 from spectral_contact.contact.resolution import EPSILON_DEPTH, TINY
-from spectral_contact.contact.tuning import JACOBIAN_RANGE, ROUNDING
+from spectral_contact.contact.tuning import JACOBIAN_RANGE, MIN_STICK_RADIUS, ROUNDING
 from spectral_contact.spectral.parameters import Parameters
 
 #: Range of logits of stick radii c. The matrix of a disk scales like ``c**5`` (docs/theory), which
@@ -86,7 +86,7 @@ def enclosed_root(
 
 
 def min_logit(parameters: Parameters) -> float:
-    """Return the least logit of a stick disk that is solved for.
+    """Return the least logit of a stick disk whose fields are right to rounding around it.
 
     With a layer it is that of the radius ``ROUNDING * min(alpha, 1)``: within a radius c that is
     small beside alpha, p is constant up to a relative ``(c/alpha)**2``, and no smaller disk changes
@@ -94,6 +94,17 @@ def min_logit(parameters: Parameters) -> float:
     """
     alpha = parameters.alpha
     return 2.0 * log(ROUNDING * min(alpha, 1.0)) if alpha > 0.0 else -EPSILON_DEPTH
+
+
+def min_search_logit(parameters: Parameters) -> float:
+    """Return the least logit of a stick disk that is looked for with elastic coupling.
+
+    It is that of `min_logit`, but on a smooth surface with tangential compliance that of
+    MIN_STICK_RADIUS: smaller disks have fields that lose digits at their centre alone.
+    """
+    if parameters.alpha == 0.0 < parameters.beta:
+        return 2.0 * log(MIN_STICK_RADIUS)
+    return min_logit(parameters)
 
 
 def limiting_logit(parameters: Parameters) -> float:

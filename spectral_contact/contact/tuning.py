@@ -135,6 +135,11 @@ ONSET_SAMPLES = 4001
 
 # .. search (contact/zone_search.py)
 
+#: Least stick radius that is looked for with coupling, on a smooth surface with tangential
+#: compliance; where a smaller one is expected full slip is taken. At rtol 1e-6 a disk of 1e-10
+#: takes 2 s and one of 1e-12 takes 42 s; at rtol 1e-10 one of 1e-10 takes 73 s. One of
+#: 1.2e-8 is in tests/reference/test_coupled_zones.py.
+MIN_STICK_RADIUS = 1e-10
 #: Relative error C of the pressure ``s**-e/sqrt(1 - s**2)`` in slip, over ``kappa f s**2``. The
 #: measured C is 2. Not measured again.
 CENTRAL_ASYMPTOTE_ERROR = 5.0

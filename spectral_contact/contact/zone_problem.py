@@ -34,7 +34,7 @@ from spectral_contact.contact.stick_radius import (
     MIN_LOGIT,
     NoStickDiskError,
     enclosed_root,
-    min_logit,
+    min_search_logit,
 )
 from spectral_contact.contact.tuning import (
     COARSE_TOL,
@@ -230,7 +230,7 @@ class FreeBoundaryProblem:
 
     def _initial_disk(self, guess: float) -> Layout:
         """Return the boundary of one stick disk, and the slope of its residual."""
-        least = MIN_LOGIT if self._known else min_logit(self.parameters)
+        least = MIN_LOGIT if self._known else min_search_logit(self.parameters)
         logit, slope = enclosed_root(self.coarse_residual, guess, COARSE_TOL, least=least)
         return self._layout_of(np.array([logit]), np.array([[slope]]))
 

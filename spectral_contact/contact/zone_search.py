@@ -50,7 +50,7 @@ from spectral_contact.contact.stick_radius import (
     MAX_LOGIT,
     NoStickDiskError,
     limiting_logit,
-    min_logit,
+    min_search_logit,
 )
 from spectral_contact.contact.tuning import (
     CENTRAL_ASYMPTOTE_ERROR,
@@ -403,7 +403,7 @@ class UncoupledSearch(ZoneSearch):
 class CoupledSearch(ZoneSearch):
     """The search with elastic coupling, where pressure and traction are one system.
 
-    In each of 600 random scenes, half of them at thresholds, the law held on one of the candidates.
+    In each of 138 random scenes and 45 at thresholds the law held on one of the candidates.
     """
 
     def _best(self) -> PartialSlip:
@@ -463,7 +463,7 @@ class CoupledSearch(ZoneSearch):
         Where the edge need not stick, the search for the boundary of one disk finds that out
         (`NoStickDiskError`).
         """
-        return self._smooth_edge_sticks and self._disk_logit < min_logit(self.parameters)
+        return self._smooth_edge_sticks and self._disk_logit < min_search_logit(self.parameters)
 
     def _least_wrong(self, outcomes: list[PartialSlip]) -> PartialSlip:
         consistent = [outcome for outcome in outcomes if outcome.consistent]

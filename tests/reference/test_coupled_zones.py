@@ -267,6 +267,16 @@ def test_where_the_stick_disk_is_too_small_all_slips_but_the_edge(beta, friction
     assert abs(solution.total_shear / plain.total_shear - 1.0) <= allowed < 1e-8
 
 
+def test_a_stick_disk_whose_square_is_rounding_is_found():
+    """Full slip in its place had a pressure at the centre that was off by 0.8 per cent."""
+    scene = Scene.from_kappa(0.3, 0.0, 1e-8, 0.03).replace(coupling=True)
+    solution = solve(scene, 1e-6)
+    assert [zone.kind for zone in solution.zones] == ["stick", "slip", "stick"]
+    # these digits are those of rtol = 1e-10
+    assert abs(solution.stick_radius / 1.1968492962e-8 - 1.0) <= solution.error.stick_radius < 1e-7
+    assert abs(solution.pressure(0.0) / 0.22606742663 - 1.0) <= solution.error.pressure < 1e-6
+
+
 @pytest.mark.parametrize(
     ("kappa", "beta", "friction"), [(0.25, 5e-11, 0.02), (1e-3, 5e-8, 2e-5), (1e-5, 5e-8, 2e-7)]
 )
