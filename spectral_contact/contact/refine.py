@@ -84,7 +84,7 @@ def refine(problem: Problem[T], tolerance: float, max_unknowns: int) -> Refineme
     degrees exceed that. The refinement ends in `Ending.ROUNDING` if two spaces in a row do not
     lower the estimate, or if no degree can be raised: MAX_DEGREE may be too low for a field that is
     not smooth inside a panel, and no panel is split. It also ends so if the problem has a solution
-    in one space and none in a finer one, where rounding hides its boundaries.
+    in one space and none is found in a finer one, as where rounding hides its boundaries.
 
     Raises
     ------
