@@ -136,11 +136,12 @@ def find_radius(
         search.run(first or at_tolerance(tolerance, False), residual_tolerance, rough=True)
     search.run(at_tolerance(tolerance, pointwise), residual_tolerance)
     contact, error = search.outcome()
-    on_smooth_surface = pointwise and value_of(contact).flat is None
-    if on_smooth_surface or search.pressure_rate * error > _RADIUS_FRACTION * tolerance:
-        # where the pressure depends strongly on the radius, as next to a corner, the radius has to
-        # be more exact; on a smooth surface the pressure is infinite there, and so is the rate
-        tighter = max(residual_tolerance / (search.pressure_rate or inf), ROUNDING)
+    rate = search.pressure_rate
+    if pointwise and profile.breaks and value_of(contact).flat is None:
+        rate = inf  # at a corner of a smooth surface, where the pressure is infinite
+    if rate * error > _RADIUS_FRACTION * tolerance:
+        # where the pressure depends strongly on the radius, the radius has to be more exact
+        tighter = max(residual_tolerance / rate, ROUNDING)
         search.run(at_tolerance(tolerance, pointwise), tighter)
         contact, error = search.outcome()
     if (
