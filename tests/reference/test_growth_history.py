@@ -94,6 +94,16 @@ def test_it_ends_with_the_solution_and_follows_the_stick_radius():
     assert share[-1] == pytest.approx(solution.stick_radius, rel=1e-9)
 
 
+def compare_with_normal_contact(history, scene, radii):
+    """Assert that load and approach are those of normal contact within the estimates of both."""
+    normal = scene.replace(friction=None, tangential_compliance=0.0)
+    for b in radii:
+        truth = solve(normal.replace(contact_radius=float(b)), 1e-12, NAMES[:2])
+        for name in NAMES[:2]:
+            off = abs(getattr(history, name)(b) / getattr(truth, name) - 1.0)
+            assert off <= history.error(name, b) + getattr(truth.error, name), name
+
+
 @pytest.mark.parametrize(
     "profile",
     [profiles.Sum(PARABOLA, profiles.Cone(1.4)), profiles.Sphere(1.0)],
@@ -103,12 +113,7 @@ def test_its_first_loads_are_those_of_normal_contact(profile):
     """The power that load and approach begin with was that at the first radius, not that at 0."""
     scene = Scene(1.0, 1.0, 0.1).replace(profile=profile, contact_radius=0.3)
     history = solve(scene, 1e-5, NAMES).history
-    normal = scene.replace(friction=None, tangential_compliance=0.0)
-    for b in np.exp(np.linspace(*history.ends[:2], 5)):
-        truth = solve(normal.replace(contact_radius=float(b)), 1e-11, NAMES[:2])
-        for name in NAMES[:2]:
-            off = abs(getattr(history, name)(b) / getattr(truth, name) - 1.0)
-            assert off <= history.error(name, b) + getattr(truth.error, name), name
+    compare_with_normal_contact(history, scene, np.exp(np.linspace(*history.ends[:2], 5)))
 
 
 def test_estimates_hold_at_the_ends_of_pieces():
@@ -116,12 +121,7 @@ def test_estimates_hold_at_the_ends_of_pieces():
     profile = profiles.Sum(profiles.Parabola(1.0), profiles.Cone(1.55))
     scene = FullScene(0.2, 1.0, 1.0, 0.1, profile=profile, contact_radius=0.3)
     history = solve(scene, 1e-7, NAMES).history
-    normal = scene.replace(friction=None, tangential_compliance=0.0)
-    for b in np.exp(history.ends[2:6]):
-        truth = solve(normal.replace(contact_radius=float(b)), 1e-12, NAMES[:2])
-        for name in NAMES[:2]:
-            off = abs(getattr(history, name)(b) / getattr(truth, name) - 1.0)
-            assert off <= history.error(name, b) + getattr(truth.error, name), name
+    compare_with_normal_contact(history, scene, np.exp(history.ends[2:6]))
 
 
 @pytest.mark.parametrize("given", ["load", "approach"])
