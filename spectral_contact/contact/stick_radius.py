@@ -100,7 +100,7 @@ def min_search_logit(parameters: Parameters) -> float:
     """Return the least logit of a stick disk that is looked for with elastic coupling.
 
     It is that of `min_logit`, but on a smooth surface with tangential compliance that of
-    MIN_STICK_RADIUS: smaller disks have fields that lose digits at their centre alone.
+    MIN_STICK_RADIUS: the pressure at the centre depends on the disk there, however small it is.
     """
     if parameters.alpha == 0.0 < parameters.beta:
         return 2.0 * log(MIN_STICK_RADIUS)

@@ -440,7 +440,7 @@ class CoupledSearch(ZoneSearch):
         violated = self._slip_where_full_stick_violates
         yield violated
         if not self._smooth_edge_sticks:
-            yield self._disk((*violated.zones.logits, self._disk_logit)[0])
+            yield self._disk(next(iter(violated.zones.logits), self._disk_logit))
 
     @property
     def _edge_stick_width(self) -> float:
@@ -522,9 +522,12 @@ class CoupledSearch(ZoneSearch):
             or expected_error(self.parameters) > EDGE_MATCHING_ERROR
         ):
             return None
-        reason = "one stick disk, with narrow stick at the edge in closed form"
         outcome = self._try(
-            Candidate(Layout((self._disk_logit,), _DISK_STATES), reason, closed_form_edge=True)
+            Candidate(
+                Layout((self._disk_logit,), _DISK_STATES),
+                "one stick disk, with narrow stick at the edge in closed form",
+                closed_form_edge=True,
+            )
         )
         return outcome if outcome is not None and outcome.verified else None
 

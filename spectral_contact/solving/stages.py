@@ -149,16 +149,15 @@ class Stages:
         scene = self._scene(radius)
         if self._last is None or self._last[0] != scene:  # on a smooth surface all scenes are equal
             self._tell(f"as the contact grew: radius {radius:.4g}")
-            self._last = (
-                scene,
-                self._solve(scene, (*_QUANTITIES, *self._fields), self._flat_rtol, self._cache),
-            )
+            quantities = (*_QUANTITIES, *self._fields)
+            self._last = scene, self._solve(scene, quantities, self._flat_rtol, self._cache)
         return self._last[1]
 
     def critical_friction(self, radius: float) -> float:
         """Return the least friction with which the flat punch of a radius sticks everywhere."""
-        scene, asked = self._scene(radius), ("critical_friction",)
-        return self._solve(scene, asked, _CRITICAL_RTOL, self._cache).critical_friction
+        quantities = ("critical_friction",)
+        flat = self._solve(self._scene(radius), quantities, _CRITICAL_RTOL, self._cache)
+        return flat.critical_friction
 
     def load_source(self, least: float) -> LoadSource:
         """Return what gives load and approach along a history that begins at a radius."""
