@@ -99,8 +99,8 @@ def min_logit(parameters: Parameters) -> float:
 def min_search_logit(parameters: Parameters) -> float:
     """Return the least logit of a stick disk that is looked for with elastic coupling.
 
-    It is that of `min_logit`, but on a smooth surface with tangential compliance that of
-    MIN_STICK_RADIUS: the pressure at the centre depends on the disk there, however small it is.
+    It is that of `min_logit`, but on a smooth surface with tangential compliance, where smaller
+    disks can be solved for, that of MIN_STICK_RADIUS.
     """
     if parameters.alpha == 0.0 < parameters.beta:
         return 2.0 * log(MIN_STICK_RADIUS)

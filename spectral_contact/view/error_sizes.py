@@ -1,4 +1,4 @@
-"""What the error estimates of fields are relative to, and the errors of SI units."""
+"""What the error estimates of fields are relative to, and the errors of factors to SI units."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def unloaded(scene: Scene) -> bool:
 
 
 def error_of_unit(scene: Scene, name: str, estimate: Callable[[str], float | None]) -> float:
-    """Return the relative error of the SI unit that a quantity is computed in.
+    """Return the relative error of the factor that converts a quantity to SI units.
 
     The load of a flat punch is the unit of force. Where the approach is given, the load is computed
     from it, and has the error of the dimensionless approach. Under a profile the unit of a stick

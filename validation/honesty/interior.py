@@ -1,12 +1,15 @@
 """True errors of stress and displacement in the body against their estimates, at many points.
 
 A stratum of honesty.py, of a second a scene, whose points lie at every distance from edge and
-surface (1e-12 to 30). Scenes take turns: rings of load against point forces added up in mpmath;
-Sneddon's punch against its closed form; smooth contacts that stick against complex integrals in
-mpmath; many points at once, to a tolerance, against one by one; random flat punches, with slip and
-coupling, against doubly exponential quadrature over the rings, with all digits and with rtol 1e-8;
-random profiles, with layers and friction, and points next to breaks, and flat punches with points
-next to zone boundaries, against the same.
+surface (1e-12 to 30). Scenes take turns:
+
+- rings of load against point forces added up in mpmath;
+- Sneddon's punch against its closed form;
+- smooth contacts that stick against complex integrals in mpmath;
+- many points at once, to a tolerance, against the same points one by one;
+- random flat punches, with slip and coupling, against doubly exponential quadrature over rings;
+- random profiles, with layers and friction, against the same, also next to breaks;
+- flat punches against the same, also next to zone boundaries.
 """
 
 from __future__ import annotations
@@ -29,10 +32,11 @@ POINTS, MANY = 10, 6000
 RTOL, GROWN_RTOL = 1e-10, 1e-4
 #: Tolerances of points that are looked at one by one; without one they have all digits.
 TOLERANCES = (None, 1e-8)
-#: What ring kernels may miss by, relative to the largest of the five, or one over the distance.
+#: Error that ring kernels may have, relative to their largest component of stress or displacement,
+#: or to one over the distance from the ring if that is larger.
 RING_BOUND = 1e-13
-#: Largest error of the quadrature that is compared with, for a point to count.
-KNOWN = 1e-10
+#: A point counts if the quadrature that it is compared with has a relative error below this.
+MAX_REFERENCE_ERROR = 1e-10
 
 Pair = tuple[np.ndarray, np.ndarray]
 
@@ -47,14 +51,19 @@ def points(rng: np.random.Generator, count: int) -> Pair:
     return from_edge, np.where(close, np.abs(from_edge) * rng.uniform(0.05, 5.0, count), z)
 
 
-def worst(body: Inside, from_edge: Any, z: Any, exact: Sequence[Any], unknown: Any = 0.0) -> float:
-    """Return the largest error over its estimate at these points, less what `exact` may be off."""
+def worst(
+    body: Inside, from_edge: Any, z: Any, exact: Sequence[Any], reference_error: Any = 0.0
+) -> float:
+    """Return the largest error over its estimate at these points.
+
+    The error of `exact` itself is subtracted from the difference.
+    """
     ratios = []
     for rtol in TOLERANCES:
         stress = body.stress(from_edge=from_edge, z=z, rtol=rtol)
         moved = body.displacement(from_edge=from_edge, z=z, rtol=rtol)
         got = np.array([stress.rr, stress.tt, stress.zz, stress.rz, moved.r, moved.z])
-        apart = np.maximum(np.abs(got - np.array(exact)) - unknown, 0.0)
+        apart = np.maximum(np.abs(got - np.array(exact)) - reference_error, 0.0)
         ratios.append(apart[:4].max(axis=0) / stress.norm / stress.error)
         ratios.append(apart[4:].max(axis=0) / moved.modulus / moved.error)
     return float(np.max(ratios))
@@ -72,7 +81,8 @@ def rings(rng: np.random.Generator) -> tuple[float, str]:
     )
     got = np.array([[*(one[0] for one in a(g, nu)), b(g, nu)[0][0]] for a, b in of])
     exact = ring(nu, r, z, s, ahead)
-    # where its own components nearly vanish, a ring is as strong as a line load a little aside
+    # next to places where all components of a ring nearly vanish, they are as large as those of a
+    # line load
     size = np.maximum(np.abs(exact).max(axis=1), 1.0 / math.hypot(ahead, z))
     off = np.abs(got - exact).max(axis=1) / size
     return float(off.max()) / RING_BOUND, f"nu {nu:g}, s {s!r}, r {r!r}, z {z!r}"
@@ -165,10 +175,10 @@ def over_points(solution: Solution, from_edge: Any, z: Any) -> tuple[float | Non
     """Compare the points that quadrature over rings is accurate at."""
     ratios = []
     for place in zip(from_edge.tolist(), z.tolist(), strict=True):
-        exact, known = over_rings(solution, *place)
+        exact, errors = over_rings(solution, *place)
         size = np.abs(exact[:4]).max(), np.abs(exact[4:]).max()
-        if max(max(known[:4]) / size[0], max(known[4:]) / size[1]) < KNOWN:
-            ratios.append(worst(solution.inside, *place, exact, np.array(known)))
+        if max(max(errors[:4]) / size[0], max(errors[4:]) / size[1]) < MAX_REFERENCE_ERROR:
+            ratios.append(worst(solution.inside, *place, exact, np.array(errors)))
     return float(np.max(ratios)) if ratios else None, repr(solution.scene)
 
 

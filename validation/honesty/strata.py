@@ -122,8 +122,8 @@ def kept_rows(
 ) -> list[dict[str, Any]]:
     """Return what becomes of scenes; a file keeps each that is done as a line.
 
-    A run that was stopped goes on where it was. What other sources of the library gave, or other
-    values in `made_with`, is not taken.
+    A run that was stopped goes on where it was. Lines that another state of the library made, or
+    other values of `made_with`, are ignored.
     """
     made_with |= {"sources": reporting.sources()}
     rows = {
