@@ -64,7 +64,7 @@ def outside_values(series: list[LogSeries], log_ratio: Array) -> Array:
     ``log_ratio`` is the logarithm of the radius over that of the punch.
     """
     distance = -np.expm1(-2.0 * log_ratio)
-    return LogSeries.several(series, distance) * np.exp(-log_ratio)
+    return LogSeries.values_of(series, distance) * np.exp(-log_ratio)
 
 
 @bounded_cache("outside a flat punch", 1)
