@@ -491,12 +491,12 @@ class ProfileRun(Run):
         if "slip" not in self.plan.quantities:
             return
         self.errors["slip"] = 0.0
-        if any(panel.slips for panel in growth.panels):
-            slip = fields.slip()
-            self.slip = slip.field
-            slip_error = growth.slip_error / slip.largest + slip.relative_error
+        if any(one.slips for one in growth.panels):
+            found = fields.slip()
+            self.slip = found.field
+            left = growth.slip_error / found.largest + found.relative_error
             by_radius = growth.load_rate * self.errors["contact_radius"]
-            self.errors["slip"] = slip_error + load_error + by_radius
+            self.errors["slip"] = left + load_error + by_radius
 
     def _store_history(
         self, growth: Growth, begin: float, normal_error: float | None = None
