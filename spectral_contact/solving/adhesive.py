@@ -184,9 +184,8 @@ def stability(curve: AdhesiveCurve, found: Indentation, radius_error: float) -> 
         return Stability(stable, copysign(inf, rates.load), inf)
     stiffness = rates.load / rates.approach
     error = (errors.load + abs(stiffness) * errors.approach) / abs(rates.approach)
-    second_rates = local.rates(
-        a, order=2
-    )  # d stiffness = (d load' - stiffness d approach') / approach'
+    # d stiffness = (d load' - stiffness d approach') / approach'
+    second_rates = local.rates(a, order=2)
     change = abs(second_rates.load - stiffness * second_rates.approach) / abs(rates.approach)
     error += change * radius_error * a / (a - local.base)
     return Stability(stable, stiffness, error / max(abs(stiffness), found.stiffness) + ROUNDING)

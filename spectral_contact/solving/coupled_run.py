@@ -169,9 +169,8 @@ class CoupledRun(Run):
                 return None
             tighter = closer_tolerance(search.tolerance)
             both_compliances = search.parameters.alpha and search.parameters.beta
-            if (
-                tighter < search.tolerance and both_compliances
-            ):  # without a compliance it takes seconds
+            # without a compliance it takes seconds
+            if tighter < search.tolerance and both_compliances:
                 return self._searched_zones(replace(search, tolerance=tighter), max_onset_distance)
             raise
         if path is not None:

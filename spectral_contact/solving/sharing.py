@@ -126,9 +126,8 @@ class ZonePath:
         layouts = [layout]
         for parameters, earlier_layout in reversed(self._scenes[:-1]):
             difference = _difference(last, parameters)
-            if not all(
-                map(math.isfinite, difference)
-            ):  # a parameter is 0 in only one of the two scenes
+            # a parameter may be 0 in only one of the two scenes
+            if not all(map(math.isfinite, difference)):
                 break
             time = difference[step.index(largest_step)] / largest_step
             off_line = max(abs(b - time * a) for a, b in zip(step, difference, strict=True))

@@ -242,9 +242,8 @@ class MeanSlipCurve:
         density_at_last = self._density(last)
         while len(self._panels) < _MOST_PANELS:
             density_at_start = self._density(start)
-            if (
-                not self._mean_slip(start).error < 1.0
-            ):  # next to R, where no digit of the slip is known
+            # next to R no digit of the slip is known
+            if not self._mean_slip(start).error < 1.0:
                 self._remainder = density_at_start * _WIDTH
                 break
             # where A has fallen, fewer digits of it are needed

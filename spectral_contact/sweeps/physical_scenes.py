@@ -370,9 +370,8 @@ def _fixed(base: Scene, given: Mapping[str, Any]) -> dict[str, float]:
     """Return the parameters of scenes in SI units that do not vary."""
     if base.physical is None:
         return {}
-    varies_control = not set(ALL_CONTROLS).isdisjoint(
-        given
-    )  # a load takes the place of an approach
+    # a load takes the place of an approach
+    varies_control = not set(ALL_CONTROLS).isdisjoint(given)
     parameters = _given_in_si(base).items()
     return {
         name: value

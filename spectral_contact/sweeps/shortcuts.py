@@ -38,9 +38,8 @@ def eligible(columns: Columns, request: Request) -> Mask:
     thin = np.minimum(alpha, beta) < _LEAST_POINTWISE
     if names & FULL_STICK_RATIOS:
         mask &= ~thin
-    elif (
-        names & _STICK_QUANTITIES
-    ):  # whether anything slips depends on the critical friction, a ratio
+    # whether anything slips depends on the critical friction, a ratio
+    elif names & _STICK_QUANTITIES:
         mask &= ~thin | (friction == np.inf)
     if not names <= _NORMAL_QUANTITIES | FULL_STICK_RATIOS | _STICK_QUANTITIES:
         mask[:] = False
