@@ -106,8 +106,8 @@ class Scene(Suggesting):
     unloaded_to : float
         λ in (0, 1]: the load over the largest load, from which a flat punch is unloaded for the
         first time (docs/cycles). Tractions, approach and Q* stay in units of the largest load. It
-        may be below 1 only without elastic coupling, and with friction only if there is a
-        tangential compliance. 1, the default, is the largest load. Keyword only.
+        may be below 1 only without elastic coupling, and with finite friction only if there is
+        a tangential compliance. 1, the default, is the largest load. Keyword only.
 
     Raises
     ------
@@ -186,11 +186,12 @@ class Scene(Suggesting):
     ) -> Self:
         """Make a dimensionless scene of two elastic bodies from their coupling constant κ.
 
-        Two half-spaces in contact are one on a rigid punch, with 1/E' = 1/E'₁ + 1/E'₂ and
-        κ = (κ₁E'₂ − κ₂E'₁)/(E'₁ + E'₂), where E'ᵢ = Eᵢ/(4(1−νᵢ²)) and κᵢ = (1−2νᵢ)/(4(1−νᵢ))
-        (docs/two_bodies). It is half of Dundurs' β, positive where the half-space below is the one
-        that moves outward more. Traction, total shear and slip have its sign; critical friction and
-        edge ratio are positive.
+        Two half-spaces in contact are equivalent to one under a rigid punch, with
+        1/E' = 1/E'₁ + 1/E'₂ and κ = (κ₁E'₂ − κ₂E'₁)/(E'₁ + E'₂), where E'ᵢ = Eᵢ/(4(1−νᵢ²)) and
+        κᵢ = (1−2νᵢ)/(4(1−νᵢ)) (docs/two_bodies). κ is half of Dundurs' β. It is positive where
+        under pressure the surface of the half-space below moves inward more than that of the punch.
+        Traction and total shear have its sign, slip the opposite one; critical friction and edge
+        ratio are positive.
 
         Parameters
         ----------

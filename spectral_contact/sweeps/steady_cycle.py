@@ -68,8 +68,8 @@ def steady_cycle(
     scene : Scene
         Of the largest load: a flat punch with friction, without elastic coupling.
     lowest : float
-        The lowest load over the largest one, ``0 < lowest < 1``. At 0 the contact opens and forgets
-        what was.
+        The lowest load over the largest one, ``0 < lowest < 1``. At 0 nothing sticks, and the next
+        cycle begins like the first.
     rtol : float
         Bound on the relative error of what is dissipated, in [1e-11, 1e-2].
     max_unknowns : int

@@ -112,7 +112,7 @@ def partial_slip_scenes(draw: DrawFn) -> Scene:
     critical = _critical_friction(scene)
     if not math.isfinite(critical):
         # without tangential compliance the critical friction is infinite, and 5 kappa takes its
-        # place. The stick radius is about 4 exp(-2 kappa/f); the solver takes one below 1e-54 for
+        # place. The stick radius is about 4 exp(-2 kappa/f); the solver takes one below 4e-59 for
         # full slip, so that the friction may not be too small
         critical = 5.0 * scene.kappa
         share = max(share, 0.02)

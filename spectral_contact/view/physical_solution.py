@@ -85,7 +85,7 @@ class PhysicalSolution(choices.Suggesting):
 
     @property
     def units(self) -> Units:
-        """SI units of the dimensionless fields of `Inside`: lengths, stresses and displacements.
+        """Return the SI units of lengths, stresses and displacements of the fields of `Inside`.
 
         Its lengths are over the radius; under a profile its displacements are, too.
         """

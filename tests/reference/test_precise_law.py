@@ -73,7 +73,7 @@ def test_zones_as_the_law_asks_for_them():
 
 
 def test_the_edge_that_sticks_in_a_hundred_millionth_is_found():
-    """Double precision has slip up to the edge there, of the wrong sense by 1e-5."""
+    """With slip up to the edge instead, its sense is wrong by 1e-5."""
     scene = Scene(NU, 0.05, 1.0, 0.02941066)
     run = lawful(scene, 8, 2.0, disk(0.5516847))
     assert run.layout.states == (0, 1, 0)

@@ -168,7 +168,14 @@ def _scene(scene: Record) -> str:
     parts = [f"{symbol} = {scene[name]:g}" for symbol, name in symbols.items()]
     friction = scene["friction"]
     shown = friction if isinstance(friction, str) or friction is None else f"{friction:g}"
-    return ", ".join([*parts, f"f = {shown}"])
+    parts.append(f"f = {shown}")
+    if scene.get("coupling"):
+        parts.append("coupled")
+    for member in ("profile", "layer"):
+        parts += scene.get(member) or {}
+    if scene.get("unloaded_to", 1.0) != 1.0:
+        parts.append(f"unloaded to {scene['unloaded_to']:g}")
+    return ", ".join(parts)
 
 
 def _prices(record: Record) -> str:

@@ -37,9 +37,11 @@ def run(
 
     Parameters
     ----------
-    r, z : VALUES
-        Distances from the axis, and depths, of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in
-        contact radii, or in m for a scene in SI units; by default 0 to two radii.
+    r : VALUES
+        Distances from the axis, of a grid: numbers (0.1,0.2) or LOW:HIGH:COUNT, in contact radii,
+        or in m for a scene in SI units; by default 0 to two radii.
+    z : VALUES
+        Depths of the grid, in the same form and units; by default 0 to two radii.
     points : FILE
         Instead of a grid: a text file with columns r and z, in the units above or those of its
         headings.

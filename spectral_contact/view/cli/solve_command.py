@@ -34,7 +34,9 @@ def run(
     rtol : X
         Bound on relative errors, 1e-13 to 1e-2.
     quantities : NAME
-        What to compute; by default all of a flat punch and, under a profile, its own.
+        What to compute; by default all that the scene has but reverse_ratio and turning_ratio,
+        which exist below the largest load. Under a profile also contact_radius, load, stiffness
+        and indentation_work, with adhesion stiffness_on_branch; in general.
     max_unknowns : N
         Largest number of unknowns of one linear system.
     no_strict : flag

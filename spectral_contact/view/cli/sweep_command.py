@@ -68,7 +68,8 @@ def run(
     rtol : X
         Bound on relative errors.
     quantities : NAME
-        What to compute; by default everything but the fields.
+        What to compute; by default everything but the fields. Under a profile also contact_radius,
+        load, stiffness and indentation_work; in general.
     s : VALUES
         Radii s = r/a at which fields are computed, in [0, 1].
     from_edge : VALUES

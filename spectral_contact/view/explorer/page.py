@@ -55,7 +55,8 @@ def explore(scene: Scene | None = None, *, rtol: float | None = None) -> Any:
     Raises
     ------
     SceneError
-        If it is no scene, or one with a layer or a sampled profile.
+        If it is no scene, or one with a nonlinear layer, adhesion, a load below the largest, two
+        elastic bodies, or a profile of points, of functions or of a sum.
     MissingDependencyError
         If Panel is not installed (extra: explore).
     """
