@@ -33,7 +33,7 @@ import numpy as np
 from spectral_contact.contact.free_boundary import Iterate
 from spectral_contact.contact.layout import NoBoundariesError, min_zone_width
 from spectral_contact.contact.refine import SpaceSolution
-from spectral_contact.contact.relative_changes import relative_changes
+from spectral_contact.contact.relative_changes import pressure_cancellation, relative_changes
 from spectral_contact.contact.resolution import radius_errors
 from spectral_contact.contact.slip_displacement import StickZone, largest_displacement
 from spectral_contact.contact.tuning import (
@@ -211,7 +211,8 @@ class ZoneEstimate:
         if not system.pressure_known:
             integral_floor += self.boundary_error
         field_floor = self.remaining + self.boundary_error
-        pressure_error = fields.pressure + field_floor + FIELD_ROUNDING
+        pressure_rounding = FIELD_ROUNDING + ROUNDING * pressure_cancellation(system, self.values)
+        pressure_error = fields.pressure + field_floor + pressure_rounding
         traction_error = max(fields.traction, self._traction_rounding) + field_floor
         boundary_errors = tuple(
             radius_errors(float(error), radius)

@@ -53,6 +53,25 @@ def relative_changes(system: ContactSystem, values: Array, change: Array) -> lis
     return changes
 
 
+def pressure_cancellation(system: ContactSystem, values: Array) -> float:
+    """Return the largest ``u/p`` with ``u = q/s``, by which the rounding of p exceeds one rounding.
+
+    With elastic coupling p is a sum of terms of the size of u, and where they nearly cancel, as
+    they may at an edge that sticks, their rounding is large beside p. Closer to the edge than alpha
+    the terms vary no more. With slip ``u/p`` is the friction at most.
+    """
+    parameters = system.parameters
+    if system.pressure_known:
+        return 0.0
+    if system.radii:
+        return parameters.friction
+    pressure, shear = _reference_sizes(system, values)
+    ends = series_of(system.fields[0].panels, system.fields[0].coefficients(values)).ends
+    outside_layer = int(np.count_nonzero(ends >= min(parameters.alpha, 1.0)))
+    shear[outside_layer:] = shear[outside_layer - 1]
+    return float(np.abs(shear / pressure).max())
+
+
 def _reference_sizes(system: ContactSystem, values: Array) -> list[Array]:
     """Return the sizes to which changes of the unknown fields are relative, at the ends of panels.
 

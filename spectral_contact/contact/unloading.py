@@ -364,9 +364,7 @@ class Unloading:
         self._stick = loaded_search.stick
         self._loaded = loaded
         self._tolerance = loaded_search.tolerance
-        # at looser tolerances a narrow zone of slip back at the edge is not found, as traction may
-        # exceed friction there by the error that is allowed
-        self._state_tolerance = min(tolerance, COARSE_TOL**2)
+        self._state_tolerance = tolerance
         self._max_unknowns = loaded_search.max_unknowns
         # the error of the displacement itself, not a relative one
         samples = loaded.slip.evaluate(np.concatenate([DISTANCES, 1.0 - DISTANCES]))

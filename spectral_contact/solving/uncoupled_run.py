@@ -134,7 +134,7 @@ class UncoupledRun(Run):
             loaded = search.outcome()
             if loaded.layout is None or not loaded.verified:
                 return None
-            return Unloading(search, loaded, self.rtol)
+            return Unloading(search, loaded, self.tangential_tolerance)
 
         unloading: Unloading | None = self.cache.get(UNLOADING, key, from_largest_load)
         told = f"the state unloaded to {load_ratio!r}"

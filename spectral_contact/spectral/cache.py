@@ -26,8 +26,6 @@ P = ParamSpec("P")
 _CACHES: list[tuple[str, dict[Any, Any]]] = []
 #: Stands for "no entry" in a lookup, because None may be an entry.
 _ABSENT: Any = object()
-#: Functions that `clear_caches` calls besides; they empty caches that other modules keep.
-_FURTHER_CLEARS: list[Callable[[], None]] = []
 #: Bytes of the entries that were made since the bytes of all entries were last counted.
 _uncounted = 0
 
@@ -101,11 +99,6 @@ def _bytes(value: Any, counted: set[int]) -> int:
     return sum(_bytes(part, counted) for part in parts)
 
 
-def clear_with_caches(*clears: Callable[[], None]) -> None:
-    """Have `clear_caches` call these functions, which empty caches that are no `bounded_cache`."""
-    _FURTHER_CLEARS.extend(clears)
-
-
 def cache_sizes() -> dict[str, int]:
     """Return the number of entries of every cache, summed by name."""
     sizes = dict.fromkeys((name for name, _ in _CACHES), 0)
@@ -116,8 +109,8 @@ def cache_sizes() -> dict[str, int]:
 
 def clear_caches() -> None:
     """Empty every cache of the library and free its memory; the next solve assembles anew."""
-    for clear in [*_FURTHER_CLEARS, *(entries.clear for _, entries in _CACHES)]:
-        clear()
+    for _, entries in _CACHES:
+        entries.clear()
     # glibc would keep most of the memory, because arrays in use lie between
     if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
         libc.malloc_trim(0)

@@ -7,12 +7,13 @@ is sampled at Gauss nodes, and expanded from these values.
 from __future__ import annotations
 
 import cmath
-from functools import cache
 from math import ceil, log, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import roots_jacobi, roots_legendre
+
+from spectral_contact.spectral.cache import bounded_cache
 
 Array = NDArray[np.float64]
 
@@ -72,7 +73,7 @@ def tail_values(d: Array, end: float, terms: int, in_root: bool) -> Array:
     return legendre_values(2.0 * (np.sqrt(ratio) if in_root else ratio) - 1.0, terms - 1)
 
 
-@cache
+@bounded_cache("Gauss rules")
 def gauss_rule(points: int) -> tuple[Array, Array]:
     """Return nodes and weights of the Gauss-Legendre rule on [-1, 1], right to the last digit.
 
@@ -125,7 +126,7 @@ def gauss_rule(points: int) -> tuple[Array, Array]:
     )
 
 
-@cache
+@bounded_cache("Gauss rules")
 def power_rule(points: int, power: float) -> tuple[Array, Array]:
     """Return nodes and weights of ``int_0^1 v**power f(v) dv``, with ``power > -1``.
 
@@ -161,7 +162,7 @@ def _read_only(nodes: Array, weights: Array) -> tuple[Array, Array]:
     return nodes, weights
 
 
-@cache
+@bounded_cache("Legendre matrices")
 def legendre_expansion_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to Legendre coefficients.
 
@@ -185,7 +186,7 @@ def legendre_interpolation_matrix(x: ArrayLike, points: int) -> Array:
     return np.asarray(values @ legendre_expansion_matrix(points, points - 1))
 
 
-@cache
+@bounded_cache("Legendre matrices")
 def legendre_projection_matrix(points: int, degree: int) -> Array:
     """Return the matrix from values at Gauss-Legendre nodes to integrals against P_0 ... P_degree.
 

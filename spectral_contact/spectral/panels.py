@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_contact.spectral.blockwise import Blockwise
-from spectral_contact.spectral.cache import bounded_cache, clear_with_caches
+from spectral_contact.spectral.cache import bounded_cache
 from spectral_contact.spectral.jacobi import (
     PANEL_SAMPLES,
     gauss_rule,
-    legendre_expansion_matrix,
-    legendre_projection_matrix,
     legendre_values,
     power_rule,
     tail_values,
@@ -29,13 +27,6 @@ Array = NDArray[np.float64]
 
 #: Error estimates compare with spaces that lack two degrees of every panel, and one must be left.
 LEAST_DEGREE = 2
-
-clear_with_caches(
-    gauss_rule.cache_clear,
-    legendre_expansion_matrix.cache_clear,
-    legendre_projection_matrix.cache_clear,
-    power_rule.cache_clear,
-)
 
 
 class BasisRule(NamedTuple):

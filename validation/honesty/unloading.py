@@ -32,6 +32,8 @@ CLOSE = 1e-12
 LEAST, MOST = -1.5, 2.5
 #: How far loads may be above the shakedown ratio, in decades of the way to the largest load.
 CLOSEST = -3.0
+#: How far they may be below the largest load, in decades of it.
+NEAREST = -5.0, -2.0
 #: Places in a zone, in the square of the radius.
 PLACES = np.array([0.02, 0.1, 0.3, 0.5, 0.7, 0.9, 0.98])
 #: Loads over the turning ratio, in the second stratum: in decades, and the most.
@@ -52,8 +54,12 @@ def punch(rng: np.random.Generator) -> tuple[Scene, float]:
 def drawn(rng: np.random.Generator) -> tuple[Scene, float]:
     """Return a scene and a tolerance."""
     loaded, shakedown = punch(rng)
-    distance = decade(rng, CLOSEST, 0.0) if rng.random() < 0.25 else rng.uniform(-0.01, 0.99)
-    ratio = shakedown + (1.0 - shakedown) * distance
+    place = rng.random()
+    if place < 0.15:
+        ratio = 1.0 - decade(rng, *NEAREST)
+    else:
+        distance = decade(rng, CLOSEST, 0.0) if place < 0.4 else rng.uniform(-0.01, 0.99)
+        ratio = shakedown + (1.0 - shakedown) * distance
     return loaded.replace(unloaded_to=float(ratio)), decade(rng, -9.0, -2.0)
 
 

@@ -223,3 +223,12 @@ def test_thick_layers_slip_on_in_a_narrow_zone():
     assert [zone.kind for zone in found.zones] == ["stick", "slip", "stick"]
     assert found.zones[1].outer - found.zones[0].outer < 2e-3
     assert abs(found.total_shear / closer.total_shear - 1.0) <= found.error.total_shear
+
+
+def test_a_load_next_to_the_largest_one_is_solved_for_at_any_tolerance():
+    scene = Scene(0.3, 0.05, 0.02, 0.0756, unloaded_to=0.999)
+    found, closer = (solve(scene, rtol, ["total_shear", "zones"]) for rtol in (1e-2, 1e-8))
+    assert [zone.kind for zone in found.zones] == ["stick", "slip", "stick"]
+    for zone, close in zip(found.zones[:-1], closer.zones[:-1], strict=True):
+        assert abs(zone.outer / close.outer - 1.0) <= found.error.zones
+    assert abs(found.total_shear / closer.total_shear - 1.0) <= found.error.total_shear
